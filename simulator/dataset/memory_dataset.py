@@ -65,7 +65,7 @@ def sweeps_of_sessions(
             "software": plan.software,
         },
     )
-    arrays_of_touches = touch_variables(plan.scene)
-    numbers = {each.name: (each.dimensions, arrays[each.name]) for each in arrays_of_touches}
-    found = sweeps.assign(numbers)
+    declared = touch_variables(plan.scene)
+    touches = {each.name: (each.dimensions, arrays[each.name]) for each in declared}
+    found = sweeps.assign(touches)
     return found if odds is None else found.assign_coords({FAULT: ("sweep", arrays[FAULT])})

@@ -249,7 +249,7 @@ class StuckSpot(SkinFault):
         factors = np.ones(scene.pixels.shape)
         factors[self.row - 1, self.column - 1] = self.factor
         cells = grid[0] // factors.shape[0], grid[1] // factors.shape[1]
-        return np.kron(factors, np.ones(cells))
+        return factors.repeat(cells[0], axis=0).repeat(cells[1], axis=1)
 
     @property
     def place(self) -> str:

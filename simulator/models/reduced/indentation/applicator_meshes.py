@@ -64,7 +64,7 @@ def finer_families(
     depth = family.applicators.depth(rises)
     press = _pressed(family.applicators, dict(zip(cells.tolist(), depth.tolist(), strict=True)))
     given = family.scene, family.circuit
-    for mesh in _triangulations(*given, family.rtol, [press], frequency, family.mesh.domain):
+    for mesh in _triangulations(*given, family.rtol, [press], frequency, family.domain):
         yield family_on(*given, mesh, family.modes, family.applicators, family.rtol)
 
 

@@ -117,7 +117,7 @@ class IndentationFamily(HeterogeneousFamily):
     def field(self, pixel: int) -> RiseField:
         """Rise of c by the applicator of a pixel with skin, cached."""
         if pixel not in self._known:
-            self._known[pixel] = field_of(self.applicators, pixel, self.elements, self.mesh.domain)
+            self._known[pixel] = field_of(self.applicators, pixel, self.elements, self.domain)
         return self._known[pixel]
 
     @cached_property
@@ -131,7 +131,7 @@ class IndentationFamily(HeterogeneousFamily):
             rise = (own.coefficients[-1] @ own.modes.reshape(len(own.modes), -1)).reshape(
                 own.modes.shape[1:]
             )
-            under = self.mesh.domain.pixel[own.cells]
+            under = self.domain.pixel[own.cells]
             known = under >= 0
             np.maximum.at(found[pixel], under[known], rise.max(axis=1)[known])
         return found
@@ -155,12 +155,12 @@ class IndentationFamily(HeterogeneousFamily):
     @cached_property
     def part_of(self) -> NDArray[np.int64]:
         """Part of the foam that each cell belongs to, shape (cell,)."""
-        pixel = self.mesh.domain.pixel
+        pixel = self.domain.pixel
         return np.where(pixel < 0, self.scene.pixels.rows * self.scene.pixels.columns, pixel)
 
     @cached_property
     def _finer(self) -> IndentationFamily:
-        finer = Triangulation(self.mesh.domain, self.mesh.order + 1)
+        finer = Triangulation(self.domain, self.mesh.order + 1)
         known = self.applicators, self.rtol
         return IndentationFamily(self.scene, self.circuit, finer, self.modes, *known)
 
@@ -175,7 +175,7 @@ class IndentationFamily(HeterogeneousFamily):
         """Rise of c from the mechanics of the whole press."""
         from ...mechanics.indentation import deformation
 
-        domain, columns = self.mesh.domain, self.scene.pixels.columns
+        domain, columns = self.domain, self.scene.pixels.columns
         depths = self.applicators.depth(np.array(rises)).tolist()
         touches = tuple(
             Indentation(Touch(k // columns + 1, k % columns + 1, 1.0), Depth(depth))
