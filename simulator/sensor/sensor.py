@@ -34,6 +34,10 @@ if TYPE_CHECKING:
     from .given_press import AnyContacts
 
 
+SWEEPS_KEPT = 100_000
+"""Sweeps that a sensor keeps: a physics engine runs for hours; these are 50 MB of 60 numbers."""
+
+
 class Sensor:
     """A scene, mounted: a skin, or a batch of skins, that its meter reads without end.
 
@@ -48,8 +52,9 @@ class Sensor:
     "nominal", the scene's own skin, or "drawn", each skin as `dataset.session` draws it. noise:
     False for readings without errors of the meter and without rounding to its digits. faults: texts
     of faults that all skins have from the start, such as "dead foil top-left" or "stuck spot
-    2,3:1.5"; `fail` adds one later. Raises InputError for a value out of range and for a scene that
-    cannot be mounted, ToleranceError if rtol is not reached.
+    2,3:1.5"; `fail` adds one later. keep: number of latest sweeps that `sweeps` returns, over all
+    skins, and at least the last one of each. Raises InputError for a value out of range and for a
+    scene that cannot be mounted, ToleranceError if rtol is not reached.
     """
 
     def __init__(
@@ -62,6 +67,7 @@ class Sensor:
         session: Literal["nominal", "drawn"] = "nominal",
         noise: bool = True,
         faults: Sequence[str] = (),
+        keep: int = SWEEPS_KEPT,
     ) -> None:
         self.scene = scene if isinstance(scene, Scene) else load_scene(scene)
         if session not in ("nominal", "drawn"):
@@ -72,6 +78,9 @@ class Sensor:
         if len(numbers) < 1 or not all(isinstance(k, int) and k >= 0 for k in numbers):
             raise InputError(f"`skins` must be >= 1, or a list of numbers >= 0, got {skins!r}")
         self.numbers, self.rtol, self.noise = numbers, rtol, noise
+        if keep < 1:
+            raise InputError(f"`keep` must be >= 1, got {keep!r}")
+        self._sweeps = deque[CompletedSweep](maxlen=max(1, keep // len(numbers)))
         self._drawn = session == "drawn"
         self._own = family_scene(self.scene, self._drawn, rtol)
         self._family = trained_family(self._own, rtol)  # pyright: ignore[reportArgumentType]
@@ -120,7 +129,7 @@ class Sensor:
         """An independent sensor in the same state, which continues in the same way."""
         other = copy(self)
         other._errors = self._errors.copy()
-        other._pending, other._sweeps = deque(self._pending), [*self._sweeps]
+        other._pending, other._sweeps = deque(self._pending), self._sweeps.copy()
         other._known = {**self._known}
         other._foam = None if self._foam is None else self._foam.copy()
         other._labels = [*self._labels]
@@ -182,9 +191,10 @@ class Sensor:
         return estimated_error(*given)  # pyright: ignore[reportArgumentType]
 
     def sweeps(self) -> xr.Dataset:
-        """All whole sweeps since the start, those of each skin together.
+        """Whole sweeps since the start, or the latest `keep` of them, those of each skin together.
 
-        Skins are sessions. Raises InputError if no sweep is complete.
+        Skins are sessions. The attribute `sweeps_dropped` is the number of earlier ones. Raises
+        InputError if no sweep is complete.
         """
         if not self._sweeps:
             period = self._clock.period / PER_SECOND
@@ -192,14 +202,16 @@ class Sensor:
                 f"no sweep is complete at {self.time:g} s: a sweep of {self.scene.name} takes "
                 f"{period:g} s"
             )
-        return self._dataset(self._sweeps)
+        found = self._dataset(self._sweeps)
+        dropped = self._completed - len(self._sweeps)
+        return found.assign_attrs(sweeps_dropped=dropped * self.skins) if dropped else found
 
     @property
     def last_sweep(self) -> xr.Dataset | None:
         """Latest whole sweep of each skin, or None before the first one."""
-        return self._dataset(self._sweeps[-1:]) if self._sweeps else None
+        return self._dataset([self._sweeps[-1]]) if self._sweeps else None
 
-    def _dataset(self, sweeps: list[CompletedSweep]) -> xr.Dataset:
+    def _dataset(self, sweeps: Sequence[CompletedSweep]) -> xr.Dataset:
         return as_dataset(self.scene, sweeps, self.numbers, self.seed, self.rtol)
 
     def _begin(self, seed: int) -> None:
@@ -225,7 +237,8 @@ class Sensor:
             each.flags.writeable = False
         self._fresh = self._none_fresh
         self._labels: list[tuple[PressLabel, ...]] = []
-        self._sweeps: list[CompletedSweep] = []
+        self._sweeps.clear()
+        self._completed = 0
 
     def _hold(self, given: GivenPress) -> None:
         if given.equals(self._held):
@@ -281,4 +294,5 @@ class Sensor:
         labels = tuple(own[0] if len({*own}) == 1 else UNKNOWN for own in zip(*each, strict=True))
         middle = (end - self._clock.period / 2) / PER_SECOND
         self._sweeps.append(CompletedSweep(middle, labels, self._values.copy()))
+        self._completed += 1
         self._labels = []

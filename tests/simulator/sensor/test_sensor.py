@@ -122,6 +122,15 @@ def test_whole_sweeps_are_in_the_schema():
     assert own.last_sweep.press.values.tolist() == ["1,3:2.0"] * 2
 
 
+def test_the_latest_sweeps_are_kept_and_the_number_of_others_is_said():
+    own, all_of_them = sensor(skins=2, keep=4), sensor(skins=2)
+    for each in (own, all_of_them):
+        each.step("1,2", dt=0.101)
+    kept = own.sweeps()
+    assert kept.attrs["sweeps_dropped"] == 6 and "sweeps_dropped" not in all_of_them.sweeps().attrs
+    np.testing.assert_array_equal(kept.Rs, all_of_them.sweeps().Rs[[3, 4, 8, 9]])
+
+
 def test_a_press_that_changes_within_a_sweep_has_no_label():
     own = sensor()
     own.step("1,2", dt=0.01)
@@ -133,6 +142,7 @@ def test_a_press_that_changes_within_a_sweep_has_no_label():
     ("change", "message"),
     [
         ({"skins": 0}, "`skins` must be >= 1"),
+        ({"keep": 0}, "`keep` must be >= 1"),
         ({"session": "mine"}, '`session` must be "nominal" or "drawn"'),
         ({"seed": -1}, "`seed` must be in 0.."),
         ({"skins": "3"}, "or a list of numbers >= 0, got '3'"),
