@@ -2,6 +2,7 @@
 
 import re
 import shlex
+import subprocess
 import sys
 from pathlib import Path
 
@@ -18,6 +19,7 @@ FINGERS = "docs/tutorials/what-a-finger-buys.md"
 ROBOTS = "docs/how-to/give-data-to-robot-learners.md"
 IMPORTS = "docs/how-to/import-measurements.md"
 ELSEWHERE = "docs/how-to/run-a-model-elsewhere.md"
+IN_MUJOCO = "docs/how-to/mount-a-skin-in-mujoco.md"
 IN_TORCH = "docs/how-to/train-in-torch.md"
 SELF_MADE = (
     "README.md",
@@ -198,6 +200,18 @@ def test_a_model_runs_elsewhere(tmp_path, monkeypatch):
     exec(compile(example, ELSEWHERE, "exec"), names)
     pressed = names["sweeps"]["row"].values > 0
     assert (names["label"][pressed] > 0).mean() > 0.5
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("line", blocks(IN_MUJOCO, "")[0].splitlines())
+def test_robots_in_mujoco_draw_their_films(line, tmp_path):
+    program, *words = shlex.split(line)
+    assert program == "python"
+    found = subprocess.run([sys.executable, *words], cwd=tmp_path, capture_output=True, text=True)
+    if "needs OpenGL" in found.stderr:
+        pytest.skip(found.stderr.strip())
+    assert found.returncode == 0 and "mm" in found.stdout, found.stderr
+    assert (tmp_path / words[-1]).stat().st_size > 10_000
 
 
 @pytest.mark.slow
