@@ -109,6 +109,7 @@ IN_ORDER = (
     Benchmark("localization/design"),
     Benchmark("localization/training_spread"),
     Benchmark("localization/fingers"),
+    Benchmark("localization/faults"),
     Benchmark("localization/foreign_twin", kept=("--found", "foreign_twin"), shared=SEARCHES),
     Benchmark("localization/multisine"),
     Benchmark("localization/adaptation"),

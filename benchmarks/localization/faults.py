@@ -106,6 +106,7 @@ def draw(table: pd.DataFrame, path: Path) -> None:
                 left += rows[outcome].to_numpy()
             own.set_title(f"{skin}, trained with {trained_with}")
             own.set_xlim(0, 100)
+            own.set_axisbelow(True)
         for own in axes[-2:]:
             own.set_xlabel("sweeps (%)")
         axes[0].invert_yaxis()
