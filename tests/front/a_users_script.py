@@ -53,6 +53,10 @@ contacts = rcskin.PointContacts([0.02, 0.05], [0.01, 0.02], force=[1.0, 2.0], ra
 images = rcskin.DepthImage(np.full((20, 30), 1e-3)), rcskin.PressureImage([[0.0, 1e3]])
 print(contacts, *images)
 
+sensor = rcskin.Sensor(strip, seed=1, rtol=1e-2)
+reading = sensor.step("1,1", dt=1.0)
+print(reading.time, sensor.names[0], check(reading.Rs[0, 0, 0]), sensor.sweeps().sizes["sweep"])
+
 try:
     rcskin.sweep("strip.toml", "9,9")
 except rcskin.InputError as error:

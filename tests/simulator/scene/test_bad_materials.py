@@ -22,7 +22,7 @@ def scene_file(tmp_path):
         (
             ["[skin.top.map]", 'kind = "wavy"'],
             "`skin.top.map` must be a table whose kind is one of constant, gradient, random, grid, "
-            "file, got 'wavy'",
+            "tear, file, got 'wavy'",
         ),
         (
             ["[skin.foam.map]", 'kind = "constant"', "value = -1.0"],
