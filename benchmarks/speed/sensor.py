@@ -18,10 +18,6 @@ import pandas as pd
 import rcskin
 from rcskin.benchmarks.bench import Run, launch, publish
 
-PREDICTION = (
-    "One skin: under 30 us a reading, most of it Python. Many skins: under 5 us a skin and reading "
-    "while the contact stays; with a new contact at each reading Lanczos' method decides."
-)
 STEPS, RUNS = 20, 40
 READING = 0.005
 """Duration of a reading at the frequencies of these scenes, s."""
@@ -105,7 +101,6 @@ def measured(name: str, skins: int, rtol: float, runs: int) -> list[dict[str, ob
 
 def main(run: Run) -> None:
     """Check, measure, print, write the table."""
-    print(PREDICTION)
     rtol, runs = 1e-3, run.sized(RUNS, 2)
     rows = []
     for name in run.sized(("strip-1x4", "sheet-5x5"), ("strip-1x4",)):
