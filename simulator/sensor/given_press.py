@@ -17,11 +17,12 @@ from ..press.press import Press, check_press, label_of, press_on, pressed_factor
 from ..press.touch import AnyTouch, Depth, Indentation
 from ..scene.scene import Scene
 from ..sweeps import UNPRESSED, InputError
+from ..sweeps.schema import UNKNOWN_PRESS
 from .cell_spreading import SkinCells
+from .contacts.contact_types import Contacts
 from .contacts.press_indenters import indenters
 
 if TYPE_CHECKING:
-    from .contacts.contact_types import Contacts
     from .contacts.rasterizer import ContactRasterizer
 
     AnyContacts = None | str | Press | Contacts
@@ -40,7 +41,7 @@ class PressLabel(NamedTuple):
     column: int
 
 
-UNKNOWN = PressLabel("unknown", -1, -1)
+UNKNOWN = PressLabel(UNKNOWN_PRESS, -1, -1)
 """Label of a sweep whose contacts have no text, or changed."""
 
 
@@ -115,13 +116,22 @@ class PressReader:
     def _one(self, given: AnyContacts) -> GivenPress:
         if given is None or isinstance(given, str | Press):
             return self._of_press(given)
+        if not isinstance(given, Contacts):
+            raise InputError(
+                "`contacts` must be None, the text of a press, a Press, PointContacts, "
+                f"a DepthImage or a PressureImage, got {type(given).__name__}"
+            )
         pressed, fixed = self._rasterizer(given), given.kind.startswith("depth")
         count, limited = pressed.batch.count, tuple(pressed.limited.tolist())
         return GivenPress(pressed.batch, (UNKNOWN,) * count, (fixed,) * count, limited)
 
     @cached_method(TEXTS_KEPT)
     def _of_press(self, given: str | Press | None) -> GivenPress:
-        press = press_on(self.scene, given or UNPRESSED) if not isinstance(given, Press) else given
+        press = (
+            given
+            if isinstance(given, Press)
+            else press_on(self.scene, UNPRESSED if given is None else given)
+        )
         check_press(press, self.scene)
         label = PressLabel(label_of(press, self.scene), *press.pixel)
         fixed = self._fixes_depths(press)

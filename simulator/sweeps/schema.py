@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 P = ParamSpec("P")
 UNPRESSED = "none"
+UNKNOWN_PRESS = "unknown"
 UNNAMED = "unnamed"
 """Interface of sweeps from a file that names none."""
 OPENING = "opening"

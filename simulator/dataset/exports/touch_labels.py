@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...measure.sweep_touches import MAX_TOUCHES, NUMBERS, SweepTouches, touches_of
 from ...sweeps import InputError
+from ...sweeps.schema import UNKNOWN_PRESS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,6 +78,13 @@ def touch_labels(sweeps: xr.Dataset, data: Path) -> TouchLabels:
     """The labels of sweeps; a note says why the places of touches are unknown, if they are."""
     if all(name in sweeps for name in NUMBERS):
         return TouchLabels(TEXTS + TOUCHES, None)
+    unknown = int((sweeps["press"].values == UNKNOWN_PRESS).sum())
+    if unknown:
+        log.info(
+            "%s: the places of touches are left out: the press is unknown in %d of %d sweeps",
+            *(data, unknown, sweeps.sizes["sweep"]),
+        )
+        return TouchLabels(TEXTS, None)
     try:
         return TouchLabels(TEXTS + TOUCHES, touches_of(sweeps[["press"]]))
     except InputError as error:

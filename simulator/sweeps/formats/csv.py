@@ -29,7 +29,7 @@ from ..impedance import (
 )
 from ..importing.branch import branch_attributes, choose_branches
 from ..reading_quantities import GAIN, IMPEDANCE, KINDS, MAGNITUDE, kind_of
-from ..schema import SESSIONS, TAKEN, TIME, UNNAMED, build
+from ..schema import SESSIONS, TAKEN, TIME, UNKNOWN_PRESS, UNNAMED, build
 from ..sweep_table import SweepTable, table_of
 from ..units import plain_number
 
@@ -47,7 +47,7 @@ TEXT_COLUMNS = ("press", "session", "interface")
 """Columns that hold text."""
 DEFAULT_LABELS = {
     "sweep": "0",
-    "press": "unknown",
+    "press": UNKNOWN_PRESS,
     "row": "-1",
     "column": "-1",
     "interface": UNNAMED,

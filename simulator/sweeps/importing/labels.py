@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..press_text import written_pixel
-from ..schema import UNNAMED, UNPRESSED
+from ..schema import UNKNOWN_PRESS, UNNAMED, UNPRESSED
 from .columns import Column
 from .table import ImportedTable
 
@@ -121,7 +121,7 @@ def _presses(table: ImportedTable, used: dict[str, Column], given: str | None) -
 def _press_text(row: int, column: int) -> str:
     if (row, column) == (0, 0):
         return UNPRESSED
-    return f"{row},{column}" if row > 0 and column > 0 else "unknown"
+    return f"{row},{column}" if row > 0 and column > 0 else UNKNOWN_PRESS
 
 
 @functools.lru_cache(4096)

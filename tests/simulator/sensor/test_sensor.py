@@ -162,6 +162,8 @@ def test_refused_arguments(change, message):
         ("2,1", 0.1, "row must be in 1..1"),
         ("1,2:9", 0.1, "at most 4 times"),
         (["1,2"], 0.1, "a list of one for each of the 2 skins"),
+        (3.0, 0.1, "`contacts` must be None, the text of a press, .*got float"),
+        ("", 0.1, "press"),
         (None, 0.0, "`dt` must be > 0 s"),
     ],
 )
