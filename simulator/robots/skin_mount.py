@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .engine import MjData, MjModel, engine
-from .skin_surface_in_space import ShapedSurface, SkinSurface, TriangleSurface
+from .skin_surface_in_space import MountedSurface, ShapedSurface, TriangleSurface
 
 Real = NDArray[np.float64]
 MAX_AREA_DEVIATION = 0.1
@@ -27,7 +27,7 @@ class SkinMount:
     skin; contacts with others do not reach it.
     """
 
-    surface: SkinSurface
+    surface: MountedSurface
     frame: int
     by_geom: bool
     geoms: tuple[int, ...]
@@ -85,7 +85,7 @@ def numbered(model: MjModel, kind: Any, name: str) -> int:
     return number
 
 
-def _surface_at_site(scene: Scene) -> SkinSurface:
+def _surface_at_site(scene: Scene) -> MountedSurface:
     mesh = scene.skin.mesh
     if mesh is None or len(mesh.surface.p) == 2:
         return ShapedSurface(scene.skin)
@@ -96,7 +96,7 @@ def _surface_at_site(scene: Scene) -> SkinSurface:
     return TriangleSurface(corners, corners[:, :2])
 
 
-def _surface_by_uv(model: MjModel, scene: Scene, geom: int, name: str) -> SkinSurface:
+def _surface_by_uv(model: MjModel, scene: Scene, geom: int, name: str) -> MountedSurface:
     """Triangles of a mesh geom whose texture coordinates lie within 0..1.
 
     u runs along the skin's length, v along its width. Raises InputError if there are none, or if

@@ -32,7 +32,7 @@ class PlacesOnSkin(NamedTuple):
     on: NDArray[np.bool_]
 
 
-class SkinSurface(Protocol):
+class MountedSurface(Protocol):
     """Surface of a skin in the frame of its mount."""
 
     def places(self, points: Real) -> PlacesOnSkin:
@@ -63,14 +63,14 @@ class ShapedSurface:
         return np.array(ratios)[:, None]
 
     def places(self, points: Real) -> PlacesOnSkin:
-        """Nearest places, see `SkinSurface`."""
+        """Nearest places, see `MountedSurface`."""
         x, height = self._unrolled(points)
         flat = (x + self._middle[:2, None]) / self._stretch
         normals = self.points(flat)[1]
         return PlacesOnSkin(flat, height, normals, on_skin(self.skin, flat))
 
     def points(self, x: Real) -> tuple[Real, Real, NDArray[np.bool_]]:
-        """Points at places, see `SkinSurface`."""
+        """Points at places, see `MountedSurface`."""
         shape, sides, stretched = self.skin.shape, self.skin.stretched_sides, x * self._stretch
         on = on_skin(self.skin, x)
         if shape is None:
@@ -122,7 +122,7 @@ class TriangleSurface:
         return float(np.linalg.norm(np.cross(b - a, c - a, axis=0), axis=0).sum() / 2)
 
     def places(self, points: Real) -> PlacesOnSkin:
-        """Nearest places, see `SkinSurface`; all of them are on the skin or at its edge."""
+        """Nearest places, see `MountedSurface`; all of them are on the skin or at its edge."""
         n = points.shape[1]
         x, height, normals, on = np.empty((2, n)), np.empty(n), np.empty((3, n)), np.empty(n, bool)
         all_normals = self._normals
@@ -139,7 +139,7 @@ class TriangleSurface:
         return PlacesOnSkin(x, height, normals, on)
 
     def points(self, x: Real) -> tuple[Real, Real, NDArray[np.bool_]]:
-        """Points at places, see `SkinSurface`."""
+        """Points at places, see `MountedSurface`."""
         a, b, c = self.flat
         (ux, uy), (vx, vy) = b - a, c - a
         area = ux * vy - uy * vx

@@ -57,7 +57,7 @@ class MembraneCells(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Membrane:
+class ContactMembrane:
     """Skins with tension on the foam of a scene, and the grid (rows, columns) of cells."""
 
     scene: Scene

@@ -78,9 +78,9 @@ class ContactRasterizer:
         foam, cells = foam_tables(scene.skin.foam, highest), grid_cells(scene, grid)
         refused, spread = refusals(scene), None
         if spreads(scene) and "force" not in refused:
-            from .membrane_contacts import Membrane
+            from .membrane_contacts import ContactMembrane
 
-            spread = SpreadPoints(Membrane(scene, grid, foam, cells))
+            spread = SpreadPoints(ContactMembrane(scene, grid, foam, cells))
         spreading = CellSpreading.of(coarse, PARTS) if coarse else None
         return cls(scene, grid, coarse, too_deep, foam, cells, refused, spread, spreading)
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...press.batch import TouchedCells
 from .contact_types import PointContacts
-from .membrane_contacts import Membrane
+from .membrane_contacts import ContactMembrane
 from .patch_kernel import CURVATURE, DEPTH, FORCE, RADIUS
 from .radial_tables import NO_TABLES, RadialTable, radial_table
 
@@ -54,7 +54,7 @@ class SpreadPoints:
     keys: radius and curvature radius of each table, m, shape (table, 2).
     """
 
-    membrane: Membrane
+    membrane: ContactMembrane
     keys: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
     tables: RadialTable = NO_TABLES
 
