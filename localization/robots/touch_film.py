@@ -101,7 +101,8 @@ def _draw_skin(axes: Any, scene: Scene, felt: FeltTouches, time: float, name: st
     shown = slice(max(now - TRAIL, 0), now)
     true, read = 1e3 * felt.true[shown], 1e3 * felt.read[shown]
     length, width = (1e3 * side for side in scene.skin.sides)
-    axes.set(xlim=(0, length), ylim=(0, width), aspect="equal", xlabel="x, mm", title=name)
+    axes.set(xlim=(0, length), ylim=(0, width), aspect="equal", title=name)
+    axes.set(xlabel="x, mm", ylabel="y, mm")
     axes.plot(*true.T, "o", color="black", mfc="none", ms=13, alpha=0.25)
     axes.plot(*read.T, "o", color="tab:red", ms=4, alpha=0.25)
     axes.plot(*true[-1:].T, "o", color="black", mfc="none", ms=13, label="true")
