@@ -18,7 +18,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
-    from numpy.typing import NDArray
+
+    from .arrays import Real
 
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
 """Palette of M. Okabe and K. Ito, "Color Universal Design" (2008), darker colours first."""
@@ -78,11 +79,11 @@ def plain_numbers(axis: Axis) -> None:
     from matplotlib.ticker import Locator, NullFormatter
 
     class Round(Locator):
-        def __call__(self) -> NDArray[np.float64]:
+        def __call__(self) -> Real:
             assert self.axis is not None
             return self.tick_values(*self.axis.get_view_interval())
 
-        def tick_values(self, vmin: float, vmax: float) -> NDArray[np.float64]:
+        def tick_values(self, vmin: float, vmax: float) -> Real:
             return round_numbers(vmin, vmax)
 
     axis.set_major_locator(Round())
@@ -90,7 +91,7 @@ def plain_numbers(axis: Axis) -> None:
     axis.set_minor_formatter(NullFormatter())
 
 
-def round_numbers(low: float, high: float) -> NDArray[np.float64]:
+def round_numbers(low: float, high: float) -> Real:
     """Round tick values between two numbers: at least MIN_TICKS, else evenly spaced ones.
 
     More than MAX_TICKS values are thinned to every second, third and so on.

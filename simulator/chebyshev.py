@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
+from .arrays import Real
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Interpolant:
     nodes: ascending, from `extrema`, shape (node,). values: shape (node, ...).
     """
 
-    nodes: Array
+    nodes: Real
     values: NDArray[Any]
 
     def __call__(self, x: ArrayLike) -> NDArray[Any]:
@@ -32,7 +32,7 @@ class Interpolant:
         return np.tensordot(barycentric(self.nodes, x), self.values, 1)
 
 
-def extrema(low: float, high: float, count: int) -> Array:
+def extrema(low: float, high: float, count: int) -> Real:
     """Chebyshev extrema between two numbers, both ends included, ascending.
 
     Every second of 2 n - 1 extrema equals one of n extrema to the last bit.
@@ -42,7 +42,7 @@ def extrema(low: float, high: float, count: int) -> Array:
     return x
 
 
-def barycentric(nodes: Array, x: ArrayLike) -> Array:
+def barycentric(nodes: Real, x: ArrayLike) -> Real:
     """Weights of Lagrange's polynomials through Chebyshev's extrema, shape (*x, node).
 
     At a node one weight is 1 and all others are 0. Source: J.-P. Berrut and L. N. Trefethen,
@@ -58,7 +58,7 @@ def barycentric(nodes: Array, x: ArrayLike) -> Array:
 
 
 def refined(
-    values: Callable[[Array], NDArray[Any]],
+    values: Callable[[Real], NDArray[Any]],
     bounds: tuple[float, float],
     counts: tuple[int, int],
     close: Callable[[NDArray[Any], NDArray[Any]], bool],

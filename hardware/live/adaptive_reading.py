@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...simulator.arrays import Real
 from ..meter.meter_reading import MeterReading
 from ..record.measured_sweep import MeasuredSweep, Watch
 from .live_meter import LiveMeter
@@ -48,7 +48,7 @@ class ReadingTimes:
         self._since = self._now()
 
     @property
-    def seconds(self) -> NDArray[np.float64]:
+    def seconds(self) -> Real:
         """Expected times at the model's readings, s, shape (interface, frequency)."""
         known = [self._latest.get(f, DEFAULT_SECONDS) for f in self.model.frequencies]
         names = self.model.interfaces
@@ -68,7 +68,7 @@ class PartialSweep:
     """Measured part of a sweep. frequencies: of each of its traces, Hz, ascending."""
 
     adaptive_sweep: AdaptiveSweep
-    frequencies: tuple[NDArray[np.float64], ...]
+    frequencies: tuple[Real, ...]
 
     @property
     def count(self) -> int:

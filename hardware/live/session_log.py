@@ -30,9 +30,9 @@ from .touch_answer import TouchAnswer
 
 if TYPE_CHECKING:
     import xarray as xr
-    from numpy.typing import NDArray
 
     from ...localization.model.localizer_model import Model
+    from ...simulator.arrays import Complex, Mask, Real
 
 
 def model_dataset(
@@ -121,16 +121,14 @@ def read_baselines(
     ]
 
 
-def _measured_readings(sweeps: xr.Dataset) -> NDArray[np.bool_]:
+def _measured_readings(sweeps: xr.Dataset) -> Mask:
     """Mask of the measured frequencies, shape (interface, frequency)."""
     every = np.ones((sweeps.sizes["interface"], sweeps.sizes["frequency"]), dtype=bool)
     own = taken_of(sweeps)
     return every if own is None else own
 
 
-def _trace(
-    Cp: NDArray[np.float64], Z: NDArray[np.complex128], interface: str, kind: str
-) -> InterfaceTrace:
+def _trace(Cp: Real, Z: Complex, interface: str, kind: str) -> InterfaceTrace:
     """Trace of readings of a kind. Cp: F, Z: ohm or gains, shapes (frequency,)."""
     Rs, X = (tuple(each.tolist()) for each in (Z.real, Z.imag))
     return InterfaceTrace(tuple(Cp.tolist()), Rs, X, (0,) * len(Rs), interface, kind=kind)

@@ -13,9 +13,8 @@ from ...localization.trust.answers import CANNOT_TELL
 from ...simulator.sweeps.press_text import named_pixels
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from ...localization.model.localizer_model import Model
+    from ...simulator.arrays import Real
 
 NOTHING_PRESSED = "nothing pressed"
 LABEL_TEXTS = {"column": "column {}", "row": "row {}", "touches": "{} touches"}
@@ -36,10 +35,10 @@ class TouchAnswer:
 
     label: str
     probability: float | None = None
-    pixels: NDArray[np.float64] | None = None
+    pixels: Real | None = None
     position: tuple[float, float] | None = None
     deviation: tuple[float, float] | None = None
-    region: Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]] | None = None
+    region: Callable[[Real, Real], Real] | None = None
     remark: str = ""
     shared: str = ""
     pixel: tuple[int, int] = (-1, -1)
@@ -73,11 +72,7 @@ def reading_count(model: Model) -> int:
 
 
 def answer_of_classes(
-    target: str,
-    label: str,
-    classes: Sequence[str],
-    probabilities: NDArray[np.float64],
-    shape: tuple[int, int],
+    target: str, label: str, classes: Sequence[str], probabilities: Real, shape: tuple[int, int]
 ) -> TouchAnswer:
     """Answer of a classifier: its label, and the probability of each of its classes.
 
@@ -120,7 +115,7 @@ def _label_text(target: str, label: str) -> str:
     return "1 touch" if (target, label) == ("touches", "1") else LABEL_TEXTS[target].format(label)
 
 
-def _pressed_pixels(target: str, label: str, shape: tuple[int, int]) -> NDArray[np.float64]:
+def _pressed_pixels(target: str, label: str, shape: tuple[int, int]) -> Real:
     """Pixels that a class presses: 1, others 0; shape (row, column)."""
     pressed = np.zeros(shape)
     if target == "column" and int(label):

@@ -9,8 +9,8 @@ from contextlib import suppress
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...simulator.arrays import Complex, Real
 from ...simulator.sweeps import InputError, parallel_capacitance
 from ...simulator.sweeps.reading_quantities import MAGNITUDE, ReadingKind
 from ..meter.errors import GarbledError, MeterError, NoAnswerError
@@ -30,7 +30,7 @@ SLOW_FACTOR = 3
 """Factor on the time of a sweep of a device that is slower than described, but has no fault."""
 START_INTERVAL = 1.0
 """Seconds between two start commands: a device may answer one as if it had restarted."""
-Sweep = Mapping[str, NDArray[np.complex128]]
+Sweep = Mapping[str, Complex]
 Report = Callable[[str, str], None]
 """Takes the kind of an event, as a plural, and a sentence on it."""
 
@@ -82,7 +82,7 @@ class ReaderDriver:
         self._notes: Counter[str] = Counter()
         self._examples: dict[str, str] = {}
         self._ended, self._virtual = 0.0, False
-        self._waiting: dict[str, NDArray[np.complex128]] = {}
+        self._waiting: dict[str, Complex] = {}
         self._assembly, self._started = self._new_assembly(), 0.0
 
     @property
@@ -247,7 +247,7 @@ class ReaderDriver:
 
 def ordered_frequencies(
     line_format: LineFormat, frequencies: Mapping[str, Sequence[float]]
-) -> dict[str, NDArray[np.float64]]:
+) -> dict[str, Real]:
     """Frequencies in Hz by interface, in the order of the reader's file.
 
     Raises InputError if the reader lacks an interface.
@@ -296,9 +296,7 @@ def open_reader(
     return reader
 
 
-def _readings(
-    Z: NDArray[np.complex128], frequency: NDArray[np.float64], kind: ReadingKind
-) -> list[MeterReading]:
+def _readings(Z: Complex, frequency: Real, kind: ReadingKind) -> list[MeterReading]:
     Cp = parallel_capacitance(Z, frequency)
     return [
         MeterReading(float(c), float(z.real), float(z.imag), kind=kind.name)

@@ -10,8 +10,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...simulator.arrays import Complex, Real
 from ...simulator.sweeps.same_frequency import same_frequencies
 from .line_errors import LineError
 from .line_format import LineFormat
@@ -36,7 +36,7 @@ class SweepAssembly:
     """
 
     line_format: LineFormat
-    frequencies: Mapping[str, NDArray[np.float64]]
+    frequencies: Mapping[str, Real]
     note: Note
     on_banner: Callable[[], None] = lambda: None
     _readings: dict[tuple[str, int], complex] | None = field(default=None, init=False)
@@ -45,7 +45,7 @@ class SweepAssembly:
     _unread: int = field(default=0, init=False)
     _known: dict[Place, int] = field(default_factory=dict, init=False)
 
-    def feed(self, text: str | None) -> dict[str, NDArray[np.complex128]] | None:
+    def feed(self, text: str | None) -> dict[str, Complex] | None:
         """Take a line, None if it was too long. Returns the sweep that it completes, or None."""
         if text is None:
             self._unread += 1
@@ -66,7 +66,7 @@ class SweepAssembly:
             return None
         return self._take(content, text)
 
-    def _take(self, content: LineContent, text: str) -> dict[str, NDArray[np.complex128]] | None:
+    def _take(self, content: LineContent, text: str) -> dict[str, Complex] | None:
         before, self._latest = self._latest, content
         repeated, self._text = text == self._text, text
         if before is not None:
@@ -171,7 +171,7 @@ class SweepAssembly:
             self._known[name, frequency] = int(found[0])
         return self._known[name, frequency]
 
-    def _finished(self) -> dict[str, NDArray[np.complex128]] | None:
+    def _finished(self) -> dict[str, Complex] | None:
         assert self._readings is not None
         if len(self._readings) < sum(own.size for own in self.frequencies.values()):
             return None

@@ -19,7 +19,7 @@ from ..meter.reading_source import ReadingSource
 from ..switch.switch import Switch
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from ...simulator.arrays import Complex
 
 LOG = logging.getLogger(__name__)
 ROUNDING = 1e-4
@@ -47,7 +47,7 @@ class InterfaceTrace:
     kind: str = IMPEDANCE.name
 
     @property
-    def Z(self) -> NDArray[np.complex128]:
+    def Z(self) -> Complex:
         """Rs + jX in ohm, or the complex gain, shape (frequency,)."""
         return np.array(self.Rs) + 1j * np.array(self.X)
 

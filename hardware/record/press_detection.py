@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...simulator.arrays import Complex, Real
 from ...simulator.sweeps.laws.examination import MIN_FREQUENCIES
 from ...simulator.sweeps.laws.noise import local_scale, roughness
 from .measured_sweep import MeasuredSweep
@@ -40,7 +40,7 @@ def undetected_press(sweep: MeasuredSweep, baselines: Sequence[MeasuredSweep]) -
     ]
 
 
-def percent_change(values: Sequence[float], baseline: Sequence[float]) -> NDArray[np.float64]:
+def percent_change(values: Sequence[float], baseline: Sequence[float]) -> Real:
     """Change of values against the unpressed skin, %; NaN where that is 0. Shape of the values."""
     before = np.array(baseline[: len(values)])
     ratio = np.full(before.shape, np.nan)
@@ -48,14 +48,12 @@ def percent_change(values: Sequence[float], baseline: Sequence[float]) -> NDArra
     return 100 * (ratio - 1)
 
 
-def _rms(change: NDArray[np.complex128]) -> float:
+def _rms(change: Complex) -> float:
     """Root mean square of real and imaginary parts."""
     return float(np.sqrt(np.mean(np.abs(change) ** 2) / 2))
 
 
-def _noise(
-    change: NDArray[np.complex128], baselines: NDArray[np.complex128]
-) -> NDArray[np.float64]:
+def _noise(change: Complex, baselines: Complex) -> Real:
     """Standard deviation of real and imaginary part of a change; shape (frequency,).
 
     With enough frequencies it is the roughness along the frequency axis: of the changes between

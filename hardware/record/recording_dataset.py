@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import ArrayLike, NDArray
 
+    from ...simulator.arrays import Mask
+
 
 def recording_dataset(header: RecordingHeader, entries: Sequence[JournalEntry]) -> xr.Dataset:
     """Sweeps at the scene's frequencies, which the meter rounds to five digits.
@@ -89,10 +91,8 @@ def sweep_dataset(
 
 
 def measured_mask(
-    interfaces: Sequence[str],
-    frequencies: Sequence[float],
-    of_each: Mapping[str, Sequence[float]],
-) -> NDArray[np.bool_]:
+    interfaces: Sequence[str], frequencies: Sequence[float], of_each: Mapping[str, Sequence[float]]
+) -> Mask:
     """Mask of the measured frequencies, shape (interface, frequency).
 
     of_each: frequencies of interfaces with their own, by name, Hz.
@@ -100,7 +100,7 @@ def measured_mask(
     return np.array([np.isin(frequencies, of_each.get(n, frequencies)) for n in interfaces])
 
 
-def scatter_readings(traces: Sequence[ArrayLike], taken: NDArray[np.bool_]) -> NDArray:
+def scatter_readings(traces: Sequence[ArrayLike], taken: Mask) -> NDArray:
     """Readings at their frequencies, NaN elsewhere; shape (interface, frequency)."""
     read = np.concatenate([np.asarray(trace) for trace in traces])
     found = np.full(taken.shape, np.nan, dtype=read.dtype)
@@ -109,7 +109,7 @@ def scatter_readings(traces: Sequence[ArrayLike], taken: NDArray[np.bool_]) -> N
 
 
 def _global_frequency_indices(
-    flags: Sequence[tuple[int, int, int, int]], taken: NDArray[np.bool_]
+    flags: Sequence[tuple[int, int, int, int]], taken: Mask
 ) -> list[tuple[int, int, int, int]]:
     """Flags with the index of the frequency among all, instead of among the interface's own."""
     places = [np.flatnonzero(own).tolist() for own in taken]

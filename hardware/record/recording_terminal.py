@@ -20,10 +20,11 @@ from .press_detection import percent_change
 from .press_order import PressStep
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
     from rich.console import Console
     from rich.live import Live
     from rich.table import Table
+
+    from ...simulator.arrays import Real
 
 MAX_ROWS = 20
 LEVELS = "▁▂▃▄▅▆▇█"
@@ -100,7 +101,7 @@ class RecordingScreen:
     def _print(self, text: str) -> None:
         self._console.print(f"{self._title}: {text}", highlight=False, markup=False, soft_wrap=True)
 
-    def _changes(self) -> dict[str, NDArray[np.float64]]:
+    def _changes(self) -> dict[str, Real]:
         """Change against the unpressed skin, %; empty without an unpressed sweep."""
         if self._rest is None:
             return {}
@@ -155,7 +156,7 @@ def _value_texts(reading: MeterReading) -> tuple[str, str]:
     return f"{abs(gain):.6g}", f"{math.degrees(cmath.phase(gain)):.4g}"
 
 
-def sparkline(values: NDArray[np.float64]) -> str:
+def sparkline(values: Real) -> str:
     """Curve with one character per value, scaled to their span; a space for NaN."""
     low, high = np.nanmin(values), np.nanmax(values)
     top = len(LEVELS) - 1

@@ -15,7 +15,7 @@ from ...simulator.sweeps.reading_quantities import IMPEDANCE
 from .measured_sweep import InterfaceTrace, MeasuredSweep
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from ...simulator.arrays import Complex, Real
 
 CP_TOLERANCE = 1e-3
 ConditionsOf = Callable[[Mapping[str, Any], float, complex, Any], ReadingConditions]
@@ -65,7 +65,7 @@ class SweepChecker:
     interfaces with their own, by name, Hz.
     """
 
-    frequency: NDArray[np.float64]
+    frequency: Real
     table: ErrorTable
     settings: Mapping[str, Any]
     limits: SweepLimits
@@ -103,7 +103,7 @@ class SweepChecker:
             )
         return found
 
-    def error_bounds(self, Z: NDArray[np.complex128]) -> ErrorBounds:
+    def error_bounds(self, Z: Complex) -> ErrorBounds:
         """Bounds on the meter's error, at each frequency for the reading there."""
         pairs = [
             self.table.error_bounds(z, self._conditions(f, z))
@@ -125,7 +125,7 @@ class SweepChecker:
             for law, where in broken.items()
         ]
 
-    def _unknown_error_note(self, Z: NDArray[np.complex128]) -> str:
+    def _unknown_error_note(self, Z: Complex) -> str:
         """Note about used ranges that the accuracy table lacks; empty if it has all."""
         used = {
             self._conditions(float(f), complex(z)).range
@@ -144,7 +144,7 @@ class SweepChecker:
         return [f"Cp does not follow from Rs, X and f at {frequencies_text(self.frequency[wrong])}"]
 
     def _deviation_remarks(
-        self, trace: InterfaceTrace, usual: NDArray[np.complex128], limit: float, what: str
+        self, trace: InterfaceTrace, usual: Complex, limit: float, what: str
     ) -> list[str]:
         departure = np.abs(trace.Z / usual - 1)
         worst = int(departure.argmax())

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from sklearn.frozen import FrozenEstimator
 from sklearn.pipeline import Pipeline
 
+from ...simulator.arrays import Real
 from ...simulator.sweeps import InputError
 from ..evaluation.evaluation import ClassScore, Score, join_scores, score
 from ..inputs.samples import Samples
@@ -140,7 +141,7 @@ def widened_guards(guards: Guards, samples: Samples) -> Guards:
     return replace(own, changes=_wider(changes, samples.changes[known]) if known.size else changes)
 
 
-def _wider(guards: Guards, X: NDArray[np.float64]) -> Guards:
+def _wider(guards: Guards, X: Real) -> Guards:
     farther = copy(guards.kinds)
     reach = float(np.quantile(guards.kinds.distances(X), ACCEPTED_SHARE, method="lower"))
     farther.limit_ = guards.kinds.limit_ * max(1.0, reach)

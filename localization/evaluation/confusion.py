@@ -14,6 +14,7 @@ from sklearn.base import clone
 from sklearn.metrics import confusion_matrix
 from sklearn.pipeline import Pipeline
 
+from ...simulator.arrays import Integer
 from ...simulator.report.files import write_rows
 from ...simulator.sweeps import checked_output
 
@@ -26,7 +27,7 @@ class Confusion:
 
     labels: tuple[int | str, ...]
     """Classes in order, K of them."""
-    counts: NDArray[np.int64]
+    counts: Integer
     """Shape (K, K): (target class, output class)."""
 
     @property

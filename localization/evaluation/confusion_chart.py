@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
+    from ...simulator.arrays import Real
+
 RIGHT, WRONG = COLOURS[5], COLOURS[4]
 """Sky blue and orange: light enough in grey print for black figures on them."""
 MAX_LABELLED_CLASSES = 50
@@ -63,7 +65,7 @@ def _cell(axes: Axes, classes: int) -> float:
     return 72 * min(box.width, box.height) / axes.figure.dpi / classes
 
 
-def _colours(confusion: Confusion) -> NDArray[np.float64]:
+def _colours(confusion: Confusion) -> Real:
     """RGB colour of each cell, shape (output class, target class, 3)."""
     counts = confusion.counts.T
     share = (counts / np.maximum(counts.sum(axis=0), 1))[..., np.newaxis]
@@ -104,7 +106,7 @@ def _write_counts(axes: Axes, confusion: Confusion, cell: float) -> None:
             )
 
 
-def draw_error_map(axes: Axes, truth: NDArray[np.float64], distance: NDArray[np.float64]) -> None:
+def draw_error_map(axes: Axes, truth: Real, distance: Real) -> None:
     """Draw each touch at its place in mm, coloured by the distance of the prediction.
 
     truth: x and y in mm first, shape (touch, >= 2). distance: mm, shape (touch,).
@@ -118,7 +120,7 @@ def draw_error_map(axes: Axes, truth: NDArray[np.float64], distance: NDArray[np.
     axes.set_title(f"Errors of {distance.size} touches, where they were")
 
 
-def draw_errors(axes: Axes, distance: NDArray[np.float64]) -> None:
+def draw_errors(axes: Axes, distance: Real) -> None:
     """Draw the share of touches that are placed within a distance.
 
     distance: mm, shape (touch,).

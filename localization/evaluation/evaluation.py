@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
+    from ...simulator.arrays import Mask, Real
+
 UNCHECKED = {"assume_finite": True, "skip_parameter_validation": True}
 """Checks of scikit-learn that are unnecessary for many small SVMs on simulated sweeps."""
 EXAMPLES = 6
@@ -49,7 +51,7 @@ class ClassScore:
     answers: Answers
 
     @property
-    def right(self) -> NDArray[np.bool_]:
+    def right(self) -> Mask:
         """True if the most probable class was the true one, shape (sweep,)."""
         return self.truth == self.predicted
 
@@ -85,14 +87,14 @@ class PositionScore:
     shape (sweep,). examples: regions of some sweeps, by number.
     """
 
-    truth: NDArray[np.float64]
-    predicted: NDArray[np.float64]
-    deviation: NDArray[np.float64]
-    content: NDArray[np.float64]
+    truth: Real
+    predicted: Real
+    deviation: Real
+    content: Real
     examples: Mapping[int, Region]
 
     @property
-    def distance(self) -> NDArray[np.float64]:
+    def distance(self) -> Real:
         """Distance between touch and prediction, mm, shape (sweep,)."""
         return np.linalg.norm((self.predicted - self.truth)[:, :2], axis=1)
 

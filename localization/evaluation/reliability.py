@@ -16,7 +16,8 @@ from ..trust.temperature import calibration_error
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from numpy.typing import NDArray
+
+    from ...simulator.arrays import Mask, Real
 
 OBSERVED_COLOUR, STATED_COLOUR = COLOURS[0], "0.5"
 BINS, MIN_IN_BIN = 10, 10
@@ -24,9 +25,7 @@ GRID_LINES = 61
 """Number of lines of the grid on which regions are drawn."""
 
 
-def draw_reliability_and_risk(
-    path: Path, probability: NDArray[np.float64], right: NDArray[np.bool_]
-) -> None:
+def draw_reliability_and_risk(path: Path, probability: Real, right: Mask) -> None:
     """Draw reliability and risk side by side; arguments: see `draw_reliability`."""
     with chart(path, 9.5, 4.4) as figure:
         left_panel, right_panel = figure.subplots(1, 2)
@@ -34,9 +33,7 @@ def draw_reliability_and_risk(
         draw_risk(right_panel, probability, right)
 
 
-def draw_reliability(
-    axes: Axes, probability: NDArray[np.float64], right: NDArray[np.bool_]
-) -> None:
+def draw_reliability(axes: Axes, probability: Real, right: Mask) -> None:
     """Draw accuracy against stated probability, in bins of equal counts.
 
     A perfect localizer is on the diagonal. Bars are 95 % intervals (Clopper, Pearson).
@@ -62,7 +59,7 @@ def draw_reliability(
     axes.set_title(f"Reliability: off by {error:.1f} % on average")
 
 
-def draw_risk(axes: Axes, probability: NDArray[np.float64], right: NDArray[np.bool_]) -> None:
+def draw_risk(axes: Axes, probability: Real, right: Mask) -> None:
     """Draw the share of wrong answers against the share answered, most probable first.
 
     The dashed curve follows from the stated probabilities. Arguments: see `draw_reliability`.
@@ -79,9 +76,7 @@ def draw_risk(axes: Axes, probability: NDArray[np.float64], right: NDArray[np.bo
     axes.legend()
 
 
-def risk(
-    probability: NDArray[np.float64], right: NDArray[np.bool_]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def risk(probability: Real, right: Mask) -> tuple[Real, Real, Real]:
     """Shares answered, wrong, and expected to be wrong, for each probability threshold."""
     order = np.argsort(-probability, kind="stable")
     last_of_ties = np.append(np.diff(probability[order]) != 0, True)
@@ -94,7 +89,7 @@ def risk(
     return answered, wrong, promised
 
 
-def draw_coverage(axes: Axes, content: NDArray[np.float64]) -> None:
+def draw_coverage(axes: Axes, content: Real) -> None:
     """Draw the share of touches inside regions against the stated probability.
 
     The band is Kolmogorov's, of 95 %. content: probability in the smallest region that reaches the
@@ -118,7 +113,7 @@ def draw_coverage(axes: Axes, content: NDArray[np.float64]) -> None:
     )
 
 
-def draw_regions(axes: Axes, truth: NDArray[np.float64], examples: Mapping[int, Region]) -> None:
+def draw_regions(axes: Axes, truth: Real, examples: Mapping[int, Region]) -> None:
     """Draw the regions of some sweeps in mm, each in its own colour, and the true touches.
 
     truth: x and y in mm first, shape (sweep, >= 2). examples: regions by number of the sweep.

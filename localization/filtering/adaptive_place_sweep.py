@@ -7,6 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from ...simulator.arrays import Real
 from ..inversion.place_posterior import PlacePosterior, log_prior_of
 from ..inversion.position import BLUR, CELLS, ModelBasedPosition, cells_of
 from ..inversion.region import Region, region_of
@@ -71,7 +72,7 @@ class PlaceSweep(AdaptiveSweep):
     def _region(self) -> Region:
         return region_of(self._placing.places, PROBABILITY)
 
-    def _prior(self, step: ModelBasedPosition, gap: float) -> NDArray[np.float64]:
+    def _prior(self, step: ModelBasedPosition, gap: float) -> Real:
         """ln prior of the unpressed skin and of each cell."""
         terms = self._terms
         rest = UNPRESSED_PRIOR if terms.model.knows_unpressed else 0.0

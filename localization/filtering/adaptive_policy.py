@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...simulator.arrays import Complex
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.schema import taken_of
 from ..inputs.baselines import mean_baselines
@@ -53,7 +53,7 @@ class AdaptivePolicy:
         if not 0 < within < np.inf:
             raise InputError(f"`within` must be above 0 mm, got {within:g}")
         self._terms = AdaptiveSettings(model, certain or CERTAIN, follower, within)
-        self._skin: tuple[xr.Dataset, tuple[Any, NDArray[np.complex128]]] | None = None
+        self._skin: tuple[xr.Dataset, tuple[Any, Complex]] | None = None
 
     def begin(self, rest: xr.Dataset, gap: float) -> AdaptiveSweep:
         """Start the next sweep. rest: baseline sweeps. gap: s since the previous sweep."""
@@ -65,7 +65,7 @@ class AdaptivePolicy:
         return PlaceSweep(self._terms, step, baseline, gap)
 
 
-def inverter_for(model: Model, rest: xr.Dataset) -> tuple[Any, NDArray[np.complex128]]:
+def inverter_for(model: Model, rest: xr.Dataset) -> tuple[Any, Complex]:
     """Estimator that inverts the simulator for a skin, and its mean baseline ln (Z / ohm).
 
     Shape of the baseline: (reading,). Missing tables of the skin are computed. For other models the

@@ -7,6 +7,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 from numpy.typing import NDArray
 
+from ...simulator.arrays import Complex, Real
 from ..inversion.class_posterior import ClassPosterior
 from ..inversion.classifier import ModelBased
 from ..inversion.place_posterior import PlacePosterior
@@ -25,9 +26,7 @@ class AdaptiveSweep(ABC):
     It ends when `next` is None.
     """
 
-    def __init__(
-        self, settings: AdaptiveSettings, baseline: NDArray[np.complex128], gap: float
-    ) -> None:
+    def __init__(self, settings: AdaptiveSettings, baseline: Complex, gap: float) -> None:
         self._terms, self.gap, self._at_rest = settings, gap, baseline
         self._interfaces = settings.model.interfaces
         self._frequencies = np.array(settings.model.frequencies)
@@ -49,7 +48,7 @@ class AdaptiveSweep(ABC):
     def answer(self, during: float) -> FollowedAnswer:
         """Answer by the readings so far. during: their duration, s."""
 
-    def next(self, seconds: NDArray[np.float64]) -> tuple[str, float] | None:
+    def next(self, seconds: Real) -> tuple[str, float] | None:
         """Interface and frequency [Hz] of the reading with most expected information per second.
 
         seconds: duration of a reading at each of the model's interfaces and frequencies, switching

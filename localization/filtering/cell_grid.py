@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtr
 from scipy.stats import norm
 
+from ...simulator.arrays import Real
 from ..inversion.adapted import AdaptedPosition
 from ..inversion.position import BLUR, GRID, ModelBasedPosition
 from ..inversion.region import PlaceDistribution
@@ -29,7 +29,7 @@ class CellGrid:
     """
 
     learned: Regressor
-    bounds: NDArray[np.float64]
+    bounds: Real
     mask: SkinMask | None = None
 
     @property
@@ -39,10 +39,10 @@ class CellGrid:
         return float(width), float(height)
 
     @property
-    def _edges(self) -> list[NDArray[np.float64]]:
+    def _edges(self) -> list[Real]:
         return [np.linspace(a, b, n + 1) for (a, b), n in zip(self.bounds, GRID[:2], strict=True)]
 
-    def cell_moments(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
+    def cell_moments(self, X: Real) -> Real:
         """Probability of each cell, mean x and y [mm] in it, covariance, (sweep, cell, 7)."""
         step = self.learned.pipeline[-1]
         if isinstance(step, ModelBasedPosition | AdaptedPosition):
@@ -58,14 +58,12 @@ class CellGrid:
         found[..., 2], found[..., 6] = y[1][:, None, :], y[2][:, None, :]
         return found.reshape(len(X), -1, 7)
 
-    def with_calibrated_deviations(self, cells: NDArray[np.float64]) -> NDArray[np.float64]:
+    def with_calibrated_deviations(self, cells: Real) -> Real:
         """Moments from `ModelBasedPosition.cells`, with calibrated deviations."""
         factor = np.outer(self.learned.factor[:2], self.learned.factor[:2]).ravel()
         return cells * np.concatenate([np.ones(3), factor])
 
-    def peak_and_deviation(
-        self, belief: NDArray[np.float64], moments: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def peak_and_deviation(self, belief: Real, moments: Real) -> tuple[Real, Real]:
         """Peak x and y of the blurred belief in cells, and its deviations from there, mm.
 
         moments: those of the latest sweep, see `cell_moments`, shape (cell, 7). A cell of
@@ -93,9 +91,7 @@ def cell_grid_of(model: Model) -> CellGrid:
     return CellGrid(model.learned, sides_of(model.known_scene))
 
 
-def _interval_moments(
-    mean: NDArray[np.float64], deviation: NDArray[np.float64], edges: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def _interval_moments(mean: Real, deviation: Real, edges: Real) -> tuple[Real, Real, Real]:
     """Shares of a normal distribution between edges, and its mean and variance there.
 
     Each has shape (sweep, part). Source: N. L. Johnson, S. Kotz, N. Balakrishnan, Continuous

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ...simulator.arrays import Integer, Mask, Real
 
 MIN_LIKELIHOOD = 1e-300
 
@@ -19,8 +20,8 @@ MIN_LIKELIHOOD = 1e-300
 class Cut:
     """ln likelihood of each state by a sweep's readings before a cut and after it, (state,)."""
 
-    before: NDArray[np.float64]
-    after: NDArray[np.float64]
+    before: Real
+    after: Real
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +31,7 @@ class Evidence:
     whole: ln likelihood of each state throughout, (state,). cuts: for changes within the sweep.
     """
 
-    whole: NDArray[np.float64]
+    whole: Real
     cuts: tuple[Cut, ...] = ()
 
 
@@ -41,7 +42,7 @@ class Belief:
     changed: probability of a change to another kind of state within the sweep.
     """
 
-    states: NDArray[np.float64]
+    states: Real
     changed: float = 0.0
 
 
@@ -55,11 +56,11 @@ class Chain:
     kind of its own.
     """
 
-    stationary: NDArray[np.float64]
-    flows: NDArray[np.float64]
-    kinds: NDArray[np.int64] | None = None
+    stationary: Real
+    flows: Real
+    kinds: Integer | None = None
 
-    def propagated(self, weights: NDArray[np.float64], seconds: float) -> NDArray[np.float64]:
+    def propagated(self, weights: Real, seconds: float) -> Real:
         """Weights of states after some seconds: w exp(Q t), shape (state,)."""
         power, turn = self._modes
         root = np.sqrt(self.stationary)
@@ -82,7 +83,7 @@ class Chain:
         """
         alpha, stay = belief.states, np.exp(-self._leaving * seconds)
 
-        def changed(weights: NDArray[np.float64]) -> NDArray[np.float64]:
+        def changed(weights: Real) -> Real:
             return np.maximum(self.propagated(weights, seconds) - weights * stay, 0.0)
 
         top = max([evidence.whole.max(), *(c.before.max() + c.after.max() for c in evidence.cuts)])
@@ -103,7 +104,7 @@ class Chain:
         )
 
     @cached_property
-    def _members(self) -> list[NDArray[np.bool_]]:
+    def _members(self) -> list[Mask]:
         """Masks of the states of each kind that has several."""
         if self.kinds is None:
             return []
@@ -111,22 +112,22 @@ class Chain:
         return [each for each in members if each.sum() > 1]
 
     @cached_property
-    def _rates(self) -> NDArray[np.float64]:
+    def _rates(self) -> Real:
         rates = self.flows / self.stationary[:, None]
         np.fill_diagonal(rates, 0.0)
         return rates - np.diag(rates.sum(axis=1))
 
     @property
-    def _leaving(self) -> NDArray[np.float64]:
+    def _leaving(self) -> Real:
         return -np.diag(self._rates)
 
     @cached_property
-    def _modes(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _modes(self) -> tuple[Real, Real]:
         root = np.sqrt(self.stationary)
         symmetric = self._rates * root[:, None] / root
         power, turn = np.linalg.eigh((symmetric + symmetric.T) / 2)
         return np.minimum(power, 0.0), turn
 
 
-def _normal(weights: NDArray[np.float64]) -> NDArray[np.float64]:
+def _normal(weights: Real) -> Real:
     return weights / weights.sum()

@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...simulator.arrays import Mask, Real
 from ..inversion.adapted import AdaptedClassifier
 from ..inversion.classifier import ModelBased
 from ..model.localizer_model import Model
@@ -32,15 +33,13 @@ class Observer:
 
     model: Model
     grid: CellGrid | None = None
-    _before: NDArray[np.float64] | None = field(default=None, init=False)
+    _before: Real | None = field(default=None, init=False)
 
     def forget(self) -> None:
         """Forget all sweeps so far: the next one has no predecessor."""
         self._before = None
 
-    def observe(
-        self, X: NDArray[np.float64], changes: NDArray[np.float64] | None = None
-    ) -> list[Evidence]:
+    def observe(self, X: Real, changes: Real | None = None) -> list[Evidence]:
         """Evidence of rows of features; each follows the previous one, also across calls.
 
         changes: see `Model.guard_changes`.
@@ -61,12 +60,12 @@ class Observer:
             for k, (likelihoods, early, after) in enumerate(zip(whole, spliced, late, strict=True))
         ]
 
-    def _by_likelihoods(self, X: NDArray[np.float64]) -> list[Evidence]:
+    def _by_likelihoods(self, X: Real) -> list[Evidence]:
         step: Any = self.model.pipeline[-1]
         learned = self.model.learned
         assert isinstance(learned, Classifier)
 
-        def likely(numbers: NDArray[np.bool_]) -> NDArray[np.float64]:
+        def likely(numbers: Mask) -> Real:
             kept = tuple(np.flatnonzero(numbers).tolist())
             return learned.sharpness * step.log_densities(X, kept)
 
@@ -78,9 +77,7 @@ class Observer:
             for k in range(len(X))
         ]
 
-    def _likelihoods(
-        self, X: NDArray[np.float64], changes: NDArray[np.float64] | None = None
-    ) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+    def _likelihoods(self, X: Real, changes: Real | None = None) -> tuple[Real, Mask]:
         """ln likelihood of each state, (sweep, state), and True if the sweep is novel, (sweep,).
 
         The likelihood is up to a constant of the sweep.
@@ -95,7 +92,7 @@ class Observer:
         known[novel] = ERROR_RATE
         return np.log(np.column_stack([known, np.where(novel, 1.0, other)])), novel
 
-    def _places(self, X: NDArray) -> tuple[NDArray, NDArray, NDArray[np.bool_]]:
+    def _places(self, X: NDArray) -> tuple[NDArray, NDArray, Mask]:
         """Likelihoods of known states and of more touches, and True if there is one, (sweep,)."""
         assert self.grid is not None
         shares = self.grid.cell_moments(X)[..., 0]
@@ -125,7 +122,7 @@ class Observer:
     def _readings(self) -> int:
         return self.model.problem.features // len(self.model.quantities)
 
-    def _early(self, cut: float, features: int) -> NDArray[np.bool_]:
+    def _early(self, cut: float, features: int) -> Mask:
         """Mask of the features read before a cut, in the order of measurement."""
         return np.arange(features) % self._readings < max(1, round(cut * self._readings))
 
@@ -135,5 +132,5 @@ def inverts(model: Model) -> bool:
     return isinstance(model.pipeline[-1], ModelBased | AdaptedClassifier)
 
 
-def _with_error_rate(probabilities: NDArray[np.float64]) -> NDArray[np.float64]:
+def _with_error_rate(probabilities: Real) -> Real:
     return (1 - ERROR_RATE) * probabilities + ERROR_RATE / probabilities.shape[1]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ...simulator.arrays import Real
 from ...simulator.measure.sweep_touches import pixel_pitch
 from ..inversion.position import GRID
 from ..inversion.region import Region
@@ -39,7 +40,7 @@ class FollowedAnswer:
 
     label: str
     probability: float
-    probabilities: NDArray[np.float64]
+    probabilities: Real
     changed: float
     coordinates: tuple[float, ...] = ()
     region: Region | None = None
@@ -66,7 +67,7 @@ class Follower:
         self.belief = self._chain.start()
         self._observer.forget()
 
-    def expected(self, gap: float) -> NDArray[np.float64]:
+    def expected(self, gap: float) -> Real:
         """Probability of each state after `gap` seconds, (state,).
 
         States are the classes, or the unpressed skin (if known) and the cells; the last state is
@@ -143,9 +144,7 @@ class Follower:
         placed = np.concatenate(self.grid.peak_and_deviation(cells, moments))
         return FollowedAnswer(label, probability, classes, belief.changed, tuple(placed.tolist()))
 
-    def _answer_probabilities(
-        self, states: NDArray[np.float64]
-    ) -> tuple[list[str], NDArray[np.float64]]:
+    def _answer_probabilities(self, states: Real) -> tuple[list[str], Real]:
         """Names of the answers, and their probabilities followed by that of anything else."""
         if self.grid is None:
             return [str(label) for label in self.model.classes], states

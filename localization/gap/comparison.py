@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...simulator.arrays import Integer, Mask
 from ...simulator.measure.simulate import ReadingError, reading_error
 from ...simulator.scene.scene_files import scene_of_sweeps
 from ...simulator.sweeps import InputError
@@ -49,7 +49,7 @@ class PreparedComparison:
     options: GapOptions
     estimator: Estimator
     reading_deviation: ReadingDeviation | None
-    reserved: NDArray[np.bool_]
+    reserved: Mask
     versions: Mapping[str, Version]
     estimates: Sequence[FittedQuantity]
     features: Mapping[str, Sequence[str]]
@@ -59,21 +59,19 @@ class PreparedComparison:
     model: Model | None
 
     @property
-    def common(self) -> NDArray[np.int64]:
+    def common(self) -> Integer:
         """Pixels, and the unpressed skin, that both sides have; the numbers of `pixel_of`."""
         return np.intersect1d(pixel_of(self.pair.simulated), pixel_of(self.pair.other))
 
     @property
-    def not_calibrating(self) -> NDArray[np.bool_]:
+    def not_calibrating(self) -> Mask:
         """The other side's sweeps that did not calibrate; all sweeps of a pixel without such."""
         pixel = pixel_of(self.pair.other)
         return ~self.reserved | ~np.isin(pixel, pixel[~self.reserved])
 
 
 def prepare_comparison(
-    pair: SweepPair,
-    options: GapOptions,
-    model: Model | None = None,
+    pair: SweepPair, options: GapOptions, model: Model | None = None
 ) -> PreparedComparison:
     """Prepare a comparison. model: the user's own model, if it is to be tested.
 
@@ -112,7 +110,7 @@ def _reading_error(pair: SweepPair) -> ReadingError | None:
 
 
 def _splits(
-    pair: SweepPair, options: GapOptions, reserved: NDArray[np.bool_]
+    pair: SweepPair, options: GapOptions, reserved: Mask
 ) -> tuple[dict[int, list[Split]], list[str]]:
     """Splits of the pixels that both sides have; and notes on what is left out."""
     common = np.flatnonzero(np.isin(pixel_of(pair.other), pixel_of(pair.simulated)))

@@ -10,8 +10,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
+
+from ...simulator.arrays import Mask, Real
 
 PERMUTATIONS = 499
 MIN_SAMPLE = 2
@@ -36,9 +37,7 @@ class Discrepancy:
     coefficient: float
 
 
-def discrepancy(
-    X: NDArray[np.float64], Y: NDArray[np.float64], random: np.random.Generator
-) -> Discrepancy | None:
+def discrepancy(X: Real, Y: Real, random: np.random.Generator) -> Discrepancy | None:
     """Discrepancy of samples of the same features, shapes (n, feature) and (m, feature).
 
     None if either has fewer than MIN_SAMPLE. random: draws permutations, and subsamples to
@@ -61,20 +60,20 @@ def discrepancy(
     )
 
 
-def kernel(distances: NDArray[np.float64]) -> NDArray[np.float64]:
+def kernel(distances: Real) -> Real:
     """exp(-d²/(2 w²)), w the median of all distances between different sweeps; shape as given."""
     between = distances[np.triu_indices(len(distances), 1)]
     width = float(np.median(between)) or float(between.max()) or 1.0
     return np.exp(-((distances / width) ** 2) / 2)
 
 
-def unbiased_mmd2(K: NDArray[np.float64], n: int) -> float:
+def unbiased_mmd2(K: Real, n: int) -> float:
     """Gretton et al. (2012), Eq. 3, of a kernel matrix whose first n rows are the first sample."""
     first = np.arange(len(K)) < n
     return float(_mmd2(K, first[:, None])[0])
 
 
-def permutation_p(K: NDArray[np.float64], n: int, random: np.random.Generator) -> float:
+def permutation_p(K: Real, n: int, random: np.random.Generator) -> float:
     """Share of PERMUTATIONS, and of the actual samples, with an MMD² at least as large."""
     first = np.arange(len(K)) < n
     shuffled = random.permuted(np.tile(first[:, None], (1, PERMUTATIONS)), axis=0)
@@ -83,7 +82,7 @@ def permutation_p(K: NDArray[np.float64], n: int, random: np.random.Generator) -
     return float((1 + as_large.sum()) / (1 + PERMUTATIONS))
 
 
-def energy_distance(distances: NDArray[np.float64], n: int) -> tuple[float, float]:
+def energy_distance(distances: Real, n: int) -> tuple[float, float]:
     """2 E|X - Y| - E|X - X'| - E|Y - Y'|, and that over 2 E|X - Y|; the first n rows are X."""
     between = 2 * distances[:n, n:].mean()
     within = distances[:n, :n].mean() + distances[n:, n:].mean()
@@ -91,7 +90,7 @@ def energy_distance(distances: NDArray[np.float64], n: int) -> tuple[float, floa
     return energy, energy / float(between) if between > 0 else 0.0
 
 
-def _mmd2(K: NDArray[np.float64], first: NDArray[np.bool_]) -> NDArray[np.float64]:
+def _mmd2(K: Real, first: Mask) -> Real:
     """Unbiased MMD² for each column of `first`, which marks the rows of K in the first sample."""
     one, two = first.astype(float), (~first).astype(float)
     off_diagonal = K - np.diag(np.diag(K))
@@ -102,5 +101,5 @@ def _mmd2(K: NDArray[np.float64], first: NDArray[np.bool_]) -> NDArray[np.float6
     return within + beyond - 2 * (one * from_two).sum(axis=0) / (n * m)
 
 
-def _subsampled(X: NDArray[np.float64], random: np.random.Generator) -> NDArray[np.float64]:
+def _subsampled(X: Real, random: np.random.Generator) -> Real:
     return X if len(X) <= MAX_SAMPLE else X[random.choice(len(X), MAX_SAMPLE, replace=False)]

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ...simulator.arrays import Complex, Integer, Real
 from ...simulator.measure.simulate import ReadingError
 from ...simulator.sweeps.laws.noise import repeatability
 from ...simulator.sweeps.reading_quantities import IMPEDANCE, kind_of
@@ -37,8 +38,8 @@ class ReadingDeviation:
     Both of shape (frequency,). source: origin of the numbers.
     """
 
-    magnitude: NDArray[np.float64]
-    phase: NDArray[np.float64]
+    magnitude: Real
+    phase: Real
     source: str
 
 
@@ -51,24 +52,24 @@ class Distance:
     root mean square distance of neighbouring classes, SI.
     """
 
-    simulated: NDArray[np.float64]
-    mean: NDArray[np.float64]
-    rms: NDArray[np.float64]
-    meter_error: NDArray[np.float64] | None
-    separation: NDArray[np.float64]
+    simulated: Real
+    mean: Real
+    rms: Real
+    meter_error: Real | None
+    separation: Real
 
     @property
-    def percent(self) -> NDArray[np.float64]:
+    def percent(self) -> Real:
         """Mean distance in percent of the simulated mean."""
         return 100 * self.mean / np.abs(self.simulated)
 
     @property
-    def meter_errors(self) -> NDArray[np.float64] | None:
+    def meter_errors(self) -> Real | None:
         """Mean distance divided by the meter's error of one reading."""
         return None if self.meter_error is None else self.mean / self.meter_error
 
     @property
-    def separations(self) -> NDArray[np.float64]:
+    def separations(self) -> Real:
         """Mean distance over the class separation; NaN where classes coincide."""
         known = self.separation[np.isfinite(self.separation)]
         least = MIN_SEPARATION_SHARE * known.max(initial=0.0)
@@ -119,7 +120,7 @@ def _distance(
     other: xr.Dataset,
     error: ReadingDeviation | None,
     target: str,
-    pixels: NDArray[np.int64],
+    pixels: Integer,
 ) -> Distance:
     ours, theirs = (_means(part, name, pixels) for part in (simulated, other))
     readings, pixel = complex_readings(simulated), pixel_of(simulated)
@@ -135,19 +136,17 @@ def _distance(
     )
 
 
-def _means(sweeps: xr.Dataset, name: str, pixels: NDArray[np.int64]) -> NDArray[np.float64]:
+def _means(sweeps: xr.Dataset, name: str, pixels: Integer) -> Real:
     """Mean of all sweeps of each pixel, shape (pixel, interface, frequency)."""
     values, pixel = _values(sweeps, name), pixel_of(sweeps)
     return np.stack([values[pixel == each].mean(axis=0) for each in pixels])
 
 
-def _values(sweeps: xr.Dataset, name: str) -> NDArray[np.float64]:
+def _values(sweeps: xr.Dataset, name: str) -> Real:
     return sweeps[name].transpose("sweep", "interface", "frequency").values
 
 
-def _errors(
-    Z: NDArray[np.complex128], frequency: NDArray[np.float64], error: ReadingDeviation
-) -> dict[str, NDArray[np.float64]]:
+def _errors(Z: Complex, frequency: Real, error: ReadingDeviation) -> dict[str, Real]:
     """Errors of Rs = |Z| cos(phase) and Cp = -sin(phase)/(omega |Z|) from |Z| and phase."""
     Y, omega = 1 / Z, 2 * np.pi * frequency
     return {
@@ -156,9 +155,7 @@ def _errors(
     }
 
 
-def _errors_of_gains(
-    G: NDArray[np.complex128], _: NDArray[np.float64], error: ReadingDeviation
-) -> dict[str, NDArray[np.float64]]:
+def _errors_of_gains(G: Complex, _: Real, error: ReadingDeviation) -> dict[str, Real]:
     """Errors of modulus and phase of gains."""
     return {
         "gain": np.abs(G) * error.magnitude,
@@ -166,7 +163,7 @@ def _errors_of_gains(
     }
 
 
-def _separation(sweeps: xr.Dataset, name: str, target: str) -> NDArray[np.float64]:
+def _separation(sweeps: xr.Dataset, name: str, target: str) -> Real:
     """Root mean square distance of the means of neighbouring classes."""
     values, classes = _values(sweeps, name), labels(sweeps, target)
     differences = [
@@ -193,7 +190,7 @@ def neighbours(classes: NDArray) -> list[tuple[int | str, int | str]]:
     ]
 
 
-def _from_repeats(other: xr.Dataset) -> NDArray[np.float64] | None:
+def _from_repeats(other: xr.Dataset) -> Real | None:
     """Relative noise, root mean square over the interfaces, shape (frequency,).
 
     None if it is unknown at any frequency.

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...simulator.arrays import Real
 from ...simulator.progress import ProgressCallback, tracked
 from ...simulator.sweeps import InputError, ToleranceError
 from ..evaluation.evaluation import ClassScore
@@ -163,7 +163,7 @@ def _discrepancies(
     return {label: each for label, each in found.items() if each is not None}
 
 
-def _spread(X: NDArray[np.float64]) -> NDArray[np.float64]:
+def _spread(X: Real) -> Real:
     """Standard deviation of each feature, 1 where it does not vary."""
     spread = X.std(axis=0)
     return np.where(spread > 0, spread, 1.0)

@@ -20,7 +20,8 @@ from .subsampling import subsampled
 
 if TYPE_CHECKING:
     import xarray as xr
-    from numpy.typing import NDArray
+
+    from ...simulator.arrays import Integer
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +78,7 @@ def pair_sweeps(
     return SweepPair(simulated, other, label, scene, noise_free, notes)
 
 
-def pixel_of(sweeps: xr.Dataset) -> NDArray[np.int64]:
+def pixel_of(sweeps: xr.Dataset) -> Integer:
     """Number of the pressed pixel, the same in all sweeps, 0 for none; shape (sweep,)."""
     row, column = sweeps["row"].values, sweeps["column"].values
     return np.where(row > 0, row * 10_000 + column, 0)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ...simulator.arrays import Integer, Mask, Real
 from ..inputs.feature_names import OF_IMPEDANCE, names_of
 from ..inputs.samples import LocalizationProblem
 from ..inputs.samples import samples_of as learnable
@@ -46,12 +47,12 @@ class PairedSamples:
     """
 
     problem: LocalizationProblem
-    X: NDArray[np.float64]
+    X: Real
     y: NDArray
-    pixel: NDArray[np.int64]
+    pixel: Integer
 
     @property
-    def has_features(self) -> NDArray[np.bool_]:
+    def has_features(self) -> Mask:
         """True for sweeps that have features, shape (sweep,)."""
         return np.isfinite(self.X[:, 0])
 

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...simulator.arrays import Integer, Mask
 from ...simulator.sweeps import InputError
 
 
@@ -18,9 +19,7 @@ class Split(NamedTuple):
     tested: NDArray[np.intp]
 
 
-def reserved_for_calibration(
-    row: NDArray[np.int64], column: NDArray[np.int64], touches: int, session: NDArray[np.int64]
-) -> NDArray[np.bool_]:
+def reserved_for_calibration(row: Integer, column: Integer, touches: int, session: Integer) -> Mask:
     """Half of each session's unpressed sweeps, and one of each of `touches` distant pixels.
 
     The larger half of an odd number of unpressed sweeps. Shape (sweep,), as the arguments. Raises
@@ -39,7 +38,7 @@ def reserved_for_calibration(
 
 
 def touch_splits(
-    pixel: NDArray[np.int64], reserved: NDArray[np.bool_], k: int, draws: int, seed: int
+    pixel: Integer, reserved: Mask, k: int, draws: int, seed: int
 ) -> list[Split] | None:
     """`draws` ways to add k sweeps of every pixel to training and to test the others.
 
@@ -54,23 +53,19 @@ def touch_splits(
     return [_split(groups, k, random) for _ in range(draws if k else 1)]
 
 
-def largest_k(pixel: NDArray[np.int64], reserved: NDArray[np.bool_]) -> int:
+def largest_k(pixel: Integer, reserved: Mask) -> int:
     """Largest number of added sweeps of every pixel that leaves one to test."""
     return min((each.size - 1 for each, _ in _groups(pixel, reserved)), default=0)
 
 
-def _groups(
-    pixel: NDArray[np.int64], reserved: NDArray[np.bool_]
-) -> list[tuple[NDArray[np.intp], NDArray[np.bool_]]]:
+def _groups(pixel: Integer, reserved: Mask) -> list[tuple[NDArray[np.intp], Mask]]:
     """Sweeps of each pixel that has unreserved ones, and a mask of the reserved ones."""
     groups = [np.flatnonzero(pixel == each) for each in np.unique(pixel)]
     return [(each, reserved[each]) for each in groups if not reserved[each].all()]
 
 
 def _split(
-    groups: Sequence[tuple[NDArray[np.intp], NDArray[np.bool_]]],
-    k: int,
-    random: np.random.Generator,
+    groups: Sequence[tuple[NDArray[np.intp], Mask]], k: int, random: np.random.Generator
 ) -> Split:
     added, tested = [], []
     for each, kept in groups:
@@ -80,7 +75,7 @@ def _split(
     return Split(np.sort(np.concatenate(added)), np.sort(np.concatenate(tested)))
 
 
-def _distant(places: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+def _distant(places: Integer, count: int) -> Integer:
     """The first of the places, and others, each as far as possible from the previous ones."""
     if not len(places) or not count:
         return places[:0]

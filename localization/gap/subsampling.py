@@ -10,6 +10,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
+    from ...simulator.arrays import Integer
+
 MAX_SWEEPS = 1000
 """Maximum number of sweeps: the cost of kernel machines grows with the square."""
 SESSION_EXCESS = 2
@@ -30,7 +32,7 @@ def subsampled(sweeps: xr.Dataset, random: np.random.Generator) -> xr.Dataset:
     return sweeps.isel(sweep=np.union1d(rest, more))
 
 
-def _drawn(session: NDArray[np.int64], random: np.random.Generator) -> NDArray[np.int64]:
+def _drawn(session: Integer, random: np.random.Generator) -> Integer:
     """Random sessions that together have SESSION_EXCESS times MAX_SWEEPS sweeps, or all."""
     names, counts = np.unique(session, return_counts=True)
     order = random.permutation(names.size)
@@ -38,9 +40,7 @@ def _drawn(session: NDArray[np.int64], random: np.random.Generator) -> NDArray[n
     return names[order[before < SESSION_EXCESS * MAX_SWEEPS]]
 
 
-def _first_baselines(
-    order: NDArray[np.intp], session: NDArray[np.int64], row: NDArray[np.int64]
-) -> NDArray[np.intp]:
+def _first_baselines(order: NDArray[np.intp], session: Integer, row: Integer) -> NDArray[np.intp]:
     """Indices of the first BASELINES_PER_SESSION unpressed sweeps of each session."""
     unpressed = order[row[order] == 0]
     parts = [

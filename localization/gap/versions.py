@@ -13,8 +13,8 @@ from .pair import SweepPair, pixel_of
 
 if TYPE_CHECKING:
     import xarray as xr
-    from numpy.typing import NDArray
 
+    from ...simulator.arrays import Mask
     from ...simulator.calibration.estimates import FittedQuantity
 
 BEFORE, AFTER = "before", "after"
@@ -45,7 +45,7 @@ class Versions(NamedTuple):
     notes: list[str]
 
 
-def versions_of(pair: SweepPair, reserved: NDArray[np.bool_], seed: int) -> Versions:
+def versions_of(pair: SweepPair, reserved: Mask, seed: int) -> Versions:
     """Simulated sweeps before and after calibration.
 
     reserved: the other side's sweeps that calibrate, shape (sweep,). seed: seed of the noise.
@@ -79,14 +79,14 @@ def _before(pair: SweepPair, seed: int) -> tuple[Version, list[str]]:
     return Version(given, read_by_meter(given, pair.scene, seed)), [note]
 
 
-def _why_not_calibrated(pair: SweepPair, reserved: NDArray[np.bool_]) -> str:
+def _why_not_calibrated(pair: SweepPair, reserved: Mask) -> str:
     """Reason why there is no calibration, empty if there is one."""
     if pair.scene is None:
         return "No calibration and no causes: the scene is unknown; give it with --scene."
     return "" if reserved.any() else "No calibration: no sweeps are left for it."
 
 
-def _calibration_note(pair: SweepPair, reserved: NDArray[np.bool_]) -> str:
+def _calibration_note(pair: SweepPair, reserved: Mask) -> str:
     pixel, skins = pixel_of(pair.other)[reserved], np.unique(pair.simulated["session"].values).size
     note = (
         f"Calibrated on {np.sum(pixel == 0)} unpressed and {np.sum(pixel > 0)} pressed "

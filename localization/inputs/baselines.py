@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
+    from ...simulator.arrays import Complex, Mask
+
 MIN_BASELINES, RECENT, OPENING = 1, 3, 8
 """Numbers of baseline sweeps.
 
@@ -39,8 +41,8 @@ class Baselines(NamedTuple):
     """
 
     rows: NDArray[np.intp]
-    recent: NDArray[np.complex128]
-    opening: NDArray[np.complex128]
+    recent: Complex
+    opening: Complex
 
 
 def log_baselines(sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Baselines:
@@ -82,7 +84,7 @@ def check_baselines(sweeps: xr.Dataset, rows: NDArray[np.intp]) -> None:
         )
 
 
-def has_baseline_before(sweeps: xr.Dataset) -> NDArray[np.bool_]:
+def has_baseline_before(sweeps: xr.Dataset) -> Mask:
     """True for sweeps with a baseline sweep before them in their session, (sweep,)."""
     known = np.zeros(sweeps.sizes["sweep"], dtype=bool)
     for here, moments, count in _baseline_sweeps(sweeps):
@@ -106,7 +108,7 @@ def _baseline_sweeps(
         yield here, moments, count
 
 
-def _own_baselines(sweeps: xr.Dataset, absolute: NDArray[np.complex128]) -> Iterator[Baselines]:
+def _own_baselines(sweeps: xr.Dataset, absolute: Complex) -> Iterator[Baselines]:
     for here, moments, count in _baseline_sweeps(sweeps):
         later = np.arange(moments[count - 1] + 1, here.size)
         rows, known = here[later], np.searchsorted(moments, later)
@@ -117,7 +119,7 @@ def _own_baselines(sweeps: xr.Dataset, absolute: NDArray[np.complex128]) -> Iter
 
 
 def _given_baselines(
-    sweeps: xr.Dataset, absolute: NDArray[np.complex128], rest: xr.Dataset
+    sweeps: xr.Dataset, absolute: Complex, rest: xr.Dataset
 ) -> Iterator[Baselines]:
     known, wanted = rest["session"].values, sweeps["session"].values
     if np.unique(known).size == 1:
@@ -130,7 +132,7 @@ def _given_baselines(
         yield Baselines(here[there], recent[there], opening[there])
 
 
-def mean_baselines(rest: xr.Dataset) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+def mean_baselines(rest: xr.Dataset) -> tuple[Complex, Complex]:
     """Means of ln (Z / ohm) of the latest baseline sweeps, and of those of the opening.
 
     Both are the mean of all if the opening is not marked. Shape (interface, frequency) each.
@@ -140,7 +142,7 @@ def mean_baselines(rest: xr.Dataset) -> tuple[NDArray[np.complex128], NDArray[np
     return latest, opening
 
 
-def _parts(rest: xr.Dataset) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def _parts(rest: xr.Dataset) -> tuple[Mask, Mask]:
     """Masks of the latest baseline sweeps and of those of the opening; all if not marked."""
     if OF_OPENING not in rest.coords:
         every = np.ones(rest.sizes["sweep"], dtype=bool)
@@ -149,9 +151,7 @@ def _parts(rest: xr.Dataset) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     return ~opening, opening
 
 
-def _mean_of_others(
-    curves: NDArray[np.complex128], baselines: NDArray[np.complex128]
-) -> tuple[NDArray[np.complex128], NDArray[np.bool_]]:
+def _mean_of_others(curves: Complex, baselines: Complex) -> tuple[Complex, Mask]:
     """Mean of the baseline sweeps other than the sweep itself, and True if there are any."""
     names = {curve.tobytes() for curve in baselines}
     own = np.array([curve.tobytes() in names for curve in curves])

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
+    from ...simulator.arrays import Complex, Mask, Real
+
 BLOCK = 10_000
 """Approximate number of sweeps per block; computing features takes ten times their memory."""
 
@@ -51,7 +53,7 @@ def features(
     *,
     interfaces: Sequence[str] | None = None,
     rest: xr.Dataset | None = None,
-) -> NDArray[np.float64]:
+) -> Real:
     """The chosen quantities of each sweep side by side, shape (sweep, feature).
 
     Arguments: see `available_features`. Raises InputError as it does, and for a sweep without a
@@ -68,7 +70,7 @@ def available_features(
     *,
     interfaces: Sequence[str] | None = None,
     rest: xr.Dataset | None = None,
-) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+) -> tuple[Real, NDArray[np.intp]]:
     """Features of the sweeps that have them, (row, feature), and their numbers, ascending.
 
     The order is by quantity, then by interface, then by ascending frequency; only readings that
@@ -91,11 +93,8 @@ def available_features(
 
 
 def baseline_changes(
-    sweeps: xr.Dataset,
-    *,
-    interfaces: Sequence[str] | None = None,
-    rest: xr.Dataset | None = None,
-) -> NDArray[np.float64]:
+    sweeps: xr.Dataset, *, interfaces: Sequence[str] | None = None, rest: xr.Dataset | None = None
+) -> Real:
     """Changes from the baseline of each sweep, shape (sweep, feature); NaN without a baseline.
 
     Arguments: see `available_features`; raises InputError as it does.
@@ -112,7 +111,7 @@ def in_blocks(index: NDArray[np.intp]) -> list[NDArray[np.intp]]:
     return np.array_split(index, max(1, -(-index.size // BLOCK)))
 
 
-def packed(X: NDArray[np.float64], kept: NDArray[np.bool_]) -> NDArray[np.float64]:
+def packed(X: Real, kept: Mask) -> Real:
     """Move the kept rows to the front of the same array; return that part."""
     size = 0
     for start in range(0, len(X), BLOCK):
@@ -137,7 +136,7 @@ def _blocks(sweeps: xr.Dataset, by_session: bool) -> list[NDArray[np.intp]]:
 
 def _features_of_block(
     sweeps: xr.Dataset, quantities: tuple[str, ...], rest: xr.Dataset | None
-) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+) -> tuple[Real, NDArray[np.intp]]:
     """`available_features` of a block of sweeps, which contains whole sessions if needed."""
     rows, known = np.arange(sweeps.sizes["sweep"]), names_of(sweeps.variables)
     found = {name: _read(sweeps, name) for name in quantities if name in READ}
@@ -155,7 +154,7 @@ def _features_of_block(
     return np.concatenate(blocks, axis=1), rows
 
 
-def _flat(values: NDArray[np.float64], taken: NDArray[np.bool_] | None) -> NDArray[np.float64]:
+def _flat(values: Real, taken: Mask | None) -> Real:
     """Readings that were taken, interface by interface, shape (row, reading)."""
     if taken is not None:
         return values[:, taken]
@@ -230,13 +229,11 @@ def press_features(quantities: Sequence[str], count: int) -> tuple[NDArray[np.in
     return index, not any(name in READ for name in wanted)
 
 
-def _read(sweeps: xr.Dataset, name: str) -> NDArray[np.float64]:
+def _read(sweeps: xr.Dataset, name: str) -> Real:
     values = sweeps[name].transpose("sweep", "interface", "frequency").values
     return values.astype(np.float64, copy=False)
 
 
-def _parts(
-    logarithm: NDArray[np.complex128], names: tuple[str, ...]
-) -> dict[str, NDArray[np.float64]]:
+def _parts(logarithm: Complex, names: tuple[str, ...]) -> dict[str, Real]:
     """Real and imaginary parts by name; the real ones alone for one name."""
     return dict(zip(names, (np.real(logarithm), np.imag(logarithm)), strict=False))

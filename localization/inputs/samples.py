@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
+    from ...simulator.arrays import Integer, Mask, Real
+
 
 @dataclass(frozen=True)
 class LocalizationProblem:
@@ -99,9 +101,9 @@ class SeveralTouches(NamedTuple):
     X: features, shape (n, feature). sessions: shape (n,). changes: see `Samples`.
     """
 
-    X: NDArray[np.float64]
-    sessions: NDArray[np.int64]
-    changes: NDArray[np.float64] | None = None
+    X: Real
+    sessions: Integer
+    changes: Real | None = None
 
 
 NO_SEVERAL_TOUCHES = SeveralTouches(np.zeros((0, 0)), np.zeros(0, dtype=np.int64))
@@ -119,13 +121,13 @@ class Samples:
     """
 
     problem: LocalizationProblem
-    X: NDArray[np.float64]
+    X: Real
     y: NDArray
-    sessions: NDArray[np.int64]
+    sessions: Integer
     rows: NDArray[np.intp]
     left_out: LeftOutSweeps = LeftOutSweeps()
     several: SeveralTouches = NO_SEVERAL_TOUCHES
-    changes: NDArray[np.float64] | None = None
+    changes: Real | None = None
 
     @property
     def strata(self) -> NDArray | None:
@@ -156,7 +158,7 @@ class Samples:
         )
         return self.part(np.flatnonzero(np.isin(self.sessions, known)))
 
-    def _has_two_of_each(self, sessions: NDArray[np.int64]) -> bool:
+    def _has_two_of_each(self, sessions: Integer) -> bool:
         """True if each class has two sweeps in these sessions."""
         if self.strata is None:
             return True
@@ -248,11 +250,7 @@ def samples_of(
 
 
 def _several_touches(
-    sweeps: xr.Dataset,
-    other: NDArray[np.bool_],
-    X: NDArray[np.float64],
-    rows: NDArray[np.intp],
-    changes: NDArray[np.float64] | None,
+    sweeps: xr.Dataset, other: Mask, X: Real, rows: NDArray[np.intp], changes: Real | None
 ) -> SeveralTouches:
     """The sweeps of two or more touches among the rows without the target, (row,).
 
@@ -264,9 +262,7 @@ def _several_touches(
     return SeveralTouches(X[other][more], some["session"].values[more], own)
 
 
-def _left_out(
-    fitting: NDArray[np.bool_], rows: NDArray[np.intp], session: NDArray[np.int64]
-) -> LeftOutSweeps:
+def _left_out(fitting: Mask, rows: NDArray[np.intp], session: Integer) -> LeftOutSweeps:
     """Count the sweeps left out.
 
     fitting: True if a sweep has the target, (sweep,). rows: usable sweeps.

@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
+    from ...simulator.arrays import Integer, Mask, Real
+
 PIXELS = ("column", "row", "pixel")
 CLASSES = (*PIXELS, "touches", "pair")
 Target = Literal["column", "row", "pixel", "touches", "pair", "position"]
@@ -21,7 +23,7 @@ COORDINATES = ("x_mm", "y_mm", "factor")
 """Columns of `positions`."""
 
 
-def labels(sweeps: xr.Dataset, target: str = "column") -> NDArray[np.int64] | NDArray[np.str_]:
+def labels(sweeps: xr.Dataset, target: str = "column") -> Integer | NDArray[np.str_]:
     """The class of each sweep, shape (sweep,).
 
     target: "column" and "row" give its number, 0 if nothing was pressed; "pixel" gives "ROW,COLUMN"
@@ -45,7 +47,7 @@ def labels(sweeps: xr.Dataset, target: str = "column") -> NDArray[np.int64] | ND
     return column if target == "column" else row
 
 
-def positions(sweeps: xr.Dataset) -> NDArray[np.float64]:
+def positions(sweeps: xr.Dataset) -> Real:
     """Centre of the touch in mm and its strength, the factor of capacitance; shape (sweep, 3).
 
     Raises InputError for a sweep without exactly one touch.
@@ -59,7 +61,7 @@ def positions(sweeps: xr.Dataset) -> NDArray[np.float64]:
     return np.column_stack(first) * [1e3, 1e3, 1]
 
 
-def has_target(sweeps: xr.Dataset, target: str) -> NDArray[np.bool_]:
+def has_target(sweeps: xr.Dataset, target: str) -> Mask:
     """True for sweeps that have the target, shape (sweep,).
 
     Raises InputError for a target that is not one of TARGETS, or a press with invalid syntax.

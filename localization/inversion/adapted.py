@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from sklearn.base import BaseEstimator, ClassifierMixin, RegressorMixin, clone
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from ...simulator.arrays import Real
 from .classifier import Builder, ModelBased, simulated
 from .position import ModelBasedPosition
 from .region import PlaceDistribution
@@ -61,7 +62,7 @@ class _Adapted(BaseEstimator):
         """True if even the best fit exceeds what noise and skin allow, shape (sweep,)."""
         return self._by_skin(X, lambda inner, change: inner.novel(change)).astype(bool)
 
-    def for_baseline(self, curve: NDArray[np.float64]):
+    def for_baseline(self, curve: Real):
         """The estimator for the skin with this baseline curve of lnZ0 and phase0, (number,)."""
         check_is_fitted(self)
         return self._of_skin(curve)
@@ -71,7 +72,7 @@ class _Adapted(BaseEstimator):
         state: Any = super().__getstate__()
         return {name: value for name, value in state.items() if name != "_skins"}
 
-    def _fitted(self, curve: NDArray[np.float64] | None):
+    def _fitted(self, curve: Real | None):
         inner: Any = self.kind() if self.inner is None else clone(self.inner)
         inner.set_params(builder=self.builder)
         if curve is None:
@@ -79,7 +80,7 @@ class _Adapted(BaseEstimator):
         of_skin = partial(self.builder or simulated, baseline=curve, averaged=inner.rest_sweeps)
         return inner.set_params(builder=of_skin).fit(*getattr(self, "taught_", []))
 
-    def _by_skin(self, X, predict: Callable[[Any, NDArray], NDArray]) -> NDArray[np.float64]:
+    def _by_skin(self, X, predict: Callable[[Any, NDArray], NDArray]) -> Real:
         """Result of `ask` for each row, by the estimator of its skin, shape (sweep, ...)."""
         check_is_fitted(self)
         X = validate_data(self, X, reset=False)
@@ -88,7 +89,7 @@ class _Adapted(BaseEstimator):
 
     def _by_curve(
         self, change: NDArray, rest: NDArray, predict: Callable[[Any, NDArray], NDArray]
-    ) -> NDArray[np.float64]:
+    ) -> Real:
         curves, skin = np.unique(rest, axis=0, return_inverse=True)
         if not len(curves):
             return predict(self.mean_, change)
@@ -99,7 +100,7 @@ class _Adapted(BaseEstimator):
         ]
         return np.concatenate(results)[np.argsort(np.concatenate(parts))]
 
-    def _of_skin(self, curve: NDArray[np.float64]):
+    def _of_skin(self, curve: Real):
         skins = self.__dict__.setdefault("_skins", SkinCache(self._fitted))
         if self.in_background:
             return skins.nearest(curve).estimator
@@ -168,6 +169,6 @@ class AdaptedPosition(RegressorMixin, _Adapted):
         return self._by_skin(X, lambda inner, change: inner.share_within(change, radius))
 
 
-def _place_and_deviation(inner: ModelBasedPosition, change: NDArray) -> NDArray[np.float64]:
+def _place_and_deviation(inner: ModelBasedPosition, change: NDArray) -> Real:
     place, deviation = inner.predict(change, return_std=True)
     return np.stack([place, deviation], axis=1)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import softmax
 
+from ...simulator.arrays import Real
 from .classifier import ModelBased
 from .sequential_posterior import SequentialPosterior
 
@@ -21,10 +22,7 @@ class ClassPosterior(SequentialPosterior):
     """
 
     def __init__(
-        self,
-        localizer: ModelBased,
-        log_prior: NDArray[np.float64] | None = None,
-        sharpness: float = 1.0,
+        self, localizer: ModelBased, log_prior: Real | None = None, sharpness: float = 1.0
     ) -> None:
         mixture, chances = localizer.part(None)
         super().__init__(mixture, localizer.noise_, localizer.doubt)
@@ -33,19 +31,19 @@ class ClassPosterior(SequentialPosterior):
         self._log_prior = chances if log_prior is None else log_prior
 
     @property
-    def log_densities(self) -> NDArray[np.float64]:
+    def log_densities(self) -> Real:
         """`ModelBased.log_densities` of the readings so far, (class + 1,)."""
         joint, count = self._of_class + self.fit, self._log_prior.size
         of_class = [float(np.logaddexp.reduce(joint[self._answer == k])) for k in range(count)]
         return np.append(of_class, self.just_novel)
 
     @property
-    def probabilities(self) -> NDArray[np.float64]:
+    def probabilities(self) -> Real:
         """Probability of each class by the readings so far, shape (class,)."""
         joint = self._sharpness * self.log_densities[:-1] + self._log_prior
         return np.asarray(softmax(joint))
 
-    def gains(self, readings: NDArray[np.intp]) -> NDArray[np.float64]:
+    def gains(self, readings: NDArray[np.intp]) -> Real:
         """Information on the class that each further reading is expected to give, nat, (reading,).
 
         It is estimated by the LIKELIEST entries, see `SequentialPosterior.expected_information`.

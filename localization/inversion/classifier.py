@@ -16,6 +16,7 @@ from scipy.stats import chi2
 from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from ...simulator.arrays import Mask, Real
 from ...simulator.scene.scene_files import carried_scene
 from ...simulator.sweeps import InputError
 from .fine_tuning import MODES, fine_tuned
@@ -133,7 +134,7 @@ class ModelBased(ClassifierMixin, BaseEstimator):
         novel = (mixture.log_weight - mixture.log_chance).max() - self.novelty_limit(mixture) / 2
         return np.column_stack([density, np.full(len(X), novel)])
 
-    def part(self, numbers: tuple[int, ...] | None) -> tuple[Mixture, NDArray[np.float64]]:
+    def part(self, numbers: tuple[int, ...] | None) -> tuple[Mixture, Real]:
         """The mixture of these features, and ln of the chance of each class."""
         parts = self.__dict__.setdefault("_parts", {})
         if numbers not in parts:
@@ -159,7 +160,7 @@ class ModelBased(ClassifierMixin, BaseEstimator):
                 raise ValueError(f"`{name}` must be one of {names}, got {getattr(self, name)!r}")
         return (self.builder or simulated)(self.scene, self.target, self.presses)
 
-    def _possible(self, y) -> NDArray[np.bool_]:
+    def _possible(self, y) -> Mask:
         """Entries that agree with each label, shape (sweep, entry)."""
         y = np.asarray(y)
         unknown = np.setdiff1d(y, self.classes_)
@@ -174,7 +175,7 @@ class ModelBased(ClassifierMixin, BaseEstimator):
         self.log_weight_ = mixture.log_weight
         self.edge_ = float(chi2.isf(self.doubt, self.noise_.size))
 
-    def _posterior(self, X) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _posterior(self, X) -> tuple[Real, Real]:
         """Probabilities, and the squared distance of each sweep from the nearest entry."""
         check_is_fitted(self)
         X = validate_data(self, X, reset=False)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import softmax
 
+from ...simulator.arrays import Mask, Real
 from .hypotheses import NONE, Hypotheses
 
 MODES = ("nothing", "skin", "error")
@@ -20,9 +21,7 @@ PRIOR_ERRORS = 10.0
 """Weight of the prior of no model error, as a number of touches."""
 
 
-def fine_tuned(
-    known: Hypotheses, X: NDArray[np.float64], possible: NDArray[np.bool_], mode: str
-) -> Hypotheses:
+def fine_tuned(known: Hypotheses, X: Real, possible: Mask, mode: str) -> Hypotheses:
     """Hypotheses after labelled sweeps. X: in units of noise, shape (sweep, number).
 
     possible: entries that agree with each label, shape (sweep, entry). Sweeps of the unpressed skin
@@ -41,9 +40,7 @@ def fine_tuned(
     return replace(fitted, strengths=_strengths(known, shares.sum(axis=0)))
 
 
-def _with_fitted_skin(
-    known: Hypotheses, X: NDArray[np.float64], entry: NDArray[np.intp]
-) -> Hypotheses:
+def _with_fitted_skin(known: Hypotheses, X: Real, entry: NDArray[np.intp]) -> Hypotheses:
     """Update the normal unknowns z of the skin; a sweep of strength t is m + J t + A z."""
     unknowns = known.skin.shape[-1]
     precision, pull = np.eye(unknowns), np.zeros(unknowns)
@@ -61,9 +58,7 @@ def _with_fitted_skin(
     )
 
 
-def _with_fitted_error(
-    known: Hypotheses, X: NDArray[np.float64], entry: NDArray[np.intp]
-) -> Hypotheses:
+def _with_fitted_error(known: Hypotheses, X: Real, entry: NDArray[np.intp]) -> Hypotheses:
     """Add a bias and further directions from the residuals of the best fits, if above noise."""
     left = np.array([_residual(known, x, e) for x, e in zip(X, entry, strict=True)])
     count, numbers = len(left), X.shape[1]
@@ -81,14 +76,14 @@ def _with_fitted_error(
     )
 
 
-def _residual(known: Hypotheses, x: NDArray[np.float64], entry: int) -> NDArray[np.float64]:
+def _residual(known: Hypotheses, x: Real, entry: int) -> Real:
     """Residual of a sweep after strength and skin are fitted."""
     one = np.array([entry])
     B, off = known.spread(one)[0], x - known.means(one)[0]
     return off - B @ np.linalg.solve(np.eye(B.shape[1]) + B.T @ B, B.T @ off)
 
 
-def _strengths(known: Hypotheses, met: NDArray[np.float64]) -> NDArray[np.float64]:
+def _strengths(known: Hypotheses, met: Real) -> Real:
     """Probabilities of strengths. met: number of touches of each entry, shape (entry,)."""
     there = known.strength != NONE
     counts = np.bincount(

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...simulator.arrays import Integer, Real
 from .mixture import Mixture, joined, mixture
 
 NONE = -1
@@ -26,24 +27,24 @@ class Hypotheses:
     strength, number, unknown). shift: known correction of a touch, (place, strength, number).
     """
 
-    mean: NDArray[np.float64]
-    slope: NDArray[np.float64]
-    place: NDArray[np.int64]
-    strength: NDArray[np.int64]
-    weight: NDArray[np.float64]
-    strengths: NDArray[np.float64]
-    skin: NDArray[np.float64]
-    shift: NDArray[np.float64]
+    mean: Real
+    slope: Real
+    place: Integer
+    strength: Integer
+    weight: Real
+    strengths: Real
+    skin: Real
+    shift: Real
 
-    def means(self, entries: slice | NDArray) -> NDArray[np.float64]:
+    def means(self, entries: slice | NDArray) -> Real:
         """Means with the known corrections, shape (entry, number)."""
         return self.mean[entries] + self._summed(self.shift, entries)
 
-    def spread(self, entries: slice | NDArray) -> NDArray[np.float64]:
+    def spread(self, entries: slice | NDArray) -> Real:
         """Columns of strengths, then of the skin, shape (entry, number, column)."""
         return np.concatenate([self.slope[entries], self._summed(self.skin, entries)], axis=2)
 
-    def chances(self, entries: slice | NDArray) -> NDArray[np.float64]:
+    def chances(self, entries: slice | NDArray) -> Real:
         """Prior of place and strengths together, shape (entry,)."""
         strength = self.strength[entries]
         each = np.where(strength == NONE, 1.0, self.strengths[strength])
@@ -56,16 +57,14 @@ class Hypotheses:
             [mixture(self.means(part), self.spread(part), self.chances(part)) for part in parts]
         )
 
-    def _summed(self, of_touch: NDArray, entries: slice | NDArray) -> NDArray[np.float64]:
+    def _summed(self, of_touch: NDArray, entries: slice | NDArray) -> Real:
         """Sum over the touches of each entry."""
         place, strength = self.place[entries], self.strength[entries]
         there = (place != NONE).reshape(*place.shape, *(1,) * (of_touch.ndim - 2))
         return np.where(there, of_touch[place, strength], 0.0).sum(axis=1)
 
 
-def hypotheses(
-    tables: Mapping[str, NDArray], target: str, noise: NDArray[np.float64]
-) -> Hypotheses:
+def hypotheses(tables: Mapping[str, NDArray], target: str, noise: Real) -> Hypotheses:
     """All hypotheses for the answers of a target. noise: standard deviation of each number."""
     two = "pairs" in tables and target in ("touches", "pair")
     most = 2 if two else 1
@@ -87,7 +86,7 @@ def hypotheses(
     return _with_pairs(found, tables, noise, chance[2]) if two else found
 
 
-def _chances(given: NDArray[np.float64]) -> NDArray[np.float64]:
+def _chances(given: Real) -> Real:
     """Prior of 0, 1 (and 2) touches, each at least 0.01 before it is normalized."""
     chance = np.maximum(given, 0.01)
     return chance / chance.sum()
@@ -108,7 +107,7 @@ def _with_unpressed(single: Hypotheses, chance: float) -> Hypotheses:
 
 
 def _with_pairs(
-    known: Hypotheses, tables: Mapping[str, NDArray], noise: NDArray[np.float64], chance: float
+    known: Hypotheses, tables: Mapping[str, NDArray], noise: Real, chance: float
 ) -> Hypotheses:
     pairs, values = tables["pairs"], tables["pair"] / noise
     numbers, strengths = values.shape[-1], len(known.strengths)
@@ -131,9 +130,7 @@ def _with_pairs(
     )
 
 
-def labels(
-    known: Hypotheses, pixels: NDArray[np.int64], target: str
-) -> NDArray[np.int64] | NDArray[np.str_]:
+def labels(known: Hypotheses, pixels: Integer, target: str) -> Integer | NDArray[np.str_]:
     """The answer of each entry, as in `targets.labels`, shape (entry,).
 
     pixels: row and column of each place.

@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import softmax
 
+from ...simulator.arrays import Real
+
 RANK = 8
 """Directions kept of each entry's spread."""
 AT_ONCE = 2**22
@@ -28,24 +30,24 @@ class Mixture:
     G mean, shape (entry, rank).
     """
 
-    mean: NDArray[np.float64]
-    directions: NDArray[np.float64]
-    along: NDArray[np.float64]
-    log_weight: NDArray[np.float64]
+    mean: Real
+    directions: Real
+    along: Real
+    log_weight: Real
 
     @property
-    def power(self) -> NDArray[np.float64]:
+    def power(self) -> Real:
         """Variance in addition to the noise along each direction of spread, (entry, rank)."""
         shrunk = (self.directions**2).sum(axis=2)
         return shrunk / np.maximum(1 - shrunk, 1e-12)
 
     @property
-    def spread(self) -> NDArray[np.float64]:
+    def spread(self) -> Real:
         """B, reduced to the stored rank, shape (entry, number, rank)."""
         return np.swapaxes(self.directions * np.sqrt(1 + self.power)[..., None], 1, 2)
 
     @property
-    def log_chance(self) -> NDArray[np.float64]:
+    def log_chance(self) -> Real:
         """ln of the prior probability of each entry, shape (entry,)."""
         return self.log_weight + np.log1p(self.power).sum(axis=1) / 2
 
@@ -53,7 +55,7 @@ class Mixture:
         """The mixture restricted to some of the numbers."""
         return mixture(self.mean[:, numbers], self.spread[:, numbers], np.exp(self.log_chance))
 
-    def distances(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
+    def distances(self, X: Real) -> Real:
         """Squared Mahalanobis distance of sweeps from entries, shape (sweep, entry)."""
         entries, rank, _ = self.directions.shape
         part = max(1, AT_ONCE // (entries * rank))
@@ -66,18 +68,16 @@ class Mixture:
             found[start : start + part] = off - (along**2).sum(axis=2)
         return np.maximum(found, 0.0)
 
-    def log_joint(self, distances: NDArray[np.float64]) -> NDArray[np.float64]:
+    def log_joint(self, distances: Real) -> Real:
         """ln of prior times density of sweeps at these distances, up to a constant."""
         return self.log_weight - distances / 2
 
-    def responsibilities(self, distances: NDArray[np.float64]) -> NDArray[np.float64]:
+    def responsibilities(self, distances: Real) -> Real:
         """Posterior probability of each entry, shape (sweep, entry)."""
         return softmax(self.log_joint(distances), axis=1)
 
 
-def mixture(
-    mean: NDArray[np.float64], spread: NDArray[np.float64], weight: NDArray[np.float64]
-) -> Mixture:
+def mixture(mean: Real, spread: Real, weight: Real) -> Mixture:
     """Entries N(mean, 1 + B B'). spread: B, shape (entry, number, column). weight: prior."""
     power, turn = np.linalg.eigh(np.swapaxes(spread, 1, 2) @ spread)
     power, turn = np.maximum(power[:, -RANK:], 0.0), turn[:, :, -RANK:]

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp, softmax
 
+from ...simulator.arrays import Real
 from .mixture import Mixture
 from .position import CELLS, GRID, ModelBasedPosition, Posterior
 from .region import PlaceDistribution
@@ -27,7 +28,7 @@ class PlacePosterior(SequentialPosterior):
     fastest), (1 + cell,); -inf for what is impossible.
     """
 
-    def __init__(self, localizer: ModelBasedPosition, log_prior: NDArray[np.float64]) -> None:
+    def __init__(self, localizer: ModelBasedPosition, log_prior: Real) -> None:
         touched = localizer.mixture()
         super().__init__(_with_unpressed(touched), localizer.noise_, localizer.doubt)
         self._localizer = localizer
@@ -41,7 +42,7 @@ class PlacePosterior(SequentialPosterior):
         self._along = _along(touched.spread, localizer.slopes_)
 
     @property
-    def log_densities(self) -> NDArray[np.float64]:
+    def log_densities(self) -> Real:
         """ln likelihood: unpressed skin, a touch in each cell, then a sweep that is just novel."""
         joint = self._of_cell + self.fit
         return np.concatenate([joint[-1:], _by_cell(joint[:-1]), [self.just_novel]])
@@ -73,7 +74,7 @@ class PlacePosterior(SequentialPosterior):
         """Posterior of the place, given that there is a touch."""
         return self._localizer.places_of(self.posterior)
 
-    def gains(self, readings: NDArray[np.intp]) -> NDArray[np.float64]:
+    def gains(self, readings: NDArray[np.intp]) -> Real:
         """Information on the place that each further reading is expected to give, nat, (reading,).
 
         It is the sum of the information on the cell or "unpressed", see
@@ -89,10 +90,10 @@ class PlacePosterior(SequentialPosterior):
         return between + self._within(entry[touched], readings) @ chance[touched]
 
     @property
-    def _share(self) -> NDArray[np.float64]:
+    def _share(self) -> Real:
         return np.asarray(softmax(self._of_cell + self.fit + self._log_prior))
 
-    def _within(self, entry: NDArray[np.intp], readings: NDArray[np.intp]) -> NDArray[np.float64]:
+    def _within(self, entry: NDArray[np.intp], readings: NDArray[np.intp]) -> Real:
         """Half the decrease of ln det of the covariance of x and y, nat, (reading, entry)."""
         B, _ = self.predictive(entry, readings)
         T, V = self._along[entry][..., :2], self.latent_covariance[entry]
@@ -104,7 +105,7 @@ class PlacePosterior(SequentialPosterior):
         return (np.linalg.slogdet(before)[1] - np.linalg.slogdet(after)[1]) / 2
 
 
-def log_prior_of(localizer: ModelBasedPosition, unpressed: float) -> NDArray[np.float64]:
+def log_prior_of(localizer: ModelBasedPosition, unpressed: float) -> Real:
     """ln prior of the unpressed skin and of each cell of GRID, shape (1 + cell,).
 
     unpressed: prior of the unpressed skin.
@@ -117,7 +118,7 @@ def log_prior_of(localizer: ModelBasedPosition, unpressed: float) -> NDArray[np.
 def _with_unpressed(touched: Mixture) -> Mixture:
     """The mixture with an additional entry: the unpressed skin, which changes nothing."""
 
-    def more(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    def more(values: Real) -> Real:
         return np.concatenate([values, np.zeros((1, *values.shape[1:]))])
 
     return Mixture(
@@ -125,12 +126,12 @@ def _with_unpressed(touched: Mixture) -> Mixture:
     )
 
 
-def _by_cell(of_entry: NDArray[np.float64]) -> NDArray[np.float64]:
+def _by_cell(of_entry: Real) -> Real:
     """ln of the sum over the strengths in each cell, (cell,)."""
     return np.asarray(logsumexp(of_entry.reshape(CELLS, GRID[2]), axis=1))
 
 
-def _along(spread: NDArray[np.float64], slopes: NDArray[np.float64]) -> NDArray[np.float64]:
+def _along(spread: Real, slopes: Real) -> Real:
     """Place and strength as functions of the latent variables, (entry, rank, 3).
 
     It solves slopes = B T, where the columns of B are orthogonal.

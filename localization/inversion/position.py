@@ -11,6 +11,7 @@ from scipy.stats import chi2
 from sklearn.base import BaseEstimator, RegressorMixin
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from ...simulator.arrays import Real
 from .classifier import Builder, simulated
 from .mixture import Mixture, mixture
 from .region import PlaceDistribution, Region, region_of
@@ -39,9 +40,9 @@ class Posterior(NamedTuple):
     """
 
     entry: NDArray[np.intp]
-    share: NDArray[np.float64]
-    mean: NDArray[np.float64]
-    covariance: NDArray[np.float64]
+    share: Real
+    mean: Real
+    covariance: Real
 
 
 class ModelBasedPosition(RegressorMixin, BaseEstimator):
@@ -140,7 +141,7 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
     def _tables(self) -> Mapping[str, NDArray]:
         return (self.builder or simulated)(self.scene, POSITION, self.presses)
 
-    def _scaled(self, X) -> NDArray[np.float64]:
+    def _scaled(self, X) -> Real:
         check_is_fitted(self)
         return validate_data(self, X, reset=False) / self.noise_
 
@@ -171,7 +172,7 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         check_is_fitted(self)
         return Mixture(self.mean_, self.directions_, self.along_, self.log_weight_)
 
-    def _posterior(self, x: NDArray[np.float64]) -> Posterior:
+    def _posterior(self, x: Real) -> Posterior:
         """Posterior of one sweep; the response is linear within each relevant entry."""
         found = self.mixture()
         share = found.responsibilities(found.distances(x[None]))[0]
@@ -191,12 +192,12 @@ class ModelBasedPosition(RegressorMixin, BaseEstimator):
         mean = posterior.mean[:, :2]
         return PlaceDistribution(posterior.share, mean, covariance, self.bounds_[:2], self.mask)
 
-    def _best_estimate(self, posterior: Posterior) -> NDArray[np.float64]:
+    def _best_estimate(self, posterior: Posterior) -> Real:
         strength = posterior.share @ posterior.mean[:, 2]
         return np.append(self.places_of(posterior).peak(BLUR), np.clip(strength, *self.bounds_[2]))
 
 
-def cells_of(posterior: Posterior) -> NDArray[np.float64]:
+def cells_of(posterior: Posterior) -> Real:
     """Moments of the place over all entries of each cell, see `cells`, shape (cell, 7)."""
     cell, share, mean = posterior.entry // GRID[2], posterior.share, posterior.mean[:, :2]
     square = posterior.covariance[:, :2, :2] + mean[:, :, None] * mean[:, None, :]
@@ -210,7 +211,7 @@ def cells_of(posterior: Posterior) -> NDArray[np.float64]:
     return found
 
 
-def _shares(mask: SkinMask, bounds: NDArray[np.float64]) -> NDArray[np.float64]:
+def _shares(mask: SkinMask, bounds: Real) -> Real:
     """Share of each cell of GRID (y varies fastest) that is skin, shape (cell,)."""
     x, y = (
         _middles(low, high, POINTS_PER_CELL_SIDE * GRID[k])
@@ -224,10 +225,10 @@ def _shares(mask: SkinMask, bounds: NDArray[np.float64]) -> NDArray[np.float64]:
     )
 
 
-def _distance(posterior: Posterior, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+def _distance(posterior: Posterior, theta: Real) -> Real:
     squares = (posterior.mean - theta) ** 2 + np.einsum("eii->ei", posterior.covariance)
     return np.sqrt(posterior.share @ squares)
 
 
-def _middles(low: float, high: float, count: int) -> NDArray[np.float64]:
+def _middles(low: float, high: float, count: int) -> Real:
     return low + (high - low) * (np.arange(count) + 0.5) / count

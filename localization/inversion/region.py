@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.signal import fftconvolve
 
+from ...simulator.arrays import Mask, Real
 from .skin_mask import SkinMask
 
 LINES = 41
@@ -30,13 +31,13 @@ class PlaceDistribution:
     mask: mask of the skin within the bounds, None if all is skin.
     """
 
-    weight: NDArray[np.float64]
-    mean: NDArray[np.float64]
-    covariance: NDArray[np.float64]
-    bounds: NDArray[np.float64]
+    weight: Real
+    mean: Real
+    covariance: Real
+    bounds: Real
     mask: SkinMask | None = None
 
-    def density(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    def density(self, x: Real, y: Real) -> Real:
         """Density in 1/mm² at x and y, of their shape."""
         kept = self.weight > NEGLIGIBLE * self.weight.max()
         inverse = np.linalg.inv(self.covariance[kept])
@@ -45,7 +46,7 @@ class PlaceDistribution:
         density = np.exp(-_squared_distance(inverse, away) / 2) @ peak
         return density if self.mask is None else density * self.mask.contains(x, y)
 
-    def peak(self, blur: float) -> NDArray[np.float64]:
+    def peak(self, blur: float) -> Real:
         """Peak of the blurred posterior, shape (2,).
 
         blur: standard deviation of the normal blur, mm. The search starts from the best of the
@@ -56,7 +57,7 @@ class PlaceDistribution:
         height = self.weight * np.sqrt(np.linalg.det(inverse))
         towards = (inverse @ self.mean[:, :, None])[..., 0]
 
-        def pull(places: NDArray[np.float64]) -> NDArray[np.float64]:
+        def pull(places: Real) -> Real:
             return height * np.exp(-_squared_distance(inverse, places[:, None] - self.mean) / 2)
 
         likeliest = self.mean[np.argsort(-self.weight)[:STARTS]]
@@ -77,7 +78,7 @@ class PlaceDistribution:
         there = self.density(np.array(x), np.array(y))
         return float(density[density > there].sum() / density.sum())
 
-    def grid(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def grid(self) -> tuple[Real, Real]:
         """Cell centres, x and y in mm, over the part of the skin that the posterior reaches."""
         kept = self.weight > NEGLIGIBLE * self.weight.max()
         reach = MAX_DEVIATIONS * np.sqrt(np.einsum("eii->ei", self.covariance[kept]))
@@ -106,9 +107,9 @@ class Region:
     on its border. places: the whole posterior.
     """
 
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    inside: NDArray[np.bool_]
+    x: Real
+    y: Real
+    inside: Mask
     level: float
     places: PlaceDistribution
 
@@ -117,7 +118,7 @@ class Region:
         """Area of the region, mm²."""
         return float(self.inside.sum() * (self.x[1] - self.x[0]) * (self.y[1] - self.y[0]))
 
-    def shade(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    def shade(self, x: Real, y: Real) -> Real:
         """Density relative to the maximum on the grid, at most 1, and 0 outside of the region."""
         there = self.places.density(x, y)
         peak = self.places.density(*np.meshgrid(self.x, self.y)).max()
@@ -138,7 +139,7 @@ def region_of(places: PlaceDistribution, probability: float) -> Region:
     return Region(x, y, density >= level, level, places)
 
 
-def _squared_distance(inverse: NDArray[Any], away: NDArray[np.float64]) -> NDArray[np.float64]:
+def _squared_distance(inverse: NDArray[Any], away: Real) -> Real:
     """Squared Mahalanobis distance from the mean of each entry, shape (..., entry).
 
     inverse: inverse covariance, shape (entry, 2, 2). away: difference, shape (..., entry, 2).
@@ -147,5 +148,5 @@ def _squared_distance(inverse: NDArray[Any], away: NDArray[np.float64]) -> NDArr
     return inverse[:, 0, 0] * u**2 + inverse[:, 1, 1] * v**2 + 2 * inverse[:, 0, 1] * u * v
 
 
-def _middles(low: float, high: float) -> NDArray[np.float64]:
+def _middles(low: float, high: float) -> Real:
     return low + (high - low) * (np.arange(LINES) + 0.5) / LINES

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...simulator.arrays import Real
 from ..trust.fitted import Regressor
 from .region import MAX_DEVIATIONS, PlaceDistribution, Region, region_of
 
@@ -18,9 +19,7 @@ MIN_DEVIATION = 1e-3
 """Minimum deviation, mm."""
 
 
-def places_of(
-    learned: Regressor, X: NDArray[np.float64], scene: Scene | None
-) -> list[PlaceDistribution]:
+def places_of(learned: Regressor, X: Real, scene: Scene | None) -> list[PlaceDistribution]:
     """The posterior of each sweep's place.
 
     For a regressor without a posterior it is normal with its deviations. X: shape (n, feature).
@@ -39,17 +38,17 @@ def places_of(
     ]
 
 
-def regions_of(learned: Regressor, X: NDArray[np.float64], scene: Scene | None) -> list[Region]:
+def regions_of(learned: Regressor, X: Real, scene: Scene | None) -> list[Region]:
     """The smallest region with PROBABILITY for each sweep; arguments: see `places_of`."""
     return [region_of(each, PROBABILITY) for each in places_of(learned, X, scene)]
 
 
-def sides_of(scene: Scene) -> NDArray[np.float64]:
+def sides_of(scene: Scene) -> Real:
     """Lowest and highest x and y on a skin in mm, shape (2, 2)."""
     return 1e3 * np.array([[0.0, scene.skin.length], [0.0, scene.skin.width]])
 
 
-def _reach(places: NDArray, deviation: NDArray) -> NDArray[np.float64]:
+def _reach(places: NDArray, deviation: NDArray) -> Real:
     """Bounds of the search for places: lowest and highest x and y in mm, shape (2, 2)."""
     reach = MAX_DEVIATIONS * deviation
     return np.stack([(places - reach).min(axis=0), (places + reach).max(axis=0)], axis=1)

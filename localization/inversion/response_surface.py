@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import NdBSpline, RegularGridInterpolator, make_interp_spline
 
+from ...simulator.arrays import Real
+
 DEGREE = 3
 SLOPES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
 
@@ -23,29 +25,29 @@ class ResponseSurface:
     """
 
     knots: tuple[NDArray, NDArray, NDArray]
-    coefficients: NDArray[np.float64]
+    coefficients: Real
     nodes: tuple[NDArray, NDArray]
-    skin: NDArray[np.float64]
-    bounds: NDArray[np.float64]
+    skin: Real
+    bounds: Real
 
-    def values(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+    def values(self, theta: Real) -> Real:
         """Values at theta, shape (place, 3), as an array of shape (place, number)."""
         return self._at(theta, (0, 0, 0))
 
-    def slopes(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+    def slopes(self, theta: Real) -> Real:
         """Exact derivatives, shape (place, number, 3)."""
         return np.stack([self._at(theta, nu) for nu in SLOPES], axis=-1)
 
-    def skin_effects(self, theta: NDArray[np.float64]) -> NDArray[np.float64]:
+    def skin_effects(self, theta: Real) -> Real:
         """Effects of the unknowns of the skin, shape (place, number, unknown)."""
         between = RegularGridInterpolator(self.nodes, self.skin)
         return between(theta[:, :2]) * (theta[:, 2] - 1)[:, None, None]
 
-    def _at(self, theta: NDArray[np.float64], nu: tuple[int, ...]) -> NDArray[np.float64]:
+    def _at(self, theta: Real, nu: tuple[int, ...]) -> Real:
         return NdBSpline(self.knots, self.coefficients, DEGREE)(theta, nu=nu)
 
 
-def response_surface(tables: Mapping[str, NDArray], noise: NDArray[np.float64]) -> ResponseSurface:
+def response_surface(tables: Mapping[str, NDArray], noise: Real) -> ResponseSurface:
     """Interpolate the tables of `simulator.inversion` for positions."""
     x, y, strength = 1e3 * tables["x"], 1e3 * tables["y"], tables["strength_nodes"]
     coefficients, knots = tables["values"] / noise, []

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2, norm, qmc
 
+from ...simulator.arrays import Real
 from .mixture import Mixture
 
 DRAWS = 64
@@ -24,7 +25,7 @@ class SequentialPosterior:
     distance from each entry, (entry,). used_readings: numbers of the readings so far.
     """
 
-    def __init__(self, mixture: Mixture, noise: NDArray[np.float64], significance: float) -> None:
+    def __init__(self, mixture: Mixture, noise: Real, significance: float) -> None:
         self._mean, self._spread, self._noise, self._significance = (
             mixture.mean,
             mixture.spread,
@@ -39,7 +40,7 @@ class SequentialPosterior:
         self.fit, self.distance = np.zeros(entries), np.zeros(entries)
         self.used_readings: list[int] = []
 
-    def update(self, reading: int, change: NDArray[np.float64]) -> None:
+    def update(self, reading: int, change: Real) -> None:
         """Update with a reading.
 
         reading: its number in the sweep. change: change of ln |Z| and phase from the baseline. The
@@ -90,10 +91,10 @@ class SequentialPosterior:
     def expected_information(
         self,
         entry: NDArray[np.intp],
-        share: NDArray[np.float64],
+        share: Real,
         kind: NDArray[np.intp],
         readings: NDArray[np.intp],
-    ) -> NDArray[np.float64]:
+    ) -> Real:
         """Information on the kind of entry that each further reading is expected to give, nat.
 
         It is the mutual information of kind and reading, estimated by DRAWS samples from these
@@ -116,12 +117,12 @@ class SequentialPosterior:
 
 
 @cache
-def _normals(count: int) -> NDArray[np.float64]:
+def _normals(count: int) -> Real:
     """Quasi-random draws of two normal numbers, the same at every call, shape (count, 2)."""
     return norm.ppf(qmc.Sobol(2, scramble=True, rng=0).random(count))
 
 
-def _density(off: NDArray, root: NDArray) -> NDArray[np.float64]:
+def _density(off: NDArray, root: NDArray) -> Real:
     """Density of two normal numbers; root: lower Cholesky factor of the covariance. Shape (...)."""
     a, b, c = root[..., 0, 0], root[..., 1, 0], root[..., 1, 1]
     first = off[..., 0] / a

@@ -7,7 +7,8 @@ from threading import Thread
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ...simulator.arrays import Real
 
 SAME_SKIN_RMS = 0.015
 """Maximum root mean square change of ln Z for which a skin counts as the same."""
@@ -19,29 +20,29 @@ MAX_SKINS = 16
 class FittedSkin(NamedTuple):
     """An estimator, and the baseline curve that it was fitted to, shape (number,)."""
 
-    curve: NDArray[np.float64]
+    curve: Real
     estimator: Any
 
 
 class SkinCache:
     """The latest MAX_SKINS estimators. fit: makes the estimator of a curve."""
 
-    def __init__(self, fit: Callable[[NDArray[np.float64]], Any]) -> None:
+    def __init__(self, fit: Callable[[Real], Any]) -> None:
         self._fit, self.kept = fit, ()
         self._failure: BaseException | None = None
         self._making: Thread | None = None
 
-    def exact(self, curve: NDArray[np.float64]) -> FittedSkin | None:
+    def exact(self, curve: Real) -> FittedSkin | None:
         """The estimator of exactly this curve; None if there is none."""
         return next((skin for skin in self.kept if np.array_equal(skin.curve, curve)), None)
 
-    def fitted(self, curve: NDArray[np.float64]) -> FittedSkin:
+    def fitted(self, curve: Real) -> FittedSkin:
         """Fit an estimator to this curve now."""
         skin = FittedSkin(curve, self._fit(curve))
         self.kept = (*self.kept, skin)[-MAX_SKINS:]
         return skin
 
-    def nearest(self, curve: NDArray[np.float64]) -> FittedSkin:
+    def nearest(self, curve: Real) -> FittedSkin:
         """The nearest estimator; one for this curve is fitted in the background if needed.
 
         The call waits only for the first one. Raises the error of an earlier fit in the background.
@@ -62,16 +63,16 @@ class SkinCache:
         """True if an estimator is being fitted in the background."""
         return self._making is not None and self._making.is_alive()
 
-    def _nearest(self, curve: NDArray[np.float64]) -> FittedSkin | None:
+    def _nearest(self, curve: Real) -> FittedSkin | None:
         return min(self.kept, key=lambda skin: float(rms_distance(skin.curve, curve)), default=None)
 
-    def _make(self, curve: NDArray[np.float64]) -> None:
+    def _make(self, curve: Real) -> None:
         try:
             self.fitted(curve)
         except Exception as failure:  # of any table builder; `nearest` raises it next
             self._failure = failure
 
 
-def rms_distance(curve: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
+def rms_distance(curve: Real, other: Real) -> Real:
     """Root mean square of |ln Z - ln Z'|, whose real and imaginary parts are the numbers, (...)."""
     return np.sqrt(np.square(curve - other).mean(axis=-1) * 2)

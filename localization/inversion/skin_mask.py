@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...simulator.arrays import Mask, Real
+
 
 @dataclass(frozen=True, eq=False)
 class SkinMask:
@@ -16,10 +18,10 @@ class SkinMask:
     inside: shape (y, x). sides: lengths of the rectangle along x and y, mm.
     """
 
-    inside: NDArray[np.bool_]
-    sides: NDArray[np.float64]
+    inside: Mask
+    sides: Real
 
-    def contains(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def contains(self, x: Real, y: Real) -> Mask:
         """True for places in mm that are on the skin, x and y of the same shape."""
         column, row = (
             np.clip((at / side * count).astype(np.int64), 0, count - 1)
@@ -27,7 +29,7 @@ class SkinMask:
         )
         return self.inside[row, column]
 
-    def nearest(self, place: NDArray[np.float64]) -> NDArray[np.float64]:
+    def nearest(self, place: Real) -> Real:
         """The place itself if it is on the skin, else the nearest cell centre; mm, shape (2,)."""
         if self.contains(*place[:, None])[0]:
             return place

@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ...simulator.arrays import Real
 
 MIN_PROBABILITY = 1e-12
 
 
-def decisions(classifier: Any, X: NDArray[np.float64]) -> NDArray[np.float64]:
+def decisions(classifier: Any, X: Real) -> Real:
     """Decision for each of `classes_`, larger if more probable, shape (n, K)."""
     if hasattr(classifier, "decision_function"):
         values = classifier.decision_function(X)

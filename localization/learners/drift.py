@@ -14,14 +14,13 @@ from sklearn.base import BaseEstimator, TransformerMixin
 from sklearn.pipeline import Pipeline
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from ...simulator.arrays import Real
 from ..inputs.feature_names import ABSOLUTE, BASELINE, RELATIVE
 from ..inputs.features import in_blocks
 from ..inputs.samples import LocalizationProblem
 
 DRIFT = 0.02
 """Drift relative to the differences between skins: 0.3 % of sheets that differ by 15 %."""
-
-Array = NDArray[np.float64]
 
 
 class Drifting(TransformerMixin, BaseEstimator):
@@ -52,12 +51,12 @@ class Drifting(TransformerMixin, BaseEstimator):
         check_is_fitted(self)
         return validate_data(self, X, reset=False)
 
-    def drifted(self, X) -> Array:
+    def drifted(self, X) -> Real:
         """The sweeps with synthetic drift since their baseline; X as in `fit`."""
         return add_drift(np.asarray(X, np.float64), self.curve, self.moved, self.drift)
 
 
-def add_drift(X: Array, curve: ArrayLike, moved: Iterable[ArrayLike], drift: float) -> Array:
+def add_drift(X: Real, curve: ArrayLike, moved: Iterable[ArrayLike], drift: float) -> Real:
     """The sweeps shifted by a fraction of the difference of a random skin from the mean.
 
     X: shape (sweep, feature). curve: features of the baseline curve. moved: features that shift
@@ -85,7 +84,7 @@ def with_drift(pipeline: Pipeline, problem: LocalizationProblem) -> Pipeline:
     return Pipeline([("drift", drifting), *pipeline.steps])
 
 
-def drifting(pipeline: Pipeline) -> Callable[[Array], Array]:
+def drifting(pipeline: Pipeline) -> Callable[[Real], Real]:
     """Function that adds the synthetic drift of a pipeline; the identity if it has none."""
     steps = (step for _, step in pipeline.steps if hasattr(step, "drifted"))
     allowing = next(steps, None)

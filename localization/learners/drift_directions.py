@@ -11,7 +11,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ...simulator.arrays import Real
 
 FOLLOWED = 2
 """Number of directions in which skins differ most and drift is followed: foam and sheets."""
@@ -19,8 +20,6 @@ OPENING = 0.65
 """Weight of the opening sweeps in the baseline across the directions."""
 NOISE_QUANTILE = 0.99
 """Share of the training sweeps, which do not drift, whose squared length is within `noise`."""
-
-Array = NDArray[np.float64]
 
 
 class DriftDirections(NamedTuple):
@@ -30,11 +29,11 @@ class DriftDirections(NamedTuple):
     them.
     """
 
-    directions: Array
+    directions: Real
     noise: float
 
     @classmethod
-    def fitted(cls, opening: Array, recent: Array, count: int) -> DriftDirections:
+    def fitted(cls, opening: Real, recent: Real, count: int) -> DriftDirections:
         """Fit the directions to skins that do not drift.
 
         opening, recent: means of the opening and of the latest baseline sweeps, each of shape
@@ -46,7 +45,7 @@ class DriftDirections(NamedTuple):
         across = np.square(_across(recent - opening, ways)).sum(axis=1)
         return cls(ways, float(np.quantile(across, NOISE_QUANTILE)))
 
-    def correction(self, moved: Array) -> Array:
+    def correction(self, moved: Real) -> Real:
         """Correction to add to changes from the latest baseline, shape (sweep, feature).
 
         moved: latest baseline less the opening one. The correction is its part across the
@@ -59,5 +58,5 @@ class DriftDirections(NamedTuple):
         return OPENING * believed * across
 
 
-def _across(moved: Array, ways: Array) -> Array:
+def _across(moved: Real, ways: Real) -> Real:
     return moved - moved @ ways @ ways.T

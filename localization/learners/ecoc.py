@@ -13,14 +13,16 @@ from itertools import combinations
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from sklearn.base import BaseEstimator, ClassifierMixin, MetaEstimatorMixin, clone
 from sklearn.svm import SVC
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from ...simulator.arrays import Integer, Real
 
-def one_versus_one(classes: int) -> NDArray[np.int64]:
+
+def one_versus_one(classes: int) -> Integer:
     """Coding matrix with a learner for every pair of classes; shape (K, K(K-1)/2)."""
     pairs = list(combinations(range(classes), 2))
     codes = np.zeros((classes, len(pairs)), dtype=np.int64)
@@ -29,7 +31,7 @@ def one_versus_one(classes: int) -> NDArray[np.int64]:
     return codes
 
 
-def average_loss(codes: ArrayLike, scores: ArrayLike) -> NDArray[np.float64]:
+def average_loss(codes: ArrayLike, scores: ArrayLike) -> Real:
     """Weighted mean loss of the learners' scores against the code of each class.
 
     loss(i, k) = sum_j |m_kj| g(m_kj, s_ij) / sum_j |m_kj|, with the hinge loss

@@ -18,6 +18,7 @@ from sklearn.base import BaseEstimator, ClassifierMixin
 from sklearn.utils.multiclass import check_classification_targets
 from sklearn.utils.validation import check_is_fitted, validate_data
 
+from ...simulator.arrays import Real
 from .drift import DRIFT, add_drift
 from .drift_directions import FOLLOWED, DriftDirections
 from .shrinkage import shared
@@ -38,8 +39,6 @@ NOISE_WEIGHT = 10.0
 """Weight of the noise of all classes in that of each class, as a number of sweeps."""
 TINY = 1e-9
 
-Array = NDArray[np.float64]
-
 
 class ClassDensity(NamedTuple):
     """Density of one class.
@@ -49,11 +48,11 @@ class ClassDensity(NamedTuple):
     other directions. prior: ln of the share of all sweeps.
     """
 
-    by_curve: Array
-    curvature: Array
+    by_curve: Real
+    curvature: Real
     strength: float
-    axes: Array
-    own: Array
+    axes: Real
+    own: Real
     floor: float
     prior: float
 
@@ -125,7 +124,7 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         ]
         return self
 
-    def drifted(self, X: Array) -> Array:
+    def drifted(self, X: Real) -> Real:
         """The sweeps with synthetic drift since their baseline, see `drift`."""
         curve, change = self._columns(X.shape[1])
         if len(curve) != len(change):
@@ -161,14 +160,14 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         others = np.concatenate([curve, np.array(self.absolute, dtype=np.intp)])
         return curve, np.setdiff1d(np.arange(width), others)
 
-    def _moved(self, X: Array) -> DriftDirections | None:
+    def _moved(self, X: Real) -> DriftDirections | None:
         curve, change = self._columns(X.shape[1])
         if not len(self.absolute) == len(curve) == len(change) > 0:
             return None
         recent = X[:, self.absolute] - X[:, change]
         return DriftDirections.fitted(X[:, curve], recent, self.followed)
 
-    def _parts(self, X: Array) -> tuple[Array, Array]:
+    def _parts(self, X: Real) -> tuple[Real, Real]:
         """The change, and the baseline curve."""
         curve, columns = self._columns(X.shape[1])
         change = X[:, columns]
@@ -177,7 +176,7 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
             change = change + moved.correction(X[:, self.absolute] - change - X[:, curve])
         return change, X[:, curve]
 
-    def _projected(self, X: Array) -> tuple[Array, Array]:
+    def _projected(self, X: Real) -> tuple[Real, Real]:
         """Components of the change, and terms: 1, components of the curve, some products."""
         change, curve = self._parts(X)
         (_, turn), (centre, axes) = self._of_change, self._of_curve
@@ -186,7 +185,7 @@ class GaussianClassifier(ClassifierMixin, BaseEstimator):
         return change @ turn, known
 
 
-def _axes(X: Array, count: int, whiten: bool = False) -> tuple[Array, Array]:
+def _axes(X: Real, count: int, whiten: bool = False) -> tuple[Real, Real]:
     """Mean and leading directions. whiten: scales each direction to unit variance."""
     mean = X.mean(axis=0)
     power, axes = np.linalg.eigh((X - mean).T @ (X - mean) / len(X))
@@ -194,14 +193,12 @@ def _axes(X: Array, count: int, whiten: bool = False) -> tuple[Array, Array]:
     return mean, np.asarray(axes[:, kept] / (np.sqrt(power[kept]) if whiten else 1.0), np.float64)
 
 
-def _products(z: Array) -> Array:
+def _products(z: Real) -> Real:
     one, other = np.triu_indices(z.shape[1])
     return z[:, one] * z[:, other]
 
 
-def _fitted(
-    change: Array, known: Array, index: NDArray[np.intp], spread: int
-) -> list[ClassDensity]:
+def _fitted(change: Real, known: Real, index: NDArray[np.intp], spread: int) -> list[ClassDensity]:
     """Densities of each class, without priors, and before noise is shared between classes."""
     root = np.linalg.cholesky(known.T @ known / len(known) + TINY * np.eye(known.shape[1]))
     turn = np.asarray(np.linalg.inv(root).T, np.float64)
@@ -225,7 +222,7 @@ def _fitted(
 
 
 def _normal(
-    change: Array, known: Array, by_curve: Array, bend: Array, spread: int, turn: Array
+    change: Real, known: Real, by_curve: Real, bend: Real, spread: int, turn: Real
 ) -> ClassDensity:
     """Density of one class. turn: matrix from the original terms of the curve to `known`."""
     touch = known @ by_curve
@@ -242,7 +239,7 @@ def _normal(
     return ClassDensity(turn @ by_curve, bent, strength, axes, own, floor, 0.0)
 
 
-def _strength(change: Array, touch: Array) -> Array:
+def _strength(change: Real, touch: Real) -> Real:
     """t of each sweep by least squares, (sweep,); 1 if the class differs no more than noise."""
     size = np.square(touch).sum(axis=1)
     if size.mean() <= np.square(change - touch).mean():
@@ -251,11 +248,11 @@ def _strength(change: Array, touch: Array) -> Array:
     return np.divide(along, size, out=np.ones(len(size)), where=size > 0)
 
 
-def _curvature(t: Array, known: Array) -> Array:
+def _curvature(t: Real, known: Real) -> Real:
     return np.square(t - 1) * known[:, : CURVATURE_COMPONENTS + 1]
 
 
-def _regressed(terms: list[Array], changes: list[Array]) -> Array:
+def _regressed(terms: list[Real], changes: list[Real]) -> Real:
     """Coefficients of each class by least squares, shared; shape (class, term, component)."""
     ridge = np.full(terms[0].shape[1], RIDGE)
     ridge[0] = TINY
@@ -271,7 +268,7 @@ def _regressed(terms: list[Array], changes: list[Array]) -> Array:
     return shared(found, 1 / precision.mean(axis=0), noise)
 
 
-def _log_density(normal: ClassDensity, change: Array, known: Array) -> Array:
+def _log_density(normal: ClassDensity, change: Real, known: Real) -> Real:
     """ln density by the Sherman-Morrison formula, as the spread of t adds a rank-one term."""
     touch = known @ normal.by_curve
     along, size = _inner(normal, change - touch, touch), _inner(normal, touch, touch)
@@ -285,7 +282,7 @@ def _log_density(normal: ClassDensity, change: Array, known: Array) -> Array:
     return normal.prior - (distance + spread) / 2
 
 
-def _inner(normal: ClassDensity, one: Array, other: Array) -> Array:
+def _inner(normal: ClassDensity, one: Real, other: Real) -> Real:
     """Inner product of each pair of rows, weighted by the inverse covariance of the residual."""
     more = 1 / normal.own - 1 / normal.floor
     within = ((one @ normal.axes) * (other @ normal.axes)) @ more

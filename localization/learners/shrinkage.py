@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ...simulator.arrays import Real
 
 
-def shared(coefficients: Array, errors: Array, noise: Array) -> Array:
+def shared(coefficients: Real, errors: Real, noise: Real) -> Real:
     """Coefficients with less noise, by shrinking the singular values of all classes together.
 
     Neighbouring touches change a skin similarly: the matrix of all coefficients, a row for each

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
+    from ...simulator.arrays import Real
     from ...simulator.scene.scene import Scene
 
 
@@ -151,7 +152,7 @@ class Model(Tabular):
         known = self.gate.classes if self.gate else self.classes
         return any(str(label) in NOTHING_PRESSED for label in known)
 
-    def features(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> NDArray[np.float64]:
+    def features(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Real:
         """Features of the sweeps, shape (sweep, feature).
 
         Raises InputError as `usable_features`, and if a sweep has no baseline sweep before it.
@@ -162,7 +163,7 @@ class Model(Tabular):
 
     def usable_features(
         self, sweeps: xr.Dataset, rest: xr.Dataset | None = None
-    ) -> tuple[NDArray[np.float64], NDArray[np.intp]]:
+    ) -> tuple[Real, NDArray[np.intp]]:
         """Features of the sweeps that have them, (row, feature), and the numbers of these sweeps.
 
         rest: baseline sweeps, if the model needs them and they are not among `sweeps`. Raises
@@ -183,7 +184,7 @@ class Model(Tabular):
 
     def guard_changes(
         self, sweeps: xr.Dataset, rest: xr.Dataset | None, rows: NDArray[np.intp]
-    ) -> NDArray[np.float64] | None:
+    ) -> Real | None:
         """Changes from the baseline for the guards, (row, feature); None if they do not use them.
 
         NaN for rows without a baseline: there the guards are not applied.
@@ -227,7 +228,7 @@ class Model(Tabular):
 
     def probabilities(
         self, sweeps: xr.Dataset, rest: xr.Dataset | None = None
-    ) -> tuple[NDArray, NDArray[np.float64]]:
+    ) -> tuple[NDArray, Real]:
         """Classes, shape (K,), and their calibrated probabilities, shape (sweep, K).
 
         All probabilities are equal for a sweep without a baseline before it. Raises InputError as
@@ -240,9 +241,7 @@ class Model(Tabular):
         found[rows] = self.learned.probabilities(X)
         return self.learned.classes, found
 
-    def positions(
-        self, sweeps: xr.Dataset, rest: xr.Dataset | None = None
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def positions(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> tuple[Real, Real]:
         """Centre in mm and strength of a touch, and their standard deviations, (sweep, 3) each.
 
         Every sweep gets a position; `answers` says if there is one touch. Both are NaN for a sweep

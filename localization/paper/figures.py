@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...simulator.arrays import Real
 from ...simulator.chart_style import COLOURS, LINE_STYLES, UNPRESSED_COLOUR, chart, frequency_axis
 from ...simulator.measure.simulate import simulate
 from ...simulator.models.line import HALF_POWER, attenuation, open_line_amplitude
@@ -117,7 +117,7 @@ def contact_figure(path: Path, study: xr.DataArray) -> None:
         axes.legend()
 
 
-def _draw_attenuation(axes: Axes, strip: Scene, frequency: NDArray[np.float64]) -> None:
+def _draw_attenuation(axes: Axes, strip: Scene, frequency: Real) -> None:
     device, length = totals(strip), strip.skin.length
     R, C = device.R / length, device.C / length
     for index, cutoff in enumerate(paper_frequencies(strip)):
@@ -135,7 +135,7 @@ def _draw_attenuation(axes: Axes, strip: Scene, frequency: NDArray[np.float64]) 
     frequency_axis(axes)
 
 
-def _decibel(amplitude: NDArray[np.float64] | float) -> NDArray[np.float64]:
+def _decibel(amplitude: Real | float) -> Real:
     return 20 * np.log10(amplitude)
 
 
@@ -162,13 +162,13 @@ def _draw_changes(axes: Axes, curves: xr.Dataset, experiment: SimulatedExperimen
     axes.set_ylabel("Change of Cp by the press (%)")
 
 
-def _draw_sweeps(axes: Axes, curves: xr.Dataset, values: NDArray[np.float64]) -> None:
+def _draw_sweeps(axes: Axes, curves: xr.Dataset, values: Real) -> None:
     for sweep, style in zip(values, _styles(curves), strict=True):
         axes.plot(curves["frequency"].values / 1e3, sweep, **style)
     frequency_axis(axes)
 
 
-def _draw_readings(axes: Axes, measured: xr.Dataset, values: NDArray[np.float64]) -> None:
+def _draw_readings(axes: Axes, measured: xr.Dataset, values: Real) -> None:
     for sweep, style in zip(values, _styles(measured), strict=True):
         frequency, colour = measured["frequency"].values / 1e3, style["color"]
         axes.plot(frequency, sweep, ".", color=colour, markersize=2.5)

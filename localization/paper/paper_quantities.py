@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from ...simulator.arrays import Real
 from ...simulator.models.line import HALF_POWER, Line, interrogation_frequency, open_line_amplitude
 from ...simulator.models.solver import Solver
 from ...simulator.press.press import Press
@@ -35,7 +35,7 @@ def totals(scene: Scene) -> Totals:
     return Totals(R, skin.foam.unpressed_capacitance_per_area * (skin.length * skin.width))
 
 
-def capacitance_changes(scene: Scene, frequency: float) -> NDArray[np.float64]:
+def capacitance_changes(scene: Scene, frequency: float) -> Real:
     """Relative change of Cp by a press of each column of row 1, at one frequency in Hz."""
     solver = Solver(scene)
     Cp = [
@@ -51,14 +51,14 @@ def unpressed_resistance(scene: Scene) -> float:
     return float(answer.Z[0, 0].real)
 
 
-def paper_frequencies(scene: Scene) -> NDArray[np.float64]:
+def paper_frequencies(scene: Scene) -> Real:
     """f_i of Eq 6 in Hz for the end of each pixel, with the device's R and C, shape (column,)."""
     device, length = totals(scene), scene.skin.length
     ends = length * np.arange(1, scene.pixels.columns + 1) / scene.pixels.columns
     return interrogation_frequency(ends, device.R / length, device.C / length)
 
 
-def open_line_frequencies(scene: Scene) -> NDArray[np.float64]:
+def open_line_frequencies(scene: Scene) -> Real:
     """Half-power frequency at the end of each pixel of the finite open line, Hz."""
     device, length = totals(scene), scene.skin.length
     R, C = device.R / length, device.C / length
@@ -73,7 +73,7 @@ def open_line_frequencies(scene: Scene) -> NDArray[np.float64]:
     return np.exp(np.array(roots, dtype=float))
 
 
-def separation_peaks(scene: Scene) -> NDArray[np.float64]:
+def separation_peaks(scene: Scene) -> Real:
     """Frequencies in Hz where neighbouring columns differ most in Z, shape (column - 1,).
 
     The presses are in the middle row; differences are relative to Z.
@@ -84,7 +84,7 @@ def separation_peaks(scene: Scene) -> NDArray[np.float64]:
     return SEPARATION_GRID[np.abs(np.diff(Z, axis=0)).argmax(axis=1)]
 
 
-def low_frequency_resistances(scene: Scene) -> NDArray[np.float64]:
+def low_frequency_resistances(scene: Scene) -> Real:
     """Rs in ohm of a line at 1 mHz: unpressed, then each pixel pressed; shape (1 + column,)."""
     line = Line(scene)
     presses = [Press(), *_row_of_presses(scene, 1)]

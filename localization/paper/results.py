@@ -6,9 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ...simulator.arrays import Integer
 from ..evaluation.confusion import Confusion
 from .simulated_experiment import SimulatedExperiment
 
@@ -31,4 +29,4 @@ class Results:
     contact: xr.DataArray
     finer: Confusion
     fewest: xr.DataArray
-    pooled: NDArray[np.int64]
+    pooled: Integer

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...simulator.arrays import Integer
 from ..evaluation.confusion import Confusion
 from .claim import ENOUGH, Claim, listed, mean_share, near, noise_of, same_proportion, share
 from .paper_quantities import (
@@ -138,7 +138,7 @@ def _accuracy(name: str, confusion: Confusion, mean: str, noise: str) -> Claim:
     )
 
 
-def _confused_pixels(pooled: NDArray[np.int64], noise: str) -> Claim:
+def _confused_pixels(pooled: Integer, noise: str) -> Claim:
     wrong = pooled - np.diag(np.diag(pooled))
     both_ways = np.triu(wrong + wrong.T)
     first, second = np.unravel_index(both_ways.argmax(), both_ways.shape)

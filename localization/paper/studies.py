@@ -10,8 +10,8 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...simulator.arrays import Integer
 from ...simulator.measure.experiment import METER, PRESSES, planned_presses, stream
 from ...simulator.measure.readout import read_out
 from ...simulator.measure.simulate import simulate
@@ -115,7 +115,7 @@ def fewest_frequencies(experiment: SimulatedExperiment) -> xr.DataArray:
     return _table(accuracies, count=list(counts))
 
 
-def pooled_counts(experiment: SimulatedExperiment) -> NDArray[np.int64]:
+def pooled_counts(experiment: SimulatedExperiment) -> Integer:
     """Confusion counts (target, output), summed over DRAWS draws of the meter's noise."""
     return np.sum(
         [
@@ -150,10 +150,7 @@ def exact_sweeps(scene: Scene, progress: ProgressCallback) -> xr.Dataset:
 
 
 def mean_accuracy(
-    exact: xr.Dataset,
-    scene: Scene,
-    readout: Readout,
-    quantities: tuple[str, ...] = PAPER,
+    exact: xr.Dataset, scene: Scene, readout: Readout, quantities: tuple[str, ...] = PAPER
 ) -> float:
     """Cross-validated accuracy, mean over DRAWS draws of the meter's noise and of the folds."""
     drawn = _drawn(exact, scene.model_copy(update={"readout": readout}))

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...simulator.arrays import Complex
 from ...simulator.dataset.dataset_plan import Plan, check_cells
 from ...simulator.dataset.drawn_presses import FIRST_BASELINES, pressed_pixels
 from ...simulator.dataset.drawn_session import audited
@@ -139,11 +139,7 @@ def strength(scene: Scene, press: Press) -> float:
     return pressed_factor(scene, press.touches[0]) if press.touches else 1.0
 
 
-def score_point(
-    scene: Scene,
-    trial: EvaluationSettings,
-    rtol: float,
-) -> PointFindings:
+def score_point(scene: Scene, trial: EvaluationSettings, rtol: float) -> PointFindings:
     """Draw a scene's sweeps, cross-validate a localizer on them, and separate the presses.
 
     rtol: tolerance of the sweeps. Raises InputError if a draw has too few sweeps of a class.
@@ -179,9 +175,7 @@ def _family(scene: Scene, rtol: float) -> SkinFamily:
     return reduced(scene, rtol)
 
 
-def impedances(
-    scene: Scene, presses: Sequence[Press], family: SkinFamily, rtol: float
-) -> NDArray[np.complex128]:
+def impedances(scene: Scene, presses: Sequence[Press], family: SkinFamily, rtol: float) -> Complex:
     """Z in ohm of presses on the scene's own skin, as in a data set.
 
     presses: presses of one pixel or none. Shape (press, interface, frequency); pixels that mirror

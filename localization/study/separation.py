@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.distance import cdist
 
+from ...simulator.arrays import Complex, Mask, Real
 from ...simulator.measure.symmetry import Pixel
 from ...simulator.scene.meter import Readout
 from ...simulator.sweeps import InputError
@@ -52,12 +52,8 @@ def label_of(pixel: Pixel, target: str) -> Label:
 
 
 def in_units_of_error(
-    Z: NDArray[np.complex128],
-    readout: Readout,
-    frequency: NDArray[np.float64],
-    taken: NDArray[np.bool_] | None = None,
-    phases: bool = True,
-) -> NDArray[np.float64]:
+    Z: Complex, readout: Readout, frequency: Real, taken: Mask | None = None, phases: bool = True
+) -> Real:
     """ln |Z| and phase over the meter's noise, shape (press, frequency, 2 * interface).
 
     The noise is that of the first press's readings, so that distances do not depend on their
@@ -80,9 +76,7 @@ def require_noise_for_study(readout: Readout) -> None:
             raise InputError(f"`readout.{name}` must be > 0 for a study, got 0")
 
 
-def separation(
-    readings: NDArray[np.float64], labels: Sequence[Label], frequency: NDArray[np.float64]
-) -> Separation:
+def separation(readings: Real, labels: Sequence[Label], frequency: Real) -> Separation:
     """Separation of the classes of these readings.
 
     readings: as in `in_units_of_error`. labels: label of each press, at least two different ones.
@@ -107,7 +101,7 @@ def separation(
     )
 
 
-def class_distances(readings: NDArray[np.float64], labels: Sequence[Label]) -> NDArray[np.float64]:
+def class_distances(readings: Real, labels: Sequence[Label]) -> Real:
     """Distance of each pair of classes at their two nearest presses, shape (class, class)."""
     classes = sorted(set(labels))
     number = np.array([classes.index(label) for label in labels])
@@ -118,7 +112,7 @@ def class_distances(readings: NDArray[np.float64], labels: Sequence[Label]) -> N
     return np.minimum.reduceat(to_class, first, axis=0)
 
 
-def _over(distances: NDArray[np.float64], pairs: Sequence[tuple[int, int]]) -> NDArray[np.float64]:
+def _over(distances: Real, pairs: Sequence[tuple[int, int]]) -> Real:
     return np.array([distances[pair] for pair in pairs])
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...simulator.arrays import Real
 from ...simulator.chart_style import COLOURS, chart, plain_numbers, unit_axis
 from .axis import Axis
 from .report import AS_GOOD, as_good, axis_label, best_index, named
@@ -50,14 +50,14 @@ def _draw_curves(findings: xr.Dataset, axis: Axis, title: str, path: Path) -> No
         figure.suptitle("\n".join(textwrap.wrap(title, TITLE_WIDTH)))
 
 
-def _draw_accuracy(axes: Axes, x: NDArray[np.float64], findings: xr.Dataset) -> None:
+def _draw_accuracy(axes: Axes, x: Real, findings: xr.Dataset) -> None:
     accuracy, spread = (100 * findings[name].values for name in ("accuracy", "accuracy_sd"))
     axes.errorbar(x, accuracy, spread, marker="o", markersize=3, capsize=2, color=COLOURS[0])
     axes.set_ylim(0, 103)
     axes.set_ylabel(_right(findings))
 
 
-def _draw_separation(axes: Axes, x: NDArray[np.float64], findings: xr.Dataset) -> None:
+def _draw_separation(axes: Axes, x: Real, findings: xr.Dataset) -> None:
     for name, colour, style in (
         ("median_separation", COLOURS[2], "--"),
         ("least_separation", COLOURS[1], "-"),
@@ -71,7 +71,7 @@ def _draw_separation(axes: Axes, x: NDArray[np.float64], findings: xr.Dataset) -
     axes.legend()
 
 
-def _draw_band(axes: Axes, x: NDArray[np.float64], findings: xr.Dataset) -> None:
+def _draw_band(axes: Axes, x: Real, findings: xr.Dataset) -> None:
     start, stop = (findings[name].values / 1e3 for name in ("band_start", "band_stop"))
     axes.fill_between(x, start, stop, color=COLOURS[5], alpha=0.5, linewidth=0)
     for edge in (start, stop):
@@ -123,9 +123,7 @@ def _map_separation(panel: Axes, findings: xr.Dataset, axes: Sequence[Axis]) -> 
     panel.set_title(f"Separation of the nearest two {findings.attrs['target']}s")
 
 
-def _map(
-    panel: Axes, values: NDArray[np.float64], axes: Sequence[Axis], label: str, **colours: object
-) -> None:
+def _map(panel: Axes, values: Real, axes: Sequence[Axis], label: str, **colours: object) -> None:
     edges = [_edges(axis) for axis in axes]
     mesh = panel.pcolormesh(*edges, values, cmap="viridis", **colours)  # pyright: ignore
     bar = panel.figure.colorbar(mesh, ax=panel, label=label, pad=0.02)
@@ -135,7 +133,7 @@ def _map(
     _scale(panel, "x", axes[0])
 
 
-def _edges(axis: Axis) -> NDArray[np.float64]:
+def _edges(axis: Axis) -> Real:
     """Limits of the cells around each value."""
     values = np.array(axis.values, dtype=float)
     if values.size == 1:

@@ -14,6 +14,8 @@ from .rates import CONFIDENCE, lower_bound
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from ...simulator.arrays import Mask, Real
+
 CANNOT_TELL = "cannot tell"
 """The answer if no class is probable enough, or the sweep is unlike the training."""
 SHARES = (1.0, 0.85, 0.7, 0.5, 0.3, 0.15)
@@ -33,12 +35,12 @@ class Answers(Tabular):
     """
 
     labels: NDArray[np.str_]
-    probability: NDArray[np.float64]
-    novel: NDArray[np.bool_]
-    chances: NDArray[np.float64]
+    probability: Real
+    novel: Mask
+    chances: Real
 
     @property
-    def answered(self) -> NDArray[np.bool_]:
+    def answered(self) -> Mask:
         """True for sweeps with an answer, shape (sweep,)."""
         return self.labels != CANNOT_TELL
 
@@ -63,9 +65,7 @@ class Answers(Tabular):
         return Answers(labels.astype(str), probability, novel, chances)
 
 
-def decide(
-    classes: NDArray, probabilities: NDArray[np.float64], novel: NDArray[np.bool_], threshold: float
-) -> Answers:
+def decide(classes: NDArray, probabilities: Real, novel: Mask, threshold: float) -> Answers:
     """The most probable class of each sweep, or CANNOT_TELL.
 
     CANNOT_TELL is the answer if the sweep is novel or the probability is below the threshold.
@@ -80,9 +80,7 @@ def decide(
     return Answers(labels, probability, novel, probabilities)
 
 
-def threshold_of(
-    probability: NDArray[np.float64], right: NDArray[np.bool_], certain: float
-) -> float:
+def threshold_of(probability: Real, right: Mask, certain: float) -> float:
     """Probability threshold above which answers are right at the rate `certain`.
 
     It is the threshold of the largest of SHARES that reaches the rate. The rate holds with

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
+    from ...simulator.arrays import Mask, Real
+
 NO_FAULT = "no fault"
 MIN_SESSIONS_OF_FAULT = 3
 """Number of sessions with a fault from which on it can be named."""
@@ -47,7 +49,7 @@ class Diagnosis:
     guards: Mapping[str, KindGuard]
     misleading: tuple[str, ...] = ()
 
-    def kinds(self, X: NDArray[np.float64]) -> NDArray[np.str_]:
+    def kinds(self, X: Real) -> NDArray[np.str_]:
         """Kind of the fault that each sweep resembles, "" if it resembles none, shape (n,).
 
         A sweep resembles a fault if it is within the limit of the sweeps of that fault, beyond that
@@ -70,9 +72,7 @@ def faults_of(sweeps: xr.Dataset) -> NDArray[np.str_]:
     return sweeps[FAULT].values.astype(str)
 
 
-def diagnosis_of(
-    sweeps: xr.Dataset, interfaces: Sequence[str], right: NDArray[np.float64]
-) -> Diagnosis | None:
+def diagnosis_of(sweeps: xr.Dataset, interfaces: Sequence[str], right: Real) -> Diagnosis | None:
     """Guards of the faults in these sweeps; None if none has enough sessions.
 
     right: 1 for a right answer, 0 for a wrong one, NaN where no press is known, shape (sweep,).
@@ -96,7 +96,7 @@ def diagnosis_of(
     return Diagnosis(guards, tuple(misleading))
 
 
-def diagnosis_features(sweeps: xr.Dataset, interfaces: Sequence[str]) -> NDArray[np.float64]:
+def diagnosis_features(sweeps: xr.Dataset, interfaces: Sequence[str]) -> Real:
     """Features of all sweeps that a `Diagnosis` takes, shape (sweep, feature)."""
     absolute = names_of(sweeps.variables).absolute
     return available_features(sweeps, absolute, interfaces=interfaces)[0]
@@ -109,10 +109,7 @@ def without_answer(kind: str) -> str:
 
 
 def _guard(
-    sweeps: xr.Dataset,
-    interfaces: Sequence[str],
-    which: NDArray[np.bool_],
-    faults: NDArray[np.str_],
+    sweeps: xr.Dataset, interfaces: Sequence[str], which: Mask, faults: NDArray[np.str_]
 ) -> KindGuard | None:
     """Guard of some sweeps, each place of the fault apart; None for too few sessions."""
     rows = np.flatnonzero(which)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.pipeline import Pipeline
 
+from ...simulator.arrays import Mask, Real
 from ..learners.decisions import decisions
 from .answers import Answers, decide
 from .kinds import KindGuard
@@ -30,9 +31,7 @@ class Guards:
     several: SeveralGuard | None = None
     changes: Guards | None = None
 
-    def novel(
-        self, X: NDArray[np.float64], changes: NDArray[np.float64] | None = None
-    ) -> NDArray[np.bool_]:
+    def novel(self, X: Real, changes: Real | None = None) -> Mask:
         """True for sweeps unlike those of the training, shape (n,).
 
         X: shape (n, feature). changes: as in `baseline_changes`, shape (n, feature).
@@ -47,7 +46,7 @@ class Guards:
         return novel
 
 
-def with_known_baseline(changes: NDArray[np.float64]) -> NDArray[np.intp]:
+def with_known_baseline(changes: Real) -> NDArray[np.intp]:
     """Indices of the sweeps whose changes are known. changes: shape (n, feature)."""
     return np.flatnonzero(np.isfinite(changes).all(axis=1))
 
@@ -67,9 +66,7 @@ class Learned:
     pipeline: Pipeline
     guards: Guards | None
 
-    def novel(
-        self, X: NDArray[np.float64], changes: NDArray[np.float64] | None = None
-    ) -> NDArray[np.bool_]:
+    def novel(self, X: Real, changes: Real | None = None) -> Mask:
         """True for sweeps unlike those of the training, shape (n,).
 
         X: shape (n, feature). changes: from the baseline, for guards that use them.
@@ -105,13 +102,11 @@ class Classifier(Learned):
         """Classes in ascending order, shape (K,)."""
         return self.pipeline.classes_
 
-    def probabilities(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
+    def probabilities(self, X: Real) -> Real:
         """Probability of each class, shape (n, K)."""
         return probabilities(decisions(self.pipeline, X), self.sharpness)
 
-    def answers(
-        self, X: NDArray[np.float64], changes: NDArray[np.float64] | None = None
-    ) -> Answers:
+    def answers(self, X: Real, changes: Real | None = None) -> Answers:
         """A class or CANNOT_TELL for each row. changes: as in `novel`."""
         novel = self.novel(X, changes)
         return decide(self.classes, self.probabilities(X), novel, self.threshold)
@@ -126,7 +121,7 @@ class Regressor(Learned):
     median_error: median error of the held-out sweeps, mm.
     """
 
-    factor: NDArray[np.float64]
+    factor: Real
     spread: Pipeline | None
     median_error: float
 
@@ -135,7 +130,7 @@ class Regressor(Learned):
         """Median error on the held-out sweeps, as text."""
         return f"median error {self.median_error:.1f} mm"
 
-    def positions(self, X: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def positions(self, X: Real) -> tuple[Real, Real]:
         """Positions (x, y in mm, strength) and standard deviations, each of shape (n, 3)."""
         if self.spread is None:
             places, deviation = self.pipeline.predict(X, return_std=True)

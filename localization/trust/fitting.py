@@ -6,11 +6,11 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from sklearn.neighbors import KNeighborsRegressor
 from sklearn.pipeline import Pipeline, make_pipeline
 from sklearn.preprocessing import StandardScaler
 
+from ...simulator.arrays import Real
 from ...simulator.progress import ProgressCallback, silent, tracked
 from ...simulator.sweeps import InputError
 from ..inputs.samples import Samples, as_changes
@@ -107,7 +107,7 @@ def _retrained(
     return train if estimator.uses_sweeps else lambda part: whole
 
 
-def _spread(predicted: NDArray[np.float64], residual: NDArray[np.float64]) -> Pipeline:
+def _spread(predicted: Real, residual: Real) -> Pipeline:
     """Fit the variance of errors as the mean over the nearest positions of held-out sweeps."""
     physical_cpu_count()
     kept = np.random.default_rng(0).permutation(len(predicted))[:RESIDUALS]

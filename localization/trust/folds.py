@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
+    from ...simulator.arrays import Integer
+
 GROUPINGS = ("press", "session")
 MIN_SESSIONS = 2
 """Minimum number of sessions for whole sessions to be held out."""
@@ -49,9 +51,7 @@ def folds_of(
     return splits
 
 
-def splits_of(
-    strata: NDArray | None, sessions: NDArray[np.int64], folds: int = 5, seed: int = 0
-) -> Splits:
+def splits_of(strata: NDArray | None, sessions: Integer, folds: int = 5, seed: int = 0) -> Splits:
     """Split into as many folds as possible, at most `folds`.
 
     Whole sessions are held out if there are MIN_SESSIONS or more.
@@ -74,7 +74,7 @@ def splits_of(
     return _split(strata, groups, min(most, int(sizes.min())), seed)
 
 
-def scoring_splits(strata: NDArray | None, sessions: NDArray[np.int64]) -> Splits:
+def scoring_splits(strata: NDArray | None, sessions: Integer) -> Splits:
     """The splits of `splits_of`, or only the first one if there are more than PLENTY sweeps.
 
     If that one holds out more than MAX_SCORED sweeps, MAX_SCORED evenly spaced ones are scored.
@@ -92,12 +92,12 @@ def held_out_indices(splits: Splits) -> NDArray[np.intp]:
     return np.sort(np.concatenate([test for _, test in splits]))
 
 
-def by_session(sessions: NDArray[np.int64]) -> bool:
+def by_session(sessions: Integer) -> bool:
     """True if there are enough sessions to hold out whole ones."""
     return np.unique(sessions).size >= MIN_SESSIONS
 
 
-def describe_splits(splits: Splits, sessions: NDArray[np.int64], requested: int = 0) -> str:
+def describe_splits(splits: Splits, sessions: Integer, requested: int = 0) -> str:
     """Text on how sweeps were held out. requested: number of folds that were requested."""
     folds = "1 fold" if len(splits) == 1 else f"{len(splits)} folds"
     if len(splits) < requested:
@@ -107,7 +107,7 @@ def describe_splits(splits: Splits, sessions: NDArray[np.int64], requested: int 
     return f"{folds} within one session; the effect of another mounting or skin is not included"
 
 
-def describe_nested_splits(splits: Splits, sessions: NDArray[np.int64], requested: int) -> str:
+def describe_nested_splits(splits: Splits, sessions: Integer, requested: int) -> str:
     """Text of `describe_splits`, with a remark if the inner folds hold out no whole sessions."""
     within = all(by_session(sessions[train]) for train, _ in splits)
     but = (
@@ -118,11 +118,11 @@ def describe_nested_splits(splits: Splits, sessions: NDArray[np.int64], requeste
     return describe_splits(splits, sessions, requested) + but
 
 
-def _units(sessions: NDArray[np.int64]) -> str:
+def _units(sessions: Integer) -> str:
     return "sessions, or sweeps of a class" if by_session(sessions) else "sweeps of a class"
 
 
-def groups_of(sweeps: xr.Dataset, grouping: str | None) -> NDArray[np.int64] | None:
+def groups_of(sweeps: xr.Dataset, grouping: str | None) -> Integer | None:
     """Group numbers; sweeps of one group share a fold. Shape (sweep,), None without groups."""
     if grouping is None:
         return None
@@ -133,13 +133,13 @@ def groups_of(sweeps: xr.Dataset, grouping: str | None) -> NDArray[np.int64] | N
     raise InputError(f"`grouping` must be none, {' or '.join(GROUPINGS)}, got {grouping!r}")
 
 
-def _split(y: NDArray, groups: NDArray[np.int64] | None, folds: int, seed: int) -> Splits:
+def _split(y: NDArray, groups: Integer | None, folds: int, seed: int) -> Splits:
     kind = StratifiedKFold if groups is None else StratifiedGroupKFold
     splitter = kind(n_splits=folds, shuffle=True, random_state=seed)
     return list(splitter.split(np.zeros(y.size), y, groups))
 
 
-def _pixel_numbers(row: NDArray[np.int64], column: NDArray[np.int64]) -> NDArray[np.int64]:
+def _pixel_numbers(row: Integer, column: Integer) -> Integer:
     """Group of each sweep: one for each pressed pixel, one for each unpressed sweep, (sweep,)."""
     pixels, number = np.unique(np.stack([row, column]), axis=1, return_inverse=True)
     unpressed = np.flatnonzero(row == 0)
@@ -147,7 +147,7 @@ def _pixel_numbers(row: NDArray[np.int64], column: NDArray[np.int64]) -> NDArray
     return number
 
 
-def _check_number(folds: int, y: NDArray, groups: NDArray[np.int64] | None) -> None:
+def _check_number(folds: int, y: NDArray, groups: Integer | None) -> None:
     classes, sizes = np.unique(y, return_counts=True)
     if classes.size < 2:
         raise InputError(f"need sweeps of at least 2 classes, got {classes.size}")

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from sklearn.base import BaseEstimator
 from sklearn.utils.validation import check_is_fitted, validate_data
+
+from ...simulator.arrays import Real
 
 
 class Guard(BaseEstimator):
@@ -13,11 +14,11 @@ class Guard(BaseEstimator):
 
     limit_: float
 
-    def away(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
+    def away(self, X: Real) -> Real:
         """Distance from the nearest training data, shape (n,)."""
         raise NotImplementedError
 
-    def distances(self, X) -> NDArray[np.float64]:
+    def distances(self, X) -> Real:
         """Distance divided by the limit: above 1 is novel. Shape (n,)."""
         check_is_fitted(self)
         X = np.asarray(validate_data(self, X, reset=False, dtype=np.float64))

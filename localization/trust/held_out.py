@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from sklearn.pipeline import Pipeline
 
+from ...simulator.arrays import Real
 from ..inputs.samples import Samples
 from ..learners.decisions import decisions
 from .folds import Split
@@ -20,7 +21,7 @@ def held_out_decisions(
     splits: Iterable[Split],
     held_out: NDArray[np.intp],
     classes: NDArray,
-) -> NDArray[np.float64]:
+) -> Real:
     """Decisions for each sweep and class by a pipeline that was not trained on the sweep.
 
     held_out: indices of the sweeps of all tests, ascending. A class that a training lacks takes the
@@ -39,7 +40,7 @@ def held_out_decisions(
 
 def held_out_positions(
     train: Callable[[Samples], Pipeline], samples: Samples, splits: Iterable[Split]
-) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+) -> tuple[Real, Real | None]:
     """Positions by a pipeline that was not trained on the sweep, and their deviations.
 
     Each has shape (n, 3), NaN if a sweep is in no test. The deviations are None if the regressor

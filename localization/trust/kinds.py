@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from sklearn.decomposition import PCA
 from sklearn.utils.validation import validate_data
 
+from ...simulator.arrays import Real
 from ..inputs.features import press_features
 from ..inputs.samples import Samples
 from .answers import NOTHING_PRESSED
@@ -102,12 +103,12 @@ class KindGuard(Guard):
         self.beside_ = self.limit_ / (OUTSIDE_MARGIN * max(farthest, least))
         return self
 
-    def away(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
+    def away(self, X: Real) -> Real:
         """Distance from the nearest kind, or outside all components if larger, shape (n,)."""
         within, outside = self._both(X)
         return np.maximum(within, self.beside_ * outside)
 
-    def _both(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _both(self, X: Real) -> Real:
         """Distance to the nearest kind within the components, and outside them, shape (2, n)."""
         shown = X[:, self.told_] / self.scale_
         components = self.pca_.transform(shown)
@@ -118,9 +119,7 @@ class KindGuard(Guard):
         outside = np.linalg.norm(shown - self.pca_.inverse_transform(components), axis=1)
         return np.array([np.sqrt(reduce(np.minimum, squares)), outside])
 
-    def _learn(
-        self, X: NDArray[np.float64], kinds: NDArray[np.str_], equal_errors: bool
-    ) -> KindGuard:
+    def _learn(self, X: Real, kinds: NDArray[np.str_], equal_errors: bool) -> KindGuard:
         X = _without_outliers(X[:, self.told_])
         names, index = np.unique(kinds, return_inverse=True)
         spread = np.full(X.shape[1], X.std()) if equal_errors else X.std(axis=0)
@@ -144,15 +143,13 @@ def kind_guard(samples: Samples, splits: Splits) -> KindGuard:
     )
 
 
-def _without_outliers(X: NDArray[np.float64]) -> NDArray[np.float64]:
+def _without_outliers(X: Real) -> Real:
     """Clip each feature beyond its TAILS quantiles by the distance between them."""
     low, high = np.quantile(X, [TAILS, 1 - TAILS], axis=0)
     return np.clip(X, 2 * low - high, 2 * high - low)
 
 
-def _whitenings(
-    aside: NDArray[np.float64], index: NDArray[np.intp], names: NDArray[np.str_]
-) -> NDArray[np.float64]:
+def _whitenings(aside: Real, index: NDArray[np.intp], names: NDArray[np.str_]) -> Real:
     """Matrices that whiten deviations from each kind's mean, (kind, component, component)."""
     pooled = aside.T @ aside / max(1, len(aside) - names.size)
     floor = MIN_VARIANCE * max(float(np.trace(pooled)), np.finfo(float).tiny)
@@ -166,7 +163,7 @@ def _whitenings(
     return np.array(found)
 
 
-def _places(positions: NDArray[np.float64]) -> NDArray[np.intp]:
+def _places(positions: Real) -> NDArray[np.intp]:
     """Cluster number of each touch, by its place. positions: shape (n, >= 2)."""
     from sklearn.cluster import KMeans
 

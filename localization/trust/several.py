@@ -14,6 +14,7 @@ from sklearn.preprocessing import StandardScaler
 from sklearn.svm import SVC
 from sklearn.utils.validation import validate_data
 
+from ...simulator.arrays import Mask, Real
 from ..inputs.features import press_features
 from ..inputs.samples import Samples, draw_stratified
 from ..processor_count import physical_cpu_count
@@ -49,11 +50,11 @@ class SeveralGuard(Guard):
     def fit(
         self,
         X,
-        several: NDArray[np.float64],
+        several: Real,
         *,
         splits: Splits,
         several_parts: list[NDArray[np.intp]],
-        touched: NDArray[np.bool_],
+        touched: Mask,
         columns: NDArray[np.intp],
     ):
         """Fit the SVM that separates several touches from fewer, and the limit.
@@ -73,7 +74,7 @@ class SeveralGuard(Guard):
         self.limit_ = float(np.quantile(np.concatenate(distances), self.share, method="higher"))
         return self
 
-    def away(self, X: NDArray[np.float64]) -> NDArray[np.float64]:
+    def away(self, X: Real) -> Real:
         """exp of the decision for several touches, shape (n,)."""
         physical_cpu_count()
         return np.exp(self.parting_.decision_function(X[:, self.told_])) if len(X) else np.zeros(0)
@@ -106,7 +107,7 @@ def several_guard(samples: Samples, splits: Splits) -> SeveralGuard | None:
     )
 
 
-def _separating_svm(one: NDArray[np.float64], several: NDArray[np.float64]) -> Pipeline:
+def _separating_svm(one: Real, several: Real) -> Pipeline:
     """Fit an SVM whose decision is positive for several touches."""
     parts = [_at_most(part) for part in (one, several)]
     is_several = np.repeat([False, True], [len(part) for part in parts])
@@ -114,7 +115,7 @@ def _separating_svm(one: NDArray[np.float64], several: NDArray[np.float64]) -> P
     return machine.fit(np.concatenate(parts), is_several)
 
 
-def _at_most(X: NDArray[np.float64]) -> NDArray[np.float64]:
+def _at_most(X: Real) -> Real:
     return (
         X
         if len(X) <= MAX_SWEEPS_PER_KIND

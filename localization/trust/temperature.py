@@ -15,13 +15,15 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import minimize_scalar
 from scipy.special import log_softmax, softmax
 
+from ...simulator.arrays import Real
+
 SHARPEST = 1e4
 """Maximum factor of decisions; the minimum is its inverse."""
 BINS = 10
 """Number of bins of answers, by their probability."""
 
 
-def sharpness_of(decisions: NDArray[np.float64], index: NDArray[np.intp]) -> float:
+def sharpness_of(decisions: Real, index: NDArray[np.intp]) -> float:
     """Factor of the decisions whose softmax has the least log loss.
 
     decisions: those of sweeps that were not trained on, shape (n, K). index: true classes, (n,).
@@ -36,7 +38,7 @@ def sharpness_of(decisions: NDArray[np.float64], index: NDArray[np.intp]) -> flo
     return float(np.exp(found.x))
 
 
-def probabilities(decisions: NDArray[np.float64], sharpness: float) -> NDArray[np.float64]:
+def probabilities(decisions: Real, sharpness: float) -> Real:
     """Softmax of decisions times sharpness, shape (n, K): rows sum to 1, the order is kept."""
     return np.asarray(softmax(sharpness * decisions, axis=1))
 

@@ -17,8 +17,8 @@ from functools import cached_property, reduce
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Real
 from ..chebyshev import barycentric, extrema, refined
 from ..measure.experiment import strengths
 from ..method_cache import cached_method
@@ -41,8 +41,6 @@ NODES = (3, 65)
 CACHED = 256
 """Number of counts of strengths whose weights are cached."""
 
-Array = NDArray[np.float64]
-
 
 class BayesAccuracy(NamedTuple):
     """Share of correct sweeps, and its standard error by the number of draws."""
@@ -55,7 +53,7 @@ class BayesAccuracy(NamedTuple):
 class DrawScores:
     """Probability that the best answer to each draw is correct, shape (draw,)."""
 
-    correct: Array
+    correct: Real
 
     @property
     def accuracy(self) -> BayesAccuracy:
@@ -100,11 +98,11 @@ def _node_count(
         return NODES[0]
     ordered = sorted(alone, key=lambda each: (each.pixels, each.fingers))
 
-    def values(factors: Array) -> Array:
+    def values(factors: Real) -> Real:
         each = (own.on(readings.scene, f) for f in factors[:, None] - 1 for own in ordered)
         return readings.of_batch(PressBatch.of(each)).reshape(len(factors), len(ordered), -1)
 
-    def close(found: Array, truth: Array) -> bool:
+    def close(found: Real, truth: Real) -> bool:
         return bool(np.linalg.norm(found - truth, axis=-1).max() <= MAX_RESIDUAL)
 
     found = refined(values, (low, high), NODES, close)
@@ -131,7 +129,7 @@ class Draws:
         self._among, self._presses = among, presses
         self._which = random.choice(len(among), draws, p=[each.chance for each in among])
         self._touches = max(1, *(len(each.pixels) for each in among))
-        self._factors: Array = presses.at(random.random((draws, self._touches)))
+        self._factors: Real = presses.at(random.random((draws, self._touches)))
         low, high = float(presses.low), float(presses.high)
         self._nodes = extrema(low, high, nodes) if low < high else np.array([low])
 
@@ -143,7 +141,7 @@ class Draws:
         combinations = np.array(list(itertools.product(self._nodes, repeat=self._touches)))
         return PressBatch.of(each.on(scene, rises) for each in among for rises in combinations - 1)
 
-    def score(self, nodes: Array, errors: Array) -> DrawScores:
+    def score(self, nodes: Real, errors: Real) -> DrawScores:
         """Scores of all draws.
 
         nodes: whitened readings of `batch`, shape (hypothesis, combination, number). errors:
@@ -159,7 +157,7 @@ class Draws:
         return DrawScores(posterior_of_tiles(known, tiles, measured).max(axis=1))
 
     @cached_property
-    def _at_draws(self) -> Array:
+    def _at_draws(self) -> Real:
         """Interpolation from all combinations of nodes to the draws, shape (draw, combination)."""
         found = np.ones((len(self._factors), 1))
         for factors in self._factors.T:
@@ -167,14 +165,14 @@ class Draws:
             found = (found[:, :, None] * more[:, None, :]).reshape(len(found), -1)
         return found
 
-    def _between(self, factors: Array) -> Array:
+    def _between(self, factors: Real) -> Real:
         """Interpolation from nodes of one touch to factors, shape (factor, node)."""
         if len(self._nodes) == 1:
             return np.ones((len(factors), 1))
         return barycentric(self._nodes, factors)
 
     @cached_method(CACHED)
-    def _strengths(self, count: int) -> tuple[Array, Array]:
+    def _strengths(self, count: int) -> tuple[Real, Real]:
         """Interpolation from nodes of one touch to `count` strengths, shape (strength, node).
 
         Also returns the weight of each strength.
@@ -182,7 +180,7 @@ class Draws:
         found = strengths(self._presses, count)
         return self._between(found.factor), found.weight
 
-    def _templates(self, nodes: Array) -> tuple[Templates, NDArray[np.int64]]:
+    def _templates(self, nodes: Real) -> tuple[Templates, Integer]:
         """Templates of all hypotheses at all strengths, and the starts of their tiles."""
         counts = [self._steps(own) for own in nodes]
         sizes = [math.prod(own) for own in counts]
@@ -203,13 +201,13 @@ class Draws:
         return known, begun + np.concatenate(tiles)
 
     @cached_method(CACHED)
-    def _tiled(self, counts: tuple[int, ...]) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+    def _tiled(self, counts: tuple[int, ...]) -> tuple[Integer, Integer, Real]:
         """Order and starts of `in_tiles`, and the weight of each strength in that order."""
         order, starts = in_tiles(counts)
         weight = reduce(np.multiply.outer, [self._strengths(count)[1] for count in counts])
         return order, starts, weight.ravel()[order]
 
-    def _at_strengths(self, nodes: Array, counts: Sequence[int]) -> Array:
+    def _at_strengths(self, nodes: Real, counts: Sequence[int]) -> Real:
         """Readings of one hypothesis at all combinations of `counts` strengths of each touch."""
         found = self._by_touch(nodes)
         for touch, count in enumerate(counts):
@@ -217,7 +215,7 @@ class Draws:
             found = np.moveaxis(turned, 0, touch)
         return found.reshape(-1, found.shape[-1])
 
-    def _steps(self, nodes: Array) -> tuple[int, ...]:
+    def _steps(self, nodes: Real) -> tuple[int, ...]:
         """Numbers of strengths of each touch with steps of at most STEP of the meter's error.
 
         This holds at all strengths of the other touch.
@@ -231,10 +229,10 @@ class Draws:
             counts.append(max(1, math.ceil(speed * FIRST_STRENGTHS / STEP)))
         return tuple(counts)
 
-    def _by_touch(self, nodes: Array) -> Array:
+    def _by_touch(self, nodes: Real) -> Real:
         """Readings of one hypothesis, shape (node of the first touch, ..., number)."""
         return nodes.reshape(*(len(self._nodes),) * self._touches, -1)
 
 
-def _mean(values: Array) -> BayesAccuracy:
+def _mean(values: Real) -> BayesAccuracy:
     return BayesAccuracy(float(values.mean()), float(values.std(ddof=1) / math.sqrt(len(values))))

@@ -9,8 +9,8 @@ from __future__ import annotations
 import zlib
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Mask, Real
 from ..measure.experiment import own_presses
 from ..measure.readout import ErrorModel, errors_of, observed, require_noise
 from ..method_cache import cached_method
@@ -21,7 +21,7 @@ from ..scene.frequency import laplace_variable
 from ..scene.reading_setup import ReadingSetup
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .bayes import Array, Draws, DrawScores
+from .bayes import Draws, DrawScores
 from .touch_readings import hypotheses
 
 NODES = 6
@@ -58,7 +58,7 @@ class CommonDraws:
         self._draws = Draws(self._among, presses or own_presses(scene), random, draws, NODES)
 
     def score(
-        self, skin: ReducedSkin, reading: ReadingSetup, taken: NDArray[np.bool_] | None = None
+        self, skin: ReducedSkin, reading: ReadingSetup, taken: Mask | None = None
     ) -> DrawScores:
         """Scores for one skin with these readings.
 
@@ -73,17 +73,15 @@ class CommonDraws:
         return self._draws.score(self._whitened(skin, reading, taken), errors)
 
     @cached_method(CACHED)
-    def _noise(self, interface: str, frequencies: int) -> Array:
+    def _noise(self, interface: str, frequencies: int) -> Real:
         """Whitened errors of one interface, shape (draw, 2, frequency)."""
         random = np.random.default_rng([self._seed, zlib.crc32(interface.encode())])
         return random.standard_normal((len(self._draws), 2, frequencies))
 
-    def _whitened(
-        self, skin: ReducedSkin, reading: ReadingSetup, taken: NDArray[np.bool_]
-    ) -> Array:
+    def _whitened(self, skin: ReducedSkin, reading: ReadingSetup, taken: Mask) -> Real:
         """Whitened readings of all hypotheses at all nodes, (hypothesis, combination, number)."""
 
-        def impedances(batch: PressBatch) -> NDArray[np.complex128]:
+        def impedances(batch: PressBatch) -> Complex:
             Z = skin.sweeps(batch, laplace_variable(reading.frequency, skin.loss))
             return reading.at_meter(Z)
 
@@ -101,9 +99,7 @@ class CommonDraws:
         return flat.reshape(len(self._among), -1, flat.shape[1])
 
 
-def whitened_interface(
-    numbers: Array, model: ErrorModel, interface: int, taken: NDArray[np.bool_]
-) -> Array:
+def whitened_interface(numbers: Real, model: ErrorModel, interface: int, taken: Mask) -> Real:
     """Whitens numbers (press, 2, frequency) of one interface, to shape (press, n).
 
     With x and the errors of the session e in units of the noise, the covariance is I + ee', whose

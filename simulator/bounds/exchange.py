@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Score = Callable[[NDArray[np.int64]], NDArray[np.float64]]
+from ..arrays import Integer, Mask, Real
+
+Score = Callable[[Integer], Real]
 """Function from choices, shape (choice, n), to the minimized score, shape (choice,)."""
 
 GAIN = 1e-9
@@ -18,9 +19,9 @@ def best_choice(
     score: Score,
     candidates: int,
     n: int,
-    starts: Sequence[NDArray[np.int64]] = (),
-    excludes: NDArray[np.bool_] | None = None,
-) -> NDArray[np.int64]:
+    starts: Sequence[Integer] = (),
+    excludes: Mask | None = None,
+) -> Integer:
     """n candidates of low score, ascending: the best result of exchanges from several starts.
 
     starts: further choices to begin at, in addition to the greedy one. excludes: True for pairs of
@@ -34,7 +35,7 @@ def best_choice(
     return ended[int(np.argmin(scores))]
 
 
-def _grown(score: Score, n: int, excludes: NDArray[np.bool_]) -> NDArray[np.int64]:
+def _grown(score: Score, n: int, excludes: Mask) -> Integer:
     chosen = np.zeros(0, dtype=np.int64)
     for _ in range(n):
         options = _with_each(chosen, excludes)
@@ -42,9 +43,7 @@ def _grown(score: Score, n: int, excludes: NDArray[np.bool_]) -> NDArray[np.int6
     return chosen
 
 
-def _exchanged(
-    score: Score, chosen: NDArray[np.int64], excludes: NDArray[np.bool_]
-) -> NDArray[np.int64]:
+def _exchanged(score: Score, chosen: Integer, excludes: Mask) -> Integer:
     lowest = float(score(chosen[None])[0])
     quiet, slot = 0, 0
     while quiet < len(chosen):
@@ -60,7 +59,7 @@ def _exchanged(
     return np.sort(chosen)
 
 
-def _with_each(chosen: NDArray[np.int64], excludes: NDArray[np.bool_]) -> NDArray[np.int64]:
+def _with_each(chosen: Integer, excludes: Mask) -> Integer:
     """The choice plus one more, for every allowed candidate, shape (option, n + 1)."""
     more = np.flatnonzero(~excludes[chosen].any(axis=0))
     return np.column_stack([np.tile(chosen, (len(more), 1)), more]).astype(np.int64)

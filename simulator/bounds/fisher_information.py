@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Real
 from ..measure.readout import ErrorModel, Unpressed, errors_of, observed_slope
 from ..scene.reading_setup import ReadingSetup
 from ..scene.scene import Scene
@@ -15,7 +15,7 @@ RIDGE = 1e-12
 """Added to the information, scaled to a unit diagonal; smaller information counts as none."""
 
 
-def summed(slopes: NDArray[np.float64]) -> NDArray[np.float64]:
+def summed(slopes: Real) -> Real:
     """Information of each frequency, shape (case, frequency, p, p).
 
     slopes: over the meter's noise, shape (case, interface, frequency, 2, p).
@@ -23,7 +23,7 @@ def summed(slopes: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.einsum("cifqa,cifqb->cfab", slopes, slopes, optimize=True)
 
 
-def covariances(information: NDArray[np.float64], wanted: int) -> NDArray[np.float64]:
+def covariances(information: Real, wanted: int) -> Real:
     """Bound on the covariance of the first `wanted` unknowns, shape (..., wanted, wanted).
 
     information: with priors, shape (..., p, p). An unknown without any information has an infinite
@@ -39,12 +39,12 @@ def covariances(information: NDArray[np.float64], wanted: int) -> NDArray[np.flo
     return found + _on_diagonal(np.where(none, np.inf, 0.0)[..., :wanted])
 
 
-def variances(information: NDArray[np.float64], wanted: int) -> NDArray[np.float64]:
+def variances(information: Real, wanted: int) -> Real:
     """The diagonals of `covariances`, shape (..., wanted)."""
     return np.diagonal(covariances(information, wanted), axis1=-2, axis2=-1)
 
 
-def _on_diagonal(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _on_diagonal(values: Real) -> Real:
     found = np.zeros((*values.shape, values.shape[-1]))
     along = np.arange(values.shape[-1])
     found[..., along, along] = values
@@ -52,10 +52,7 @@ def _on_diagonal(values: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def error_model(
-    scene: Scene,
-    frequency: NDArray[np.float64],
-    against_rest: int = 0,
-    unpressed: Unpressed | None = None,
+    scene: Scene, frequency: Real, against_rest: int = 0, unpressed: Unpressed | None = None
 ) -> ErrorModel:
     """Error model of a sweep of a scene with all interfaces at all frequencies, Hz.
 
@@ -67,9 +64,7 @@ def error_model(
     return errors_of(scene, against_rest, reading=reading, unpressed=unpressed)
 
 
-def in_noise(
-    Z: NDArray[np.complex128], slopes: Sequence[NDArray[np.complex128]], model: ErrorModel
-) -> NDArray[np.float64]:
+def in_noise(Z: Complex, slopes: Sequence[Complex], model: ErrorModel) -> Real:
     """Slopes of ln |Z| and phase over the noise, shape (interface, frequency, 2, slope).
 
     They are 0 where nothing is read.
@@ -79,7 +74,7 @@ def in_noise(
     return np.moveaxis(np.stack(columns, axis=-1), 0, 2)
 
 
-def session_errors(model: ErrorModel) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def session_errors(model: ErrorModel) -> tuple[Real, Real]:
     """Slopes by gain and phase error of each interface, (interface, frequency, 2, unknown).
 
     An unknown is the error at the reading where it is largest. Also returns 1/deviation² of each
@@ -95,12 +90,12 @@ def session_errors(model: ErrorModel) -> tuple[NDArray[np.float64], NDArray[np.f
     return slopes, np.array([largest[q] ** -2 for _, q in unknown])
 
 
-def _deviation(model: ErrorModel) -> NDArray[np.float64]:
+def _deviation(model: ErrorModel) -> Real:
     """Standard deviation of each reading, infinite for none, shape (2, interface, frequency)."""
     return np.where(model.values, model.noise, np.inf)
 
 
-def pixel_maps(scene: Scene, cells: int) -> dict[str, NDArray[np.float64]]:
+def pixel_maps(scene: Scene, cells: int) -> dict[str, Real]:
     """Map of each pixel on a grid with `cells` along each of its sides, (row, column) of cells."""
     rows, columns = scene.pixels.rows, scene.pixels.columns
     units = np.eye(rows * columns).reshape(-1, rows, columns)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Mask, Real
 from ..models.line import interrogation_frequency
 from ..scene.frequency import parse_band
 from ..scene.scene import Scene
@@ -21,7 +21,7 @@ DIGITS = 6
 """Significant digits of a meter's frequencies."""
 
 
-def equation_6(scene: Scene, n: int) -> NDArray[np.float64]:
+def equation_6(scene: Scene, n: int) -> Real:
     """f_i = 0.0382 / (R C x_i²) in Hz, ascending; x_i = i l / n from the driven edge, i = 1 .. n.
 
     R C per squared length is the resistance of both sheets times the capacitance per area. Source:
@@ -35,32 +35,30 @@ def equation_6(scene: Scene, n: int) -> NDArray[np.float64]:
     return rounded(interrogation_frequency(ends, sheets, skin.foam.unpressed_capacitance_per_area))
 
 
-def logarithmic(band: tuple[float, float], n: int) -> NDArray[np.float64]:
+def logarithmic(band: tuple[float, float], n: int) -> Real:
     """n frequencies in Hz with logarithmic spacing over a band; the middle of it for n = 1."""
     low, high = band
     return rounded(np.geomspace(low, high, n) if n > 1 else np.array([math.sqrt(low * high)]))
 
 
-def within(frequencies: NDArray[np.float64], band: tuple[float, float]) -> NDArray[np.float64]:
+def within(frequencies: Real, band: tuple[float, float]) -> Real:
     """Frequencies clipped to a band."""
     return np.clip(frequencies, *band)
 
 
-def compared(scene: Scene, n: int, band: tuple[float, float]) -> dict[str, NDArray[np.float64]]:
+def compared(scene: Scene, n: int, band: tuple[float, float]) -> dict[str, Real]:
     """n frequencies in Hz by Eq. 6, and n with logarithmic spacing, clipped to a band."""
     found = {EQUATION_6: equation_6(scene, n), LOGARITHMIC: logarithmic(band, n)}
     return {name: within(frequencies, band) for name, frequencies in found.items()}
 
 
-def candidates_in(scene: Scene, band: tuple[float, float], grid: int) -> NDArray[np.float64]:
+def candidates_in(scene: Scene, band: tuple[float, float], grid: int) -> Real:
     """Candidate frequencies in Hz, ascending: a grid over the band, and the scene's own in it."""
     own = scene.frequencies[(scene.frequencies >= band[0]) & (scene.frequencies <= band[1])]
     return np.unique(np.concatenate([own, within(logarithmic(band, grid), band)]))
 
 
-def candidates_of(
-    scene: Scene, n: int, band: tuple[float, float], grid: int
-) -> NDArray[np.float64]:
+def candidates_of(scene: Scene, n: int, band: tuple[float, float], grid: int) -> Real:
     """Candidates of `candidates_in` and the frequencies of `compared`, ascending."""
     others = compared(scene, n, band).values()
     return np.unique(np.concatenate([candidates_in(scene, band, grid), *others]))
@@ -81,7 +79,7 @@ def chosen_band(text: str | None, scene: Scene) -> tuple[float, float]:
     return low, high
 
 
-def frequencies_among(text: str | None, scene: Scene) -> NDArray[np.float64] | None:
+def frequencies_among(text: str | None, scene: Scene) -> Real | None:
     """Frequencies of the option `--among` in Hz, ascending: the scene's, or those of a list.
 
     Raises InputError for any other text.
@@ -97,7 +95,7 @@ def frequencies_among(text: str | None, scene: Scene) -> NDArray[np.float64] | N
     return found
 
 
-def too_near(frequencies: NDArray[np.float64], n: int) -> NDArray[np.bool_]:
+def too_near(frequencies: Real, n: int) -> Mask:
     """True for pairs of frequencies in Hz, ascending, with a ratio below DISTINCT.
 
     The ratio is smaller where n of them need it: each uses at most half of its share of the band.
@@ -108,12 +106,12 @@ def too_near(frequencies: NDArray[np.float64], n: int) -> NDArray[np.bool_]:
     return (separation < min(math.log(DISTINCT), room)) | np.eye(len(frequencies), dtype=bool)
 
 
-def allowed(choice: NDArray[np.int64], excludes: NDArray[np.bool_]) -> bool:
+def allowed(choice: Integer, excludes: Mask) -> bool:
     """True if no candidates of a choice exclude each other."""
     others = excludes[np.ix_(choice, choice)]
     return bool(others[np.triu_indices(len(choice), 1)].sum() == 0)
 
 
-def rounded(frequencies: NDArray[np.float64]) -> NDArray[np.float64]:
+def rounded(frequencies: Real) -> Real:
     """Frequencies rounded to the digits of a meter."""
     return np.array([float(f"{f:.{DIGITS}g}") for f in frequencies])

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Integer, Mask, Real
 from ..measure.readout import ErrorModel
 from ..mesh.pixel_coverage import pixel_coverage
 from ..models.response import Response
@@ -49,11 +49,11 @@ class PositionBounds:
     (place,). correlation: of errors of x and y, shape (place,). room: see `Slopes`.
     """
 
-    places: NDArray[np.float64]
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    strength: NDArray[np.float64]
-    correlation: NDArray[np.float64]
+    places: Real
+    x: Real
+    y: Real
+    strength: Real
+    correlation: Real
     room: tuple[float, float]
 
     def median_error(self, draws: int = 256, seed: int = 0) -> float:
@@ -80,17 +80,17 @@ class Slopes:
     resolves nothing.
     """
 
-    places: NDArray[np.float64]
-    by: NDArray[np.float64]
-    prior: NDArray[np.float64]
-    frequency: NDArray[np.float64]
+    places: Real
+    by: Real
+    prior: Real
+    frequency: Real
     room: tuple[float, float]
 
     def bounds(
         self,
-        frequencies: NDArray[np.float64] | None = None,
+        frequencies: Real | None = None,
         interfaces: Sequence[int] | None = None,
-        taken: NDArray[np.bool_] | None = None,
+        taken: Mask | None = None,
     ) -> PositionBounds:
         """Bounds for sweeps at some of the frequencies, in Hz, and some of the interfaces.
 
@@ -108,11 +108,11 @@ class Slopes:
         """The slopes at every `step`-th position."""
         return replace(self, places=self.places[::step], by=self.by[::step])
 
-    def number(self, frequencies: NDArray[np.float64]) -> NDArray[np.int64]:
+    def number(self, frequencies: Real) -> Integer:
         """Indices of these frequencies."""
         return np.searchsorted(self.frequency, frequencies)
 
-    def of_information(self, information: NDArray[np.float64]) -> PositionBounds:
+    def of_information(self, information: Real) -> PositionBounds:
         """Bounds from the information without priors, shape (place, unknown, unknown)."""
         covariance = covariances(information + np.diag(self.prior), len(ESTIMATED))
         spread = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
@@ -178,7 +178,7 @@ def position_slopes(
     fields: AnyFields,
     places: Sequence[Point],
     touch: TouchSize,
-    frequency: NDArray[np.float64],
+    frequency: Real,
     *,
     against_rest: int = 0,
     unknown_skin: bool = False,
@@ -212,12 +212,10 @@ def position_slopes(
     return Slopes(np.array(places), np.stack(found), prior, frequency, room)
 
 
-def errors_in_fields(
-    fields: AnyFields, frequency: NDArray[np.float64], against_rest: int = 0
-) -> ErrorModel:
+def errors_in_fields(fields: AnyFields, frequency: Real, against_rest: int = 0) -> ErrorModel:
     """Errors of all interfaces at all frequencies, Hz, evaluated at the unpressed skin."""
 
-    def unpressed() -> NDArray[np.complex128]:
+    def unpressed() -> Complex:
         return fields.respond(np.ones(fields.grid), {}, frequency).Z
 
     return error_model(fields.scene, frequency, against_rest, unpressed)
@@ -237,7 +235,7 @@ def errors_of_places(
     sample = [places[k] for k in sample_indices(len(places))]
     own = np.stack([rasterizer.rasterized(place, touch).factors.ravel() for place in sample]) - 1
 
-    def impedances(batch: PressBatch) -> NDArray[np.complex128]:
+    def impedances(batch: PressBatch) -> Complex:
         found = []
         for cells, rises in batch.each():
             factors = np.ones(fields.grid)
@@ -254,9 +252,7 @@ def errors_of_places(
 class SkinUnknowns:
     """The skin's parameters and the foam of every pixel as unknowns with priors."""
 
-    def __init__(
-        self, fields: AnyFields, frequency: NDArray[np.float64], model: ErrorModel
-    ) -> None:
+    def __init__(self, fields: AnyFields, frequency: Real, model: ErrorModel) -> None:
         scene = fields.scene
         self._model, self._pixels = model, pixel_maps(scene, fields.cells)
         ones = np.ones(fields.grid)
@@ -270,17 +266,17 @@ class SkinUnknowns:
             self.deviations |= dict.fromkeys(self._pixels, spread)
         self.prior = np.array([1 / each**2 for each in self.deviations.values()])
 
-    def maps(self, factors: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+    def maps(self, factors: Real) -> dict[str, Real]:
         """Change of c with the foam of each pixel; fingers do not change with it."""
         of_foam = factors if factors.ndim == 2 else factors * np.array([1.0, 0.0])[:, None, None]
         return {name: pixel * of_foam for name, pixel in self._pixels.items()}
 
-    def slopes(self, answer: Response) -> NDArray[np.float64]:
+    def slopes(self, answer: Response) -> Real:
         """Slopes of a press, minus those of the baseline where one is subtracted."""
         found = self._in_noise(answer)
         return found - self._in_noise(self._unpressed) if self._model.against_rest else found
 
-    def _in_noise(self, answer: Response) -> NDArray[np.float64]:
+    def _in_noise(self, answer: Response) -> Real:
         return in_noise(
             answer.Z, [answer.by_parameter[name] for name in self.deviations], self._model
         )

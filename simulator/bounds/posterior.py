@@ -11,6 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Integer
+
 Array = NDArray[Any]
 """Array of float64, or of float32 where that precision is enough."""
 
@@ -48,7 +50,7 @@ class Templates(NamedTuple):
 
     readings: Array
     chance: Array
-    starts: NDArray[np.int64]
+    starts: Integer
 
     @property
     def prior(self) -> Array:
@@ -57,7 +59,7 @@ class Templates(NamedTuple):
             return np.log(self.chance) - (self.readings**2).sum(axis=1) / 2
 
 
-def starts_of(answers: Sequence[object], counts: Sequence[int]) -> NDArray[np.int64]:
+def starts_of(answers: Sequence[object], counts: Sequence[int]) -> Integer:
     """Index of the first template of each answer.
 
     answers: of the hypotheses, equal ones next to each other. counts: templates of each hypothesis.

@@ -11,8 +11,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Mask
 from .posterior import AT_ONCE, Array, Templates
 
 SIDE = 8
@@ -29,7 +29,7 @@ class Balls(NamedTuple):
     chance: Array
 
 
-def in_tiles(counts: tuple[int, ...]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def in_tiles(counts: tuple[int, ...]) -> tuple[Integer, Integer]:
     """Order of all combinations of strengths by tile, and the start of each tile in it.
 
     The combinations are numbered with the last touch's strength changing first.
@@ -41,7 +41,7 @@ def in_tiles(counts: tuple[int, ...]) -> tuple[NDArray[np.int64], NDArray[np.int
     return order, starts
 
 
-def posterior_of_tiles(known: Templates, tiles: NDArray[np.int64], measured: Array) -> Array:
+def posterior_of_tiles(known: Templates, tiles: Integer, measured: Array) -> Array:
     """Result of `posterior` with a relative error of NEGLIGIBLE times the number of tiles.
 
     tiles: index of the first template of each, ascending; each tile has one answer.
@@ -52,7 +52,7 @@ def posterior_of_tiles(known: Templates, tiles: NDArray[np.int64], measured: Arr
     return np.concatenate([_posterior(known, tiles, balls, part) for part in parts])
 
 
-def _balls(known: Templates, tiles: NDArray[np.int64]) -> Balls:
+def _balls(known: Templates, tiles: Integer) -> Balls:
     ends = np.append(tiles[1:], len(known.chance))
     middle = known.readings[(tiles + ends) // 2]
     away = known.readings - np.repeat(middle, ends - tiles, axis=0)
@@ -60,7 +60,7 @@ def _balls(known: Templates, tiles: NDArray[np.int64]) -> Balls:
     return Balls(middle, radius, np.add.reduceat(known.chance, tiles))
 
 
-def _posterior(known: Templates, tiles: NDArray[np.int64], balls: Balls, measured: Array) -> Array:
+def _posterior(known: Templates, tiles: Integer, balls: Balls, measured: Array) -> Array:
     near, lower_bound = _near(known, tiles, balls, measured)
     ends = np.append(tiles[1:], len(known.chance))
     answers = np.searchsorted(known.starts, tiles, side="right") - 1
@@ -74,9 +74,7 @@ def _posterior(known: Templates, tiles: NDArray[np.int64], balls: Balls, measure
     return (total / total.sum(axis=0)).T
 
 
-def _near(
-    known: Templates, tiles: NDArray[np.int64], balls: Balls, measured: Array
-) -> tuple[NDArray[np.bool_], Array]:
+def _near(known: Templates, tiles: Integer, balls: Balls, measured: Array) -> tuple[Mask, Array]:
     """Tiles to evaluate, shape (tile, reading), and a lower bound of the log likelihood."""
     ends = np.append(tiles[1:], len(known.chance))
     squared = (balls.middle**2).sum(axis=1)[:, None] + (measured**2).sum(axis=1)

@@ -9,8 +9,8 @@ from functools import cached_property
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Real
 from ..measure.readout import ErrorModel, errors_of, observed, require_noise
 from ..mesh.pixel_coverage import pixel_coverage
 from ..models.network.terminals import reduced_for
@@ -64,7 +64,7 @@ class Hypothesis:
     fingers: tuple[float, ...] = ()
     presses: bool = True
 
-    def on(self, scene: Scene, rises: NDArray[np.float64]) -> TouchedCells:
+    def on(self, scene: Scene, rises: Real) -> TouchedCells:
         """Touched parts (see `Parts`) at these rises, shape (touch,)."""
         columns = scene.pixels.columns
         cells = np.array([i * columns + j for i, j in self.pixels], dtype=np.int64)
@@ -214,14 +214,14 @@ class TouchReadings:
         for _ in tracked([self.scene.name], "training", progress):
             _ = self._reduced
 
-    def of_presses(self, pressed: Hypothesis, factors: NDArray[np.float64]) -> NDArray[np.float64]:
+    def of_presses(self, pressed: Hypothesis, factors: Real) -> Real:
         """Readings of many presses of the same pixels, shape (press, number).
 
         factors: shape (pixel, press).
         """
         return self.of_batch(PressBatch.of(pressed.on(self.scene, own) for own in factors.T - 1))
 
-    def of_batch(self, batch: PressBatch) -> NDArray[np.float64]:
+    def of_batch(self, batch: PressBatch) -> Real:
         """Readings of many presses, shape (press, number)."""
         if self._size is not None:
             batch = self._rasterized(batch)
@@ -253,7 +253,7 @@ class TouchReadings:
         lattice, on_cells = self._touches.lattice, self._rasterized(PressBatch.of(own))
         return rasterization_errors(self.scene, lattice, each, on_cells, self._impedances)
 
-    def _impedances(self, batch: PressBatch) -> NDArray[np.complex128]:
+    def _impedances(self, batch: PressBatch) -> Complex:
         """Readings of presses of the model's cells, shape (press, interface, frequency)."""
         frequency = self.scene.frequencies
         s = laplace_variable(frequency, self.scene.skin.foam.loss)

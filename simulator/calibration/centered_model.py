@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Real
 from ..models.cosine_modes.amplitudes import NO_MODES, FittedModes
 from ..models.effects import EFFECTS
 from ..models.heterogeneous.mesh_choice import single_field
@@ -70,9 +70,7 @@ class CenteredModel:
         """Values of the scene's parameters, relative to the model's center."""
         return {name: value - self.center.get(name, 0.0) for name, value in values.items()}
 
-    def respond(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64], values: Mapping[str, float]
-    ) -> Response:
+    def respond(self, cells: Integer, rises: Real, values: Mapping[str, float]) -> Response:
         """Response to one press; `by_cell` is the derivative by the rises here."""
         own = self.own(values)
         response = self.model.respond(cells, rises, own)
@@ -81,7 +79,7 @@ class CenteredModel:
         return replace(response, by_cell=by_rise)
 
     def respond_together(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64], values: Mapping[str, float]
+        self, cells: Integer, rises: Real, values: Mapping[str, float]
     ) -> Response:
         """Responses to presses that all touch the same number of cells, shape (press, touch).
 
@@ -103,9 +101,7 @@ class CenteredModel:
             np.stack([found.by_term for _, found in each]),
         )
 
-    def certificate(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64], values: Mapping[str, float]
-    ) -> float:
+    def certificate(self, cells: Integer, rises: Real, values: Mapping[str, float]) -> float:
         """See `Model.certificate`."""
         return self.model.certificate(cells, rises, self.own(values))
 

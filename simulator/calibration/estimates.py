@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..models.parameters import COSINE_MODES, FACTORS, VALUES, own_values
 from ..scene.scene import Scene
 from .fit import Fit
@@ -219,7 +219,7 @@ def weakly_identified(scene: Scene, fit: Fit, information: Information) -> list[
 
 def _unresolved_pairs(
     scene: Scene, fit: Fit, information: Information
-) -> list[tuple[SeriesPair, NDArray[np.float64]]]:
+) -> list[tuple[SeriesPair, Real]]:
     """Pairs of which only the sum is measured, and the unit direction of each in deviations."""
     found = []
     for pair in series_pairs(scene, fit.values, information.names):
@@ -243,7 +243,7 @@ def _in_series(pair: SeriesPair) -> str:
     )
 
 
-def _direction(fit: Fit, information: Information, direction: NDArray[np.float64]) -> str:
+def _direction(fit: Fit, information: Information, direction: Real) -> str:
     parts = information.parts(direction)
     if len(parts) == 1:
         return f"{parts[0]}: not identified by the data; prior kept"

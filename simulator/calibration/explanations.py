@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Real
 from .sheet_intervals import MISMATCH
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ def _noise(spec: FitSpec) -> str:
     return ", ".join(f"{each} {unit}" for each, unit in zip(found, units, strict=False))
 
 
-def readings_of(spec: FitSpec) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+def readings_of(spec: FitSpec) -> tuple[Complex, Real]:
     """Z in ohm of all readings, shape (sweep, reading), and the frequency of each, Hz."""
     read, f = spec.measurements.read, spec.measurements.scene.frequencies
     Z = np.stack([each.Z[read] for each in spec.measurements.sweeps])

@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from ..arrays import Real
 from ..fem.factors import one_blas_thread
 from ..progress import ProgressCallback, silent
 from ..scene.meter import Readout
@@ -23,7 +23,7 @@ from .fit_spec import FitSpec
 from .initial_values import initial_values
 from .problem import LeastSquaresProblem
 
-Residuals = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+Residuals = Callable[[Real], Real]
 ROUNDS = 10
 EDGE = 0.02
 NEAR = 0.1
@@ -55,7 +55,7 @@ class Fit:
     """
 
     problem: LeastSquaresProblem = field(repr=False)
-    u: NDArray[np.float64]
+    u: Real
     certificate: float = 0.0
     trained: int = 0
 
@@ -158,10 +158,10 @@ def solve_from(
     if not len(u):
         return Fit(problem, u)
 
-    def residuals(u: NDArray[np.float64]) -> NDArray[np.float64]:
+    def residuals(u: Real) -> Real:
         return problem.reduced_system(u)[0]
 
-    def slopes(u: NDArray[np.float64]) -> NDArray[np.float64]:
+    def slopes(u: Real) -> Real:
         return problem.reduced_system(u)[1]
 
     exact: Any = slopes
@@ -184,7 +184,7 @@ def _with_progress(residuals: Residuals, progress: ProgressCallback) -> Residual
     """Residuals that also report progress, by the relative change of the sum of squares."""
     before, share = np.inf, 0.0
 
-    def reporting(u: NDArray[np.float64]) -> NDArray[np.float64]:
+    def reporting(u: Real) -> Real:
         nonlocal before, share
         r = residuals(u)
         cost = float(r @ r)

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..measure.readout import ErrorModel
 from ..models.parameters import KNOWN
 from ..press.press import pressed_factor
@@ -39,7 +39,7 @@ class FitSpec:
         """Names of the fitted parameters."""
         return tuple(self.fitted)
 
-    def values(self, u: NDArray[np.float64]) -> dict[str, float]:
+    def values(self, u: Real) -> dict[str, float]:
         """Values of all parameters. u: unknowns, shape (unknown,)."""
         found = {
             name: float(np.clip(prior.center + prior.deviation * each, prior.low, prior.high))
@@ -48,7 +48,7 @@ class FitSpec:
         both = {**self.fixed, **found}
         return {name: both[name] for name in KNOWN if name in both} | both
 
-    def unknowns(self, values: Mapping[str, float]) -> NDArray[np.float64]:
+    def unknowns(self, values: Mapping[str, float]) -> Real:
         """Unknowns at parameter values; all others at the center of their priors."""
         u = np.zeros(len(self.fitted) + self.touch_count + self.error_count)
         for k, (name, prior) in enumerate(self.fitted.items()):
@@ -60,7 +60,7 @@ class FitSpec:
         """True if a touch adds a capacitance that does not change with that of the skin."""
         return self.measurements.scene.press.adds is not None
 
-    def share_of_rises(self, u: NDArray[np.float64]) -> float:
+    def share_of_rises(self, u: Real) -> float:
         """Rises over those that the same touches make in the scene as it is stated."""
         return math.exp(-self.values(u)["capacitance"]) if self.absolute_touches else 1.0
 
@@ -75,7 +75,7 @@ class FitSpec:
         return len(self.accuracy) * len(self.measurements.sessions) * self.measurements.fixed
 
     @cached_property
-    def accuracy(self) -> dict[int, NDArray[np.float64]]:
+    def accuracy(self) -> dict[int, Real]:
         """Spreads of the meter's fixed errors > 0, by quantity: 0 for |Z|, 1 for the phase.
 
         Each has shape (sweep, reading).
@@ -97,7 +97,7 @@ class FitSpec:
         return [[relative * max(abs(own), 1e-3) for own in each if own] for each in rises]
 
 
-def deviation_of(spec: FitSpec, reading: SessionSweep) -> NDArray[np.float64]:
+def deviation_of(spec: FitSpec, reading: SessionSweep) -> Real:
     """Standard deviation of each number of a sweep by the noise, shape (2 * Z.size,).
 
     The noise is that of the measured Z. Infinite where nothing was read, for phases that are not

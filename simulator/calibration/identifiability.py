@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Mask, Real
 from .fit import Fit
 from .prior import Noise, Prior
 from .problem import LeastSquaresProblem
@@ -45,7 +45,7 @@ class Information:
     """
 
     names: tuple[str, ...]
-    data: NDArray[np.float64]
+    data: Real
     freedom: float
     correlated: float
     independent: float
@@ -62,29 +62,29 @@ class Information:
         return min(noise.freedom, self.independent) if exceeding else noise.freedom
 
     @cached_property
-    def covariance(self) -> NDArray[np.float64]:
+    def covariance(self) -> Real:
         """Marginal posterior covariance of the parameters, shape (parameter, parameter)."""
         return np.linalg.inv(self.data + np.eye(len(self.names))).astype(np.float64)
 
     @cached_property
-    def _with_wide_priors(self) -> NDArray[np.float64]:
+    def _with_wide_priors(self) -> Real:
         """Posterior covariance with priors that are PRIOR_WIDENING times as wide."""
         return np.linalg.inv(self.data + np.eye(len(self.names)) / PRIOR_WIDENING**2).astype(
             np.float64
         )
 
-    def identifies(self, weights: NDArray[np.float64]) -> bool:
+    def identifies(self, weights: Real) -> bool:
         """True if the data identify a weighted sum of parameters, independently of the priors."""
         left = weights @ self.covariance @ weights
         without = weights @ self._with_wide_priors @ weights
         return self.narrows(weights) and bool(without < MAX_WIDENING**2 * left)
 
-    def narrows(self, weights: NDArray[np.float64]) -> bool:
+    def narrows(self, weights: Real) -> bool:
         """True if the posterior of a weighted sum of parameters is far narrower than its prior."""
         left = weights @ self.covariance @ weights
         return bool(left < IDENTIFIED_SHARE**2 * weights @ weights)
 
-    def weakest(self, first: int, second: int) -> NDArray[np.float64]:
+    def weakest(self, first: int, second: int) -> Real:
         """Unit direction of two parameters with the least information of the data."""
         own = [first, second]
         direction = np.zeros(len(self.names))
@@ -92,12 +92,12 @@ class Information:
         return direction
 
     @property
-    def deviation(self) -> NDArray[np.float64]:
+    def deviation(self) -> Real:
         """Posterior deviation of each parameter over its prior's: 1 without information."""
         return np.sqrt(self.covariance.diagonal())
 
     @property
-    def correlation(self) -> NDArray[np.float64]:
+    def correlation(self) -> Real:
         """Correlation matrix of the estimates."""
         return self.covariance / np.outer(self.deviation, self.deviation)
 
@@ -107,18 +107,16 @@ class Information:
         each = np.eye(len(self.names))
         return {name: self.identifies(own) for name, own in zip(self.names, each, strict=True)}
 
-    def barely_identifies(self, direction: NDArray[np.float64]) -> bool:
+    def barely_identifies(self, direction: Real) -> bool:
         """True if the data add little to the priors along a unit direction."""
         return bool(direction @ self.data @ direction < MIN_INFORMATION)
 
     @property
-    def without_effect(self) -> NDArray[np.bool_]:
+    def without_effect(self) -> Mask:
         """True for each parameter whose effect on the data is too small to be measured."""
         return self.data.diagonal() <= MIN_EFFECT
 
-    def weak_directions(
-        self, known: Sequence[NDArray[np.float64]] = ()
-    ) -> list[NDArray[np.float64]]:
+    def weak_directions(self, known: Sequence[Real] = ()) -> list[Real]:
         """Unit directions that the data barely identify, the weakest first.
 
         known: such directions; all others are orthogonal to them. Parameters without effect are
@@ -133,12 +131,12 @@ class Information:
         strength, directions = np.linalg.eigh(left.T @ self.data @ left)
         return [*found, *(left @ directions[:, strength < MIN_INFORMATION]).T]
 
-    def moved(self, direction: NDArray[np.float64]) -> list[str]:
+    def moved(self, direction: Real) -> list[str]:
         """Parameters with large components in a direction, the largest first."""
         order = np.argsort(-np.abs(direction))
         return [self.names[k] for k in order if abs(direction[k]) > MIN_COMPONENT]
 
-    def parts(self, direction: NDArray[np.float64]) -> list[str]:
+    def parts(self, direction: Real) -> list[str]:
         """Parameters whose effects cancel along a direction, the largest first.
 
         A direction without effects returns its largest parameter.
@@ -148,7 +146,7 @@ class Information:
         return [self.names[k] for k in order] if len(order) > 1 else self.moved(direction)[:1]
 
 
-def _orthogonal_complement(given: NDArray[np.float64]) -> NDArray[np.float64]:
+def _orthogonal_complement(given: Real) -> Real:
     """Orthonormal basis of the complement of the rows, shape (parameter, direction)."""
     full, _ = np.linalg.qr(given.T, mode="complete")
     return full[:, len(given) :].astype(np.float64)
@@ -181,7 +179,7 @@ def with_all_unknown(fit: Fit, not_fitted: Mapping[str, Prior]) -> Fit:
     return replace(fit, problem=LeastSquaresProblem(opened, fit.problem.model), u=u)
 
 
-def _of_data(fit: Fit) -> NDArray[np.float64]:
+def _of_data(fit: Fit) -> Real:
     """Information of the data on the parameters, in units of their priors' information."""
     J, tail = fit.problem.jacobian(fit.u), fit.spec.tail
     count, readings = len(fit.spec.fitted), len(J) - len(fit.u)

@@ -9,8 +9,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Integer, Mask, Real
 from ..measure.readout import observed
 from ..models.mechanics.force_depths import press_by_depths
 from ..press.press import (
@@ -52,13 +52,13 @@ class SessionSweep:
 
     press: Press
     session: int
-    Z: NDArray[np.complex128]
-    fixed: NDArray[np.int64]
+    Z: Complex
+    fixed: Integer
     averaged: int = 1
-    deviation: NDArray[np.float64] | None = None
+    deviation: Real | None = None
 
     @property
-    def known(self) -> NDArray[np.bool_]:
+    def known(self) -> Mask:
         """True where the fixed error of a reading is known, shape (interface, frequency)."""
         return self.fixed != UNKNOWN_RANGE
 
@@ -76,7 +76,7 @@ class Measurements:
     left_out: tuple[str, ...] = ()
 
     @cached_property
-    def read(self) -> NDArray[np.bool_]:
+    def read(self) -> Mask:
         """True where an interface was read at a frequency, shape (interface, frequency)."""
         return self.scene.reading.read
 
@@ -96,7 +96,7 @@ class Measurements:
         return 1 + max(0, *(int(reading.fixed.max()) for reading in self.sweeps))
 
     @cached_property
-    def first(self) -> tuple[NDArray[np.float64], NDArray[np.complex128]]:
+    def first(self) -> tuple[Real, Complex]:
         """Frequencies in Hz and Z in ohm of the first sweep at the first interface."""
         return self.scene.frequencies[self.read[0]], self.sweeps[0].Z[0, self.read[0]]
 
@@ -223,9 +223,7 @@ def _whole_pixels(scene: Scene, press: Press) -> Press:
     return press
 
 
-def _fixed(
-    Z: NDArray[np.complex128], f: NDArray[np.float64], settings: str | None, readout: ReadoutErrors
-) -> NDArray[np.int64]:
+def _fixed(Z: Complex, f: Real, settings: str | None, readout: ReadoutErrors) -> Integer:
     """Number of the fixed error of a session that each reading has, in the shape of Z.
 
     f: frequencies, Hz. settings: JSON of the meter that recorded the sweeps. A meter has one error
@@ -246,10 +244,7 @@ def _fixed(
 
 
 def _readings(
-    Z: NDArray[np.complex128],
-    fixed: NDArray[np.int64],
-    presses: Sequence[Press | None],
-    sessions: Sequence[int],
+    Z: Complex, fixed: Integer, presses: Sequence[Press | None], sessions: Sequence[int]
 ) -> Iterator[SessionSweep]:
     unpressed: dict[int, list[int]] = {}
     for k, (press, session) in enumerate(zip(presses, sessions, strict=True)):
@@ -262,7 +257,7 @@ def _readings(
             yield SessionSweep(press, session, Z[k], fixed[k])
 
 
-def _averaged(Z: NDArray[np.complex128], fixed: NDArray[np.int64], session: int) -> SessionSweep:
+def _averaged(Z: Complex, fixed: Integer, session: int) -> SessionSweep:
     """Mean baseline sweep, in ln |Z| and phase. Z, fixed: shape (sweep, interface, frequency)."""
     own = np.where((fixed == fixed[0]).all(axis=0), fixed[0], UNKNOWN_RANGE)
     mean = Z[0] * np.exp(np.log(Z / Z[0]).mean(axis=0))

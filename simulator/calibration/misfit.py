@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Real
 from ..fem.factors import one_blas_thread
 from ..models.effects import EFFECTS, effects_of
 from ..models.parameters import own_values
@@ -218,7 +218,7 @@ def _comparison_sentences(fit: Fit, ideal: Fit) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def _systematic(fitted: NDArray[np.complex128], Z: NDArray[np.complex128]) -> str:
+def _systematic(fitted: Complex, Z: Complex) -> str:
     phase = np.degrees(difference(fitted[None], Z[None]).reshape(2, -1)[1])
     runs = 1 + int((np.diff(np.sign(phase)) != 0).sum())
     return (
@@ -228,13 +228,7 @@ def _systematic(fitted: NDArray[np.complex128], Z: NDArray[np.complex128]) -> st
     )
 
 
-def _low_end(
-    frequency: NDArray[np.float64],
-    Z: NDArray[np.complex128],
-    ours: NDArray[np.complex128],
-    theirs: NDArray[np.complex128],
-    exponent: float,
-) -> str:
+def _low_end(frequency: Real, Z: Complex, ours: Complex, theirs: Complex, exponent: float) -> str:
     low = slice(0, max(4, len(frequency) // LOW_END))
     read, own, ideal = (_slopes(frequency[low], each[low]) for each in (Z, ours, theirs))
     return (
@@ -247,9 +241,7 @@ def _low_end(
     )
 
 
-def _slopes(
-    frequency: NDArray[np.float64], Z: NDArray[np.complex128]
-) -> tuple[float, float, float]:
+def _slopes(frequency: Real, Z: Complex) -> tuple[float, float, float]:
     """Exponents of f in |Z| and Rs, and the mean phase in degrees."""
     logarithm = np.log(frequency)
     magnitude, resistance = (

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Integer, Real
 from ..measure.readout import observed, observed_slope
 from ..models.parameters import FACTORS, foam_parts
 from .centered_model import CenteredModel
@@ -35,21 +35,21 @@ class LeastSquaresProblem:
         self._last: tuple[bytes, list[ResidualBlock]] | None = None
         self._turned: tuple[bytes, float, ReducedSystem] | None = None
 
-    def residuals(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
+    def residuals(self, u: Real) -> Real:
         """Residuals of all sweeps, then of all priors; shape (residual,)."""
         found = np.empty(self._deviation.shape)
         for block in self._blocks(u):
             found[block.readings] = block.residuals
         return np.concatenate([found.ravel(), u])
 
-    def jacobian(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
+    def jacobian(self, u: Real) -> Real:
         """Exact derivatives of the residuals, shape (residual, unknown)."""
         slopes = np.zeros((*self._deviation.shape, len(u)))
         for block in self._blocks(u):
             slopes[block.readings[:, None], :, block.columns] = block.slopes.transpose(0, 2, 1)
         return np.vstack([slopes.reshape(-1, len(u)), np.eye(len(u))])
 
-    def reduced_system(self, u: NDArray[np.float64], scale: float = 1.0) -> ReducedSystem:
+    def reduced_system(self, u: Real, scale: float = 1.0) -> ReducedSystem:
         """Residuals and Jacobian rotated to few more rows than unknowns.
 
         Their products r'r, J'r and J'J stay the same. scale: divides chi-squared, but not the
@@ -63,24 +63,24 @@ class LeastSquaresProblem:
             self._turned = u.tobytes(), scale, found
         return self._turned[2]
 
-    def squares(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
+    def squares(self, u: Real) -> Real:
         """Squared distance of each used reading over the noise, shape (reading,)."""
         squares = self._squares(u)
         return squares[np.isfinite(self._deviation[:, : squares.shape[1]])]
 
-    def _squares(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _squares(self, u: Real) -> Real:
         """Squared distance of every reading over the noise, shape (sweep, reading)."""
         residuals = self.residuals(u)[: self._deviation.size].reshape(len(self._deviation), 2, -1)
         return (residuals**2).sum(axis=1)
 
-    def root_information(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
+    def root_information(self, u: Real) -> Real:
         """Root of the information of each number over that of a normal one; (sweep * number,)."""
         tail = self.spec.tail
         assert tail is not None
         weights = tail.information * tail.weights(self._squares(u))
         return np.sqrt(np.tile(weights, 2).ravel())
 
-    def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def bounds(self) -> tuple[Real, Real]:
         """Lower and upper bounds of the unknowns: physical limits and the model's reach."""
         low = np.full(len(self.spec.unknowns(self._centers)), -np.inf)
         high = -low
@@ -96,18 +96,18 @@ class LeastSquaresProblem:
         low[of_touches] = np.minimum((lowest - rises) / spreads, -1e-3)
         return low, high
 
-    def rises(self, u: NDArray[np.float64], k: int) -> NDArray[np.float64]:
+    def rises(self, u: Real, k: int) -> Real:
         """Changes that the touches of one sweep make: rises of c, then fingers in F."""
         rises, spreads = self.cells[k][1].copy(), self.spec.spreads[k]
         unknown = u[self._firsts[k] : self._firsts[k] + len(spreads)]
         rises[: len(spreads)] += np.array(spreads) * unknown
         return rises
 
-    def strengths(self, u: NDArray[np.float64], k: int) -> NDArray[np.float64]:
+    def strengths(self, u: Real, k: int) -> Real:
         """Rises of c under the touches of one sweep."""
         return self.rises(u, k)[self.cells[k][0] < foam_parts(self.spec.measurements.scene)]
 
-    def fitted(self, u: NDArray[np.float64]) -> NDArray[np.complex128]:
+    def fitted(self, u: Real) -> Complex:
         """Fitted Z in ohm without the meter's errors, shape (sweep, interface, frequency)."""
         found = np.empty(
             (len(self.cells), *self.spec.measurements.sweeps[0].Z.shape), dtype=complex
@@ -120,13 +120,13 @@ class LeastSquaresProblem:
     def _centers(self) -> dict[str, float]:
         return {name: prior.center for name, prior in self.spec.fitted.items()}
 
-    def _all_rises(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _all_rises(self) -> tuple[Real, Real]:
         """Rises of the touches of unknown strength, and their standard deviations."""
         known = [self.cells[k][1][: len(own)] for k, own in enumerate(self.spec.spreads)]
         rises = np.concatenate([np.zeros(0), *known])
         return rises, np.array([each for own in self.spec.spreads for each in own])
 
-    def _blocks(self, u: NDArray[np.float64]) -> list[ResidualBlock]:
+    def _blocks(self, u: Real) -> list[ResidualBlock]:
         if self._last is None or self._last[0] != u.tobytes():
             self._last = u.tobytes(), [self._block(u, group) for group in self._groups]
         return self._last[1]
@@ -138,12 +138,12 @@ class LeastSquaresProblem:
         return (len(self.spec.fitted) + counts).tolist()
 
     @cached_property
-    def _groups(self) -> list[NDArray[np.int64]]:
+    def _groups(self) -> list[Integer]:
         """Sweeps grouped by their number of touches and of unknown strengths."""
         own = [(len(c), len(s)) for (c, _), s in zip(self.cells, self.spec.spreads, strict=True)]
         return [np.flatnonzero([each == kind for each in own]) for kind in sorted(set(own))]
 
-    def _block(self, u: NDArray[np.float64], group: NDArray[np.int64]) -> ResidualBlock:
+    def _block(self, u: Real, group: Integer) -> ResidualBlock:
         """Residuals and derivatives of one group of sweeps, over their standard deviations."""
         spec, readings = self.spec, [self.spec.measurements.sweeps[k] for k in group]
         cells = np.stack([self.cells[k][0] for k in group])
@@ -175,9 +175,7 @@ class LeastSquaresProblem:
             group, columns, len(touches), response.Z, off / deviation[..., 0], slopes / deviation
         )
 
-    def _columns(
-        self, group: NDArray[np.int64], readings: Sequence[SessionSweep]
-    ) -> NDArray[np.int64]:
+    def _columns(self, group: Integer, readings: Sequence[SessionSweep]) -> Integer:
         """Unknowns that each sweep depends on: its touches, parameters, errors of its session."""
         spec, count = self.spec, self._errors.shape[2]
         size = len(spec.fitted) + spec.touch_count + spec.error_count
@@ -192,7 +190,7 @@ class LeastSquaresProblem:
         )
 
     @cached_property
-    def _errors(self) -> NDArray[np.float64]:
+    def _errors(self) -> Real:
         """Derivatives by the meter's fixed errors, shape (sweep, 2 * Z.size, error)."""
         spec = self.spec
         which = np.stack([reading.fixed.ravel() for reading in spec.measurements.sweeps])
@@ -204,6 +202,6 @@ class LeastSquaresProblem:
         return found.reshape(len(which), 2 * which.shape[1], -1)
 
 
-def difference(Z: NDArray[np.complex128], other: NDArray[np.complex128]) -> NDArray[np.float64]:
+def difference(Z: Complex, other: Complex) -> Real:
     """Differences of ln |Z| and of phase, the latter within half a turn; (..., 2 * readings)."""
     return observed(Z / other)

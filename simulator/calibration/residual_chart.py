@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..chart_style import COLOURS, UNPRESSED_COLOUR, chart, frequency_axis
 from ..sweeps import parallel_capacitance
 from .fit import Fit
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from .run import Calibration
 
 
-def residuals(fit: Fit) -> dict[str, NDArray[np.float64]]:
+def residuals(fit: Fit) -> dict[str, Real]:
     """Measured minus fitted values over the noise of a reading, by quantity.
 
     Quantities are |Z|, phase, Rs and Cp, or those of gains, each of shape (sweep, interface,
@@ -79,12 +79,7 @@ def draw_residuals(calibration: Calibration, interface: int, path: Path) -> None
         )
 
 
-def _draw(
-    axes: Axes,
-    frequency: NDArray[np.float64],
-    values: NDArray[np.float64],
-    readings: tuple[SessionSweep, ...],
-) -> None:
+def _draw(axes: Axes, frequency: Real, values: Real, readings: tuple[SessionSweep, ...]) -> None:
     """Draws baseline sweeps black and presses in colours, each as a line while they are few.
 
     With more sweeps, those of a column are dots, and their mean is a line.

@@ -10,8 +10,8 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from .fit import Fit
 
 FEWEST = 12
@@ -42,7 +42,7 @@ def readings_per_independent_one(fit: Fit, fitted: float) -> float:
     return integrated_correlation(_residuals(fit), fitted)
 
 
-def integrated_correlation(residuals: list[NDArray[np.float64]], fitted: float = 0.0) -> float:
+def integrated_correlation(residuals: list[Real], fitted: float = 0.0) -> float:
     """Variance of a sum of errors over that of as many independent ones, at least 1.
 
     residuals: of each interface, shape (sweep, part, frequency), frequencies ascending. The ratio
@@ -71,7 +71,7 @@ def integrated_correlation(residuals: list[NDArray[np.float64]], fitted: float =
     return found
 
 
-def _products(sums: list[NDArray[np.float64]]) -> Iterator[float]:
+def _products(sums: list[Real]) -> Iterator[float]:
     """c(0), then 2 c(1), 2 c(2), ... while positive. sums: shape (part, frequency) each."""
     for lag in range(max((own.shape[-1] for own in sums), default=0)):
         product = sum(float((own[:, lag:] * own[:, : own.shape[-1] - lag]).sum()) for own in sums)
@@ -80,7 +80,7 @@ def _products(sums: list[NDArray[np.float64]]) -> Iterator[float]:
         yield product if lag == 0 else 2 * product
 
 
-def _residuals(fit: Fit) -> list[NDArray[np.float64]]:
+def _residuals(fit: Fit) -> list[Real]:
     """Residuals of each interface with FEWEST frequencies, shape (sweep, part, frequency).
 
     The parts are ln |Z| and phase. Student's t errors weight the readings.

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Real
 from .fit import Fit
 from .identifiability import information
 from .likelihood.student import FAR_OFF, StudentT, fitted_tail, likeliest
@@ -50,7 +51,7 @@ def robust_fit(fit: Fit, noise: Noise, requested: bool | None, refit: Refit) -> 
     return fit, noise
 
 
-def _matters(squares: NDArray[np.float64], tail: StudentT, noise: Noise) -> bool:
+def _matters(squares: Real, tail: StudentT, noise: Noise) -> bool:
     """True if some reading is far off in units of the noise, and not only of rounding."""
     if not noise.stated and noise.readout.magnitude_noise <= display_step(noise.readout):
         return False

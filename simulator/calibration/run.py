@@ -7,9 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ..arrays import Real
 from ..models.cosine_modes.amplitudes import FittedModes
 from ..models.cosine_modes.foam_modes import check_uniform_foam, with_foam_modes
 from ..models.cosine_modes.sheet_modes import check_uniform_sheets, with_sheet_modes
@@ -88,7 +86,7 @@ class Calibration(Tabular):
         return f"Calibration of {self.scene.name}", [HEADER, *(q.cells for q in self.quantities)]
 
     @property
-    def strengths(self) -> list[NDArray[np.float64]]:
+    def strengths(self) -> list[Real]:
         """Rises of capacitance (factor - 1) of the touches of each sweep."""
         readings = range(len(self.fit.spec.measurements.sweeps))
         return [self.fit.problem.strengths(self.fit.u, k) for k in readings]

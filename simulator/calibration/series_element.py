@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Integer, Real
 from ..models.line_ports import tanh_ratio
 from ..models.line_slopes import tanh_ratio_slope
 from ..models.response import Response
@@ -40,7 +40,7 @@ class WithSeriesElement(CenteredModel):
         return super().own(scene)
 
     def respond_together(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64], values: Mapping[str, float]
+        self, cells: Integer, rises: Real, values: Mapping[str, float]
     ) -> Response:
         """See `CenteredModel.respond_together`."""
         response = super().respond_together(cells, rises, values)
@@ -52,7 +52,7 @@ class WithSeriesElement(CenteredModel):
         by_parameter = {**response.by_parameter, **slopes}
         return replace(response, Z=response.Z + Z, by_parameter=by_parameter)
 
-    def _added(self, values: Mapping[str, float]) -> tuple[NDArray[np.complex128], ...]:
+    def _added(self, values: Mapping[str, float]) -> tuple[Complex, ...]:
         """Z of the element in ohm, and its derivatives by both parameters; (frequency,)."""
         R, C = np.exp(values[RESISTANCE]), np.exp(values[CAPACITANCE])
         w = self._s * R * C

@@ -12,8 +12,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..models.heterogeneous.mesh_choice import single_field
 from ..models.parameters import BOTTOM_MODES, TOP_MODES
 from ..scene.scene import Scene
@@ -119,14 +119,12 @@ def series_intervals(
     return {TOP: _middle(top), BOTTOM: _middle(bottom), COMMON: _likeliest(both)}
 
 
-def slopes_of(product: Product, names: tuple[str, ...]) -> NDArray[np.float64]:
+def slopes_of(product: Product, names: tuple[str, ...]) -> Real:
     """Slopes by each of these parameters, shape (parameter,)."""
     return np.array([product.slopes.get(name, 0.0) for name in names])
 
 
-def _law(
-    covariance: NDArray[np.float64], width: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _law(covariance: Real, width: float) -> tuple[Real, Real]:
     """Equally likely pairs of a joint normal distribution around 0, shape (RATIOS, SUMS).
 
     width: half of a 95 % interval over its standard deviation.
@@ -140,13 +138,13 @@ def _law(
     return one, slope * one + own * second
 
 
-def _middle(values: NDArray[np.float64]) -> Interval:
+def _middle(values: Real) -> Interval:
     """The central interval that contains 95 % of the values."""
     low, high = np.quantile(values, (0.025, 0.975))
     return float(low), float(high)
 
 
-def _likeliest(values: NDArray[np.float64]) -> Interval:
+def _likeliest(values: Real) -> Interval:
     """The shortest interval that contains 95 % of the values.
 
     The mean of two sheets in series is largest, and likeliest, where both are equal. Equal sheets

@@ -11,12 +11,12 @@ from ..sweeps.schema import complex_readings
 
 if TYPE_CHECKING:
     import xarray as xr
-    from numpy.typing import NDArray
 
+    from ..arrays import Real
     from ..scene.scene import Scene
 
 
-def noise_profiles(scene: Scene | None, sweeps: xr.Dataset) -> dict[str, NDArray[np.float64]]:
+def noise_profiles(scene: Scene | None, sweeps: xr.Dataset) -> dict[str, Real]:
     """Relative noise at the frequencies of each interface, by its name: rms over all sweeps.
 
     Empty without a scene, and for a readout whose noise is 0 or the same at all frequencies.
@@ -27,7 +27,7 @@ def noise_profiles(scene: Scene | None, sweeps: xr.Dataset) -> dict[str, NDArray
     return {name: _profile(scene, read_at(sweeps, name)) for name in names}
 
 
-def _profile(scene: Scene, sweeps: xr.Dataset) -> NDArray[np.float64]:
+def _profile(scene: Scene, sweeps: xr.Dataset) -> Real:
     """Profile at the only interface of the sweeps, shape (frequency,)."""
     reading, frequency = complex_readings(sweeps), sweeps["frequency"].values
     noise = scene.readout.noise(reading, frequency)

@@ -26,7 +26,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.lines import Line2D
-    from numpy.typing import NDArray
+
+    from ..arrays import Complex, Real
 
 WIDTH = 1.4
 """Width of the lines of the first rows, points."""
@@ -46,11 +47,11 @@ class CurveQuantity(NamedTuple):
 
     name: str
     unit: str
-    of: Callable[[NDArray[np.complex128], NDArray[np.float64]], NDArray[np.float64]]
+    of: Callable[[Complex, Real], Real]
     change: bool = False
 
 
-def _capacitance(Z: NDArray[np.complex128], frequency: NDArray[np.float64]) -> NDArray[np.float64]:
+def _capacitance(Z: Complex, frequency: Real) -> Real:
     return (1 / Z).imag / (2 * np.pi * frequency)
 
 
@@ -147,7 +148,7 @@ def panels_of(
 
 def curves_of(
     sweeps: xr.Dataset, interface: str, shown: CurveQuantity
-) -> Iterator[tuple[str, NDArray[np.float64], NDArray[np.float64]]]:
+) -> Iterator[tuple[str, Real, Real]]:
     """Press, x and y of each curve: x in kHz, or ohm in Nyquist's plot; at most MOST_DRAWN."""
     if interface not in sweeps["interface"].values:
         return
@@ -164,7 +165,7 @@ def curves_of(
         yield str(presses[k]), x[k], values[k]
 
 
-def _baseline(values: NDArray[np.float64], sweeps: xr.Dataset) -> NDArray[np.float64]:
+def _baseline(values: Real, sweeps: xr.Dataset) -> Real:
     """Mean baseline of each sweep's session, in the shape of `values`."""
     sessions, unpressed = sweeps["session"].values, sweeps["press"].values == UNPRESSED
     baseline = np.full(values.shape, np.nan)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex
 from ..bounds.touches.rasterization_errors import error_against_solver
 from ..fem.safety_factors import SAMPLED
 from ..measure.creeping_sweeps import reading_moments
@@ -59,7 +59,7 @@ def _sample(scene: Scene, family: SkinFamily, seed: int) -> Presses:
     return drawn_presses(scene, stream(seed, 0, CELLS), SAMPLE, family.grid)
 
 
-def _answers(scene: Scene, family: SkinFamily, batch: PressBatch) -> NDArray[np.complex128]:
+def _answers(scene: Scene, family: SkinFamily, batch: PressBatch) -> Complex:
     """Readings of presses on the nominal skin, (press, interface, frequency)."""
     Z = nominal_skin(scene, family).sweeps(batch)
     return scene.reading.at_meter(Z)

@@ -9,16 +9,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..arrays import Real
 from ..measure.creeping_sweeps import reading_moments
 from ..measure.foam_state import NEGLIGIBLE
 from ..press.batch import PressBatch
-from ..press.foam_creep import Array, Creep, unloading_strain
+from ..press.foam_creep import Creep, unloading_strain
 from ..press.parts import foam_parts
 from ..scene.scene import Scene
 from ..sweeps import InputError
 
 
-def in_foam_states(scene: Scene, batch: PressBatch, decays: Sequence[Array]) -> PressBatch:
+def in_foam_states(scene: Scene, batch: PressBatch, decays: Sequence[Real]) -> PressBatch:
     """Consecutive presses of a session, each in several states of the foam.
 
     decays: decay since the press in each state, from `Creep.decay`. Press k in state n has the
@@ -48,14 +49,14 @@ def at_sweep_end(scene: Scene, batch: PressBatch) -> PressBatch:
     return PressBatch.of(each)
 
 
-def _factors(batch: PressBatch, cells: int) -> Array:
+def _factors(batch: PressBatch, cells: int) -> Real:
     """Factor on the capacitance of each cell under each press, shape (press, cell)."""
     factor = np.ones((batch.count, cells))
     np.add.at(factor, (batch.press, batch.cells), batch.rises)
     return factor
 
 
-def _strain_histories(scene: Scene, strain: Array) -> tuple[Array, Array]:
+def _strain_histories(scene: Scene, strain: Real) -> tuple[Real, Real]:
     """Instantaneous strain, shape (press, cell), and creep strain when each press begins.
 
     The latter has the shape (solid, press, cell). strain: of each load alone, (press, cell).

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Mask, Real
 from ..press.finger import finger_capacitance, finger_over
 from ..press.pixels import pixels_with_skin
 from ..press.touch import Touch
@@ -25,32 +25,26 @@ class DrawnFingers(NamedTuple):
     touches without pressure.
     """
 
-    drawn: NDArray[np.float64] | None
-    alone: NDArray[np.bool_]
+    drawn: Real | None
+    alone: Mask
 
-    def over(
-        self, scene: Scene, area: NDArray[np.float64], there: NDArray[np.bool_]
-    ) -> NDArray[np.float64]:
+    def over(self, scene: Scene, area: Real, there: Mask) -> Real:
         """Capacitance to earth in F of touches with these areas in m²; 0 without a touch."""
         how = scene.press.finger
         return self._rounded(finger_over(scene, area, how) if self.drawn is None else None, there)
 
-    def of_pixels(
-        self, scene: Scene, pixel: NDArray[np.int64], there: NDArray[np.bool_]
-    ) -> NDArray[np.float64]:
+    def of_pixels(self, scene: Scene, pixel: Integer, there: Mask) -> Real:
         """Capacitance to earth in F of touches of whole pixels, by pixel number."""
         own = self.drawn is None and scene.press.finger
         return self._rounded(_on_pixels(scene)[pixel] if own else None, there)
 
-    def _rounded(
-        self, own: NDArray[np.float64] | None, there: NDArray[np.bool_]
-    ) -> NDArray[np.float64]:
+    def _rounded(self, own: Real | None, there: Mask) -> Real:
         """Rounded capacitance. own: of the scene's fingers, F; None if drawn, or for rods."""
         finger = (0.0 if self.drawn is None else self.drawn) if own is None else own
         return np.where(there, np.round(finger, FINGER_DECIMALS), 0.0)
 
 
-def _on_pixels(scene: Scene) -> NDArray[np.float64]:
+def _on_pixels(scene: Scene) -> Real:
     """Capacitance of the scene's finger on each pixel, F; 0 where there is no skin."""
     how, found = scene.press.finger, np.zeros(scene.pixels.rows * scene.pixels.columns)
     assert how is not None

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Mask, Real
 from ..mesh.finger_cells import with_fingers_at, with_fingers_on
 from ..mesh.pixel_coverage import pixel_coverage
 from ..press.batch import PressBatch
@@ -40,13 +40,13 @@ class Presses:
 
     batch: PressBatch
     text: list[str]
-    row: NDArray[np.int64]
-    column: NDArray[np.int64]
-    touches: NDArray[np.int64]
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    factor: NDArray[np.float64]
-    finger: NDArray[np.float64]
+    row: Integer
+    column: Integer
+    touches: Integer
+    x: Real
+    y: Real
+    factor: Real
+    finger: Real
     placed: Footprints | None = None
 
 
@@ -66,10 +66,7 @@ def drawn_presses(
 
 
 def _drawn(
-    scene: Scene,
-    random: np.random.Generator,
-    unpressed: NDArray[np.bool_],
-    grid: tuple[int, int],
+    scene: Scene, random: np.random.Generator, unpressed: Mask, grid: tuple[int, int]
 ) -> Presses:
     """A press for each sweep; no touch where the mask `unpressed` is True."""
     drawn, count = scene.dataset.press, len(unpressed)
@@ -86,7 +83,7 @@ def _drawn(
     return _on_pixels(scene, touches, chances, factor, grid, fingers)
 
 
-def _baseline_mask(every: int, count: int) -> NDArray[np.bool_]:
+def _baseline_mask(every: int, count: int) -> Mask:
     """Mask of the baseline sweeps of a session, shape (sweep,)."""
     if not every:
         return np.zeros(count, dtype=bool)
@@ -94,16 +91,16 @@ def _baseline_mask(every: int, count: int) -> NDArray[np.bool_]:
     return (since < 0) | (since % (every + 1) == every)
 
 
-def _counts(drawn: DrawnPress, chance: NDArray[np.float64]) -> NDArray[np.int64]:
+def _counts(drawn: DrawnPress, chance: Real) -> Integer:
     below = np.cumsum(drawn.touches)
     return np.minimum(np.searchsorted(below, chance, side="right"), drawn.max_touches)
 
 
 def _on_pixels(
     scene: Scene,
-    touches: NDArray[np.int64],
-    chances: NDArray[np.float64],
-    factor: NDArray[np.float64],
+    touches: Integer,
+    chances: Real,
+    factor: Real,
     grid: tuple[int, int],
     fingers: DrawnFingers,
 ) -> Presses:
@@ -114,12 +111,7 @@ def _on_pixels(
     return _on(scene, touches, pixel, factor, aside, grid, fingers)
 
 
-def pressed_pixels(
-    scene: Scene,
-    pixels: NDArray[np.int64],
-    factor: NDArray[np.float64],
-    grid: tuple[int, int],
-) -> Presses:
+def pressed_pixels(scene: Scene, pixels: Integer, factor: Real, grid: tuple[int, int]) -> Presses:
     """Presses of one pixel each, in its middle, with the finger of the scene's `press`.
 
     pixels: row and column from 0, negative for none, shape (press, 2). factor: shape (press,).
@@ -134,10 +126,10 @@ def pressed_pixels(
 
 def _on(
     scene: Scene,
-    touches: NDArray[np.int64],
-    pixel: NDArray[np.int64],
-    factor: NDArray[np.float64],
-    aside: NDArray[np.float64],
+    touches: Integer,
+    pixel: Integer,
+    factor: Real,
+    aside: Real,
     grid: tuple[int, int],
     fingers: DrawnFingers,
 ) -> Presses:
@@ -170,18 +162,14 @@ def _on(
     return with_offset(scene, presses, aside, grid) if scene.dataset.press.rasterized else presses
 
 
-def _centres(
-    scene: Scene, row: NDArray[np.int64], column: NDArray[np.int64]
-) -> NDArray[np.float64]:
+def _centres(scene: Scene, row: Integer, column: Integer) -> Real:
     """Centres (x, y) in m of pixels counted from 0, shape (2, ...)."""
     skin, pixels = scene.skin, scene.pixels
     x = (column + 0.5) * skin.length / pixels.columns
     return np.stack([x, (row + 0.5) * skin.width / pixels.rows])
 
 
-def _distinct_pixels(
-    touches: NDArray[np.int64], chances: NDArray[np.float64], count: int
-) -> NDArray[np.int64]:
+def _distinct_pixels(touches: Integer, chances: Real, count: int) -> Integer:
     """Distinct pixel numbers from 0, shape (press, MAX_TOUCHES); ascending for two touches."""
     first = np.floor(chances[:, 0] * count).astype(np.int64)
     second = np.floor(chances[:, 1] * (count - 1)).astype(np.int64)
@@ -191,7 +179,7 @@ def _distinct_pixels(
     return np.stack([np.where(swapped, second, first), np.where(swapped, first, second)], axis=1)
 
 
-def cells_of_pixels(scene: Scene, grid: tuple[int, int]) -> NDArray[np.int64]:
+def cells_of_pixels(scene: Scene, grid: tuple[int, int]) -> Integer:
     """Numbers of the cells of each pixel, row by row, shape (pixel, cell)."""
     rows, columns = scene.pixels.rows, scene.pixels.columns
     high, wide = grid[0] // rows, grid[1] // columns
@@ -199,16 +187,16 @@ def cells_of_pixels(scene: Scene, grid: tuple[int, int]) -> NDArray[np.int64]:
     return cells.transpose(0, 2, 1, 3).reshape(rows * columns, high * wide)
 
 
-def single_label(touches: NDArray[np.int64], index: NDArray[np.int64]) -> NDArray[np.int64]:
+def single_label(touches: Integer, index: Integer) -> Integer:
     """Row or column of a single touch; 0 if unpressed, -1 for several touches."""
     return np.where(touches == 1, index, np.where(touches == 0, 0, -1))
 
 
 def presses_anywhere(
     scene: Scene,
-    touches: NDArray[np.int64],
-    chances: NDArray[np.float64],
-    factor: NDArray[np.float64],
+    touches: Integer,
+    chances: Real,
+    factor: Real,
     grid: tuple[int, int],
     fingers: DrawnFingers,
 ) -> Presses:
@@ -234,9 +222,7 @@ def presses_anywhere(
     )
 
 
-def with_offset(
-    scene: Scene, nominal: Presses, aside: NDArray[np.float64], grid: tuple[int, int]
-) -> Presses:
+def with_offset(scene: Scene, nominal: Presses, aside: Real, grid: tuple[int, int]) -> Presses:
     """Presses with touches displaced from their pixels; labels stay those of the pixels.
 
     aside: displacement along x and y in standard deviations, shape (2, press, MAX_TOUCHES). Parts

@@ -8,8 +8,8 @@ from functools import partial
 from types import MappingProxyType
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Integer, Real
 from ..fem.error_estimate import relative_difference
 from ..measure.creeping_sweeps import OF_NODES, Interpolation, interpolation
 from ..measure.drawn_faults import faulty_skin
@@ -36,14 +36,12 @@ FIRST_SESSION, FIRST_SESSIONS = 32, 32
 NO_FAULTS: Mapping[str, SkinFamily] = MappingProxyType({})
 
 
-Audited = Callable[
-    [SkinModel, Presses, np.random.Generator, int, float], tuple[NDArray[np.complex128], Audit]
-]
+Audited = Callable[[SkinModel, Presses, np.random.Generator, int, float], tuple[Complex, Audit]]
 
 
 def audited(
     model: SkinModel, presses: Presses, random: np.random.Generator, session: int, rtol: float
-) -> tuple[NDArray[np.complex128], Audit]:
+) -> tuple[Complex, Audit]:
     """Z in ohm of all presses, shape (press, interface, frequency), and the audit.
 
     Raises ToleranceError if a value is not finite even by the full system.
@@ -66,7 +64,7 @@ def audited_in_time(scene: Scene) -> Audited:
 
     def read(
         model: SkinModel, presses: Presses, random: np.random.Generator, session: int, rtol: float
-    ) -> tuple[NDArray[np.complex128], Audit]:
+    ) -> tuple[Complex, Audit]:
         between = interpolation(scene)
         while True:
             each = np.repeat(np.arange(len(presses.text)), len(between.nodes)).tolist()
@@ -91,9 +89,7 @@ def audited_in_time(scene: Scene) -> Audited:
     return read
 
 
-def _interpolated(
-    Z: NDArray[np.complex128], between: Interpolation
-) -> tuple[NDArray[np.complex128], list[float]]:
+def _interpolated(Z: Complex, between: Interpolation) -> tuple[Complex, list[float]]:
     """Z at the moments of readings, and the change by a coarser time grid for each solid."""
     states = Z.reshape(-1, len(between.nodes), *Z.shape[1:])
     found = between.of(states, between.weights())
@@ -108,7 +104,7 @@ def _sample(random: np.random.Generator, count: int, session: int) -> list[int]:
     return random.choice(count, size, replace=False).tolist()
 
 
-def _not_finite(Z: NDArray[np.complex128]) -> list[int]:
+def _not_finite(Z: Complex) -> list[int]:
     return np.flatnonzero(~np.isfinite(Z).all(axis=(1, 2))).tolist()
 
 
@@ -118,7 +114,7 @@ def _bounds(model: SkinModel, presses: Presses, which: Iterable[int]) -> dict[in
     return {press: b if np.isfinite(b) else np.inf for press, b in largest.items()}
 
 
-def _bound(model: SkinModel, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> float:
+def _bound(model: SkinModel, cells: Integer, rises: Real) -> float:
     return float(np.max(model.certificate(cells, rises))) + model.by_mesh(cells, rises)
 
 
@@ -135,10 +131,10 @@ class DrawnSession:
 
     number: int
     skin: DrawnSkin
-    gain: NDArray[np.float64]
-    turn: NDArray[np.float64]
+    gain: Real
+    turn: Real
     presses: Presses
-    shown: dict[str, NDArray[np.float64]]
+    shown: dict[str, Real]
     audit: Audit
     fault: SkinFault | None = None
 
@@ -181,7 +177,7 @@ def _answer(
     plan: Plan,
     number: int,
     variation: Variation,
-) -> tuple[NDArray[np.complex128], Audit]:
+) -> tuple[Complex, Audit]:
     """Z in ohm of a session, and its audit. family: that of its skin."""
     assert family is not None
     random = stream(plan.seed, number, AUDIT)
@@ -193,7 +189,7 @@ def _measured(
     number: int,
     drawn: tuple[DrawnSkin, SkinFault | None],
     presses: Presses,
-    answer: tuple[NDArray[np.complex128], Audit],
+    answer: tuple[Complex, Audit],
 ) -> DrawnSession:
     """A session as its meter displays it. answer: Z in ohm at the skin, and its audit."""
     scene, (Z, audit), (skin, fault) = plan.scene, answer, drawn
@@ -207,7 +203,7 @@ def _measured(
     return DrawnSession(number, skin, gain, turn, presses, shown, audit, fault)
 
 
-def _shown(scene: Scene, Z: NDArray[np.complex128]) -> dict[str, NDArray[np.float64]]:
+def _shown(scene: Scene, Z: Complex) -> dict[str, Real]:
     shown = shown_values(Z, scene.frequencies, scene.reading.kind, scene.readout)
     if scene.taken is None:
         return shown

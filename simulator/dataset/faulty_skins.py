@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex
 from ..measure.drawn_faults import drawn_fault
 from ..measure.skin_faults import OPEN, SkinFault, StuckSpot
 from ..models.parameters import Variation
@@ -69,9 +69,9 @@ def answered_with(
     fault: SkinFault | None,
     scene: Scene,
     variation: Variation,
-    answer: Callable[[Variation], tuple[NDArray[np.complex128], Audit]],
+    answer: Callable[[Variation], tuple[Complex, Audit]],
     presses: int,
-) -> tuple[NDArray[np.complex128], Audit]:
+) -> tuple[Complex, Audit]:
     """Z in ohm of a session at all interfaces, OPEN where the fault leaves them open, and its
     audit.
 

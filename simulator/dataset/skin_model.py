@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Integer, Real
 from ..measure.creeping_sweeps import OF_NODES, interpolation
 from ..measure.drawn_faults import faulty_skin
 from ..models.network.terminals import reduced_for
@@ -34,24 +34,20 @@ EARLIER_PRESSES = 3
 class SkinModel(Protocol):
     """One skin. Presses multiply the capacitance of cells, numbered row by row, by 1 + rises."""
 
-    def sweeps(self, batch: PressBatch, /) -> NDArray[np.complex128]:
+    def sweeps(self, batch: PressBatch, /) -> Complex:
         """Z in ohm of many presses, shape (press, interface, frequency)."""
         ...
 
-    def certificate(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64], /
-    ) -> NDArray[np.float64]:
+    def certificate(self, cells: Integer, rises: Real, /) -> Real:
         """Bound on the relative error of Rs and of Cp, shape (2, interface, frequency)."""
         ...
 
-    def by_mesh(self, cells: NDArray[np.int64], rises: NDArray[np.float64], /) -> float:
+    def by_mesh(self, cells: Integer, rises: Real, /) -> float:
         """Estimated relative error of the discretisation for one press, in addition to the
         bound."""
         ...
 
-    def exact(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64], /
-    ) -> NDArray[np.complex128]:
+    def exact(self, cells: Integer, rises: Real, /) -> Complex:
         """Z in ohm of one press by the full system, shape (interface, frequency)."""
         ...
 

@@ -7,8 +7,8 @@ from functools import cache
 from itertools import repeat
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Real
 from ..press.press import PICOFARAD_DECIMALS
 from ..scene.scene import Scene
 from ..scene.touch_capacitance import per_pixel
@@ -22,7 +22,7 @@ FINGER_DECIMALS = 16
 """Decimals of fingers' capacitances in F, for the same reason."""
 
 
-def drawn_strengths(scene: Scene, chances: NDArray[np.float64]) -> NDArray[np.float64]:
+def drawn_strengths(scene: Scene, chances: Real) -> Real:
     """Random factors on c under touches, rounded as in the texts of factors or depths."""
     drawn = scene.dataset.press
     if scene.press.adds:
@@ -36,24 +36,24 @@ def drawn_strengths(scene: Scene, chances: NDArray[np.float64]) -> NDArray[np.fl
     return scene.pressed_factors(np.round(depth, DEPTH_DECIMALS))
 
 
-def _picofarads(scene: Scene, factor: NDArray[np.float64]) -> NDArray[np.float64]:
+def _picofarads(scene: Scene, factor: Real) -> Real:
     """Capacitances that touches of pixels add, pF, as in their texts."""
     own = per_pixel(scene.skin, scene.pixels)
     return np.round(1e12 * own * (factor - 1), PICOFARAD_DECIMALS)
 
 
-def _added_factors(scene: Scene, factor: NDArray[np.float64]) -> NDArray[np.float64]:
+def _added_factors(scene: Scene, factor: Real) -> Real:
     """Factors of the capacitances in the texts of touches."""
     return 1 + 1e-12 * _picofarads(scene, factor) / per_pixel(scene.skin, scene.pixels)
 
 
 def pixel_texts(
-    touches: NDArray[np.int64],
-    row: NDArray[np.int64],
-    column: NDArray[np.int64],
-    strength: NDArray[np.float64],
+    touches: Integer,
+    row: Integer,
+    column: Integer,
+    strength: Real,
     unit: str,
-    finger: NDArray[np.float64],
+    finger: Real,
     rod: str = "",
 ) -> list[str]:
     """The text of each press, in the format of `label_of`.
@@ -67,14 +67,14 @@ def pixel_texts(
     return joined_texts(touches, map("".join, zip(*parts, strict=False)))
 
 
-def finger_texts(finger: NDArray[np.float64], rod: str) -> Iterable[str]:
+def finger_texts(finger: Real, rod: str) -> Iterable[str]:
     """Suffix of the text of each touch: the capacitance to earth in F, or `rod` for 0 F."""
     if not finger.any():
         return repeat(rod)
     return [f":{each!r}F" if each else rod for each in finger.tolist()]
 
 
-def joined_texts(touches: NDArray[np.int64], parts: Iterable[str]) -> list[str]:
+def joined_texts(touches: Integer, parts: Iterable[str]) -> list[str]:
     """Joins the texts of single touches into texts of presses with `touches` touches each."""
     each, first = np.array([*parts], dtype=object), np.cumsum(touches) - touches
     text = np.where(touches > 0, "", UNPRESSED).astype(object)
@@ -89,7 +89,7 @@ def _place(row: int, column: int) -> str:
     return f"{row},{column}:"
 
 
-def written_strength(scene: Scene, factor: NDArray[np.float64]) -> tuple[NDArray[np.float64], str]:
+def written_strength(scene: Scene, factor: Real) -> tuple[Real, str]:
     """Strengths of touches as written in their texts, and the unit."""
     if scene.press.adds:
         return _picofarads(scene, factor), "pF"

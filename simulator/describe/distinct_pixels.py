@@ -6,8 +6,8 @@ from collections import defaultdict
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Mask, Real
 from ..measure.symmetry import Pixel, representative
 from ..scene.scene import Scene
 from ..scene.skin_region import on_skin
@@ -39,7 +39,7 @@ def indistinguishable_pixels(scene: Scene, pixels: Sequence[Pixel]) -> str:
     return f"{', '.join(lines_in_words)}: {distinct} (not {example}, for example)"
 
 
-def label_position(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], float]:
+def label_position(pixel: Pixel, scene: Scene) -> tuple[Real, float]:
     """Position (x, y) of a pixel's label on its skin, and the largest width of the label, in m.
 
     The position is the centre of the largest label-shaped ellipse within the pixel's skin.
@@ -57,7 +57,7 @@ def label_position(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], flo
     return found[:, at], float(2 * half[at])
 
 
-def _places(pixel: Pixel, scene: Scene) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+def _places(pixel: Pixel, scene: Scene) -> tuple[Real, Mask]:
     """Evenly spaced places in a pixel, m, shape (2, place), and a mask of those on the skin."""
     (length, width), (rows, columns) = scene.skin.sides, scene.pixels.shape
     (row, column), parts = pixel, (np.arange(SAMPLES) + 0.5) / SAMPLES

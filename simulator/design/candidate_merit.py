@@ -10,8 +10,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Real
 from .merits import AccuracyMerit, LowerTriangle, Merit, lower_triangle
 from .pair_separation import Pairs
 
@@ -32,7 +32,7 @@ class SessionPrecision:
     phase: float = math.inf
 
     @property
-    def both(self) -> NDArray[np.float64]:
+    def both(self) -> Real:
         """Both values, shape (2,)."""
         return np.array([self.gain, self.phase])
 
@@ -68,9 +68,7 @@ def by_both(pairs: Pairs, merit: Merit = ACCURACY) -> AdditiveCandidates:
     return AdditiveCandidates(found.reshape(len(x), -1, *found.shape[-2:]), pairs.weight, merit)
 
 
-def _hidden_information(
-    common: NDArray[np.float64], prior: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _hidden_information(common: Real, prior: Real) -> Real:
     """Information that unknown gain and phase errors hide, shape (pair, reading, p, p)."""
     return np.einsum("prqa,prqb,q->prab", common, common, 1 / prior)
 
@@ -78,9 +76,7 @@ def _hidden_information(
 class AdditiveCandidates:
     """Candidates whose information adds up, shape (case, candidate, p, p), symmetric."""
 
-    def __init__(
-        self, information: NDArray[np.float64], weight: NDArray[np.float64], merit: Merit = ACCURACY
-    ) -> None:
+    def __init__(self, information: Real, weight: Real, merit: Merit = ACCURACY) -> None:
         """weight: of each case, shape (case,)."""
         _, self.candidates, p, _ = information.shape
         self._merit, self._weight = merit, weight
@@ -92,13 +88,13 @@ class AdditiveCandidates:
         self._entries = np.ascontiguousarray(entries.swapaxes(0, 1)).reshape(self.candidates, -1)
         """Entries of the lower triangles of all cases, shape (candidate, entry * case)."""
 
-    def score(self, choices: NDArray[np.int64]) -> NDArray[np.float64]:
+    def score(self, choices: Integer) -> Real:
         """1 minus the merit of choices, shape (choice, n) to (choice,)."""
         step = max(1, NUMBERS_AT_ONCE // max(self._entries.shape[1], 1))
         parts = [choices[k : k + step] for k in range(0, len(choices), step)]
         return np.concatenate([self._score(part) for part in parts])
 
-    def slope(self, weights: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
+    def slope(self, weights: Real) -> tuple[float, Real]:
         """The merit at weights of the candidates, and its exact derivatives by them."""
         whole = np.moveaxis(self._at(weights)[self._place], -1, 0)
         result = self._merit(whole, self._weight)
@@ -107,7 +103,7 @@ class AdditiveCandidates:
         by_entry = both * result.slope().transpose(1, 2, 0)[self._lower]
         return float(result.value), self._entries @ by_entry.ravel()
 
-    def _score(self, choices: NDArray[np.int64]) -> NDArray[np.float64]:
+    def _score(self, choices: Integer) -> Real:
         times = np.zeros((len(choices), self.candidates))
         np.add.at(times, (np.arange(len(choices))[:, None], choices), 1.0)
         found = np.moveaxis(self._at(times), -2, 0)
@@ -116,7 +112,7 @@ class AdditiveCandidates:
         each: LowerTriangle = dict(zip(places, found, strict=True))
         return _remaining(self._merit.value(each, self._weight))
 
-    def _at(self, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _at(self, weights: Real) -> Real:
         """Information at weights of the candidates, (..., candidate) to (..., entry, case)."""
         return (weights @ self._entries).reshape(*weights.shape[:-1], -1, len(self._weight))
 
@@ -128,7 +124,7 @@ class TiedFrequencies:
         self.candidates, self._pairs, self._session = pairs.separation.shape[2], pairs, session
         self._merit = merit
 
-    def score(self, choices: NDArray[np.int64]) -> NDArray[np.float64]:
+    def score(self, choices: Integer) -> Real:
         """See `AdditiveCandidates`."""
         result = []
         for choice in choices:
@@ -137,7 +133,7 @@ class TiedFrequencies:
             result.append(_remaining(self._merit.value(lower_triangle(found), part.weight)))
         return np.array(result)
 
-    def slope(self, weights: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
+    def slope(self, weights: Real) -> tuple[float, Real]:
         """See `AdditiveCandidates`."""
         found, common = self._information(self._pairs, weights)
         result = self._merit(found, self._pairs.weight)
@@ -145,9 +141,7 @@ class TiedFrequencies:
         by = np.einsum("prfqa,prfqb,pab->f", left, left, result.slope(), optimize=True)
         return float(result.value), by
 
-    def _information(
-        self, pairs: Pairs, weights: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _information(self, pairs: Pairs, weights: Real) -> tuple[Real, Real]:
         """Information without what the session's errors hide, and the mean over frequencies.
 
         The mean, weighted by the session's errors, has shape (pair, reading, 2, p).
@@ -160,6 +154,6 @@ class TiedFrequencies:
         return found, common / prior[:, None]
 
 
-def _remaining(merit: NDArray[np.float64]) -> NDArray[np.float64]:
+def _remaining(merit: Real) -> Real:
     """1 minus a merit, to be minimized, rounded to the digits that are compared."""
     return np.round(1 - merit, MERIT_DIGITS) + 10.0**-MERIT_DIGITS

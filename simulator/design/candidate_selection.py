@@ -12,8 +12,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Real
 from ..bounds.exchange import Score, best_choice
 
 MAX_EXHAUSTIVE = 6000
@@ -21,7 +21,7 @@ MAX_EXHAUSTIVE = 6000
 STEPS = 40
 """Steps of the relaxation; its bound is valid after any of them."""
 
-Slope = Callable[[NDArray[np.float64]], tuple[float, NDArray[np.float64]]]
+Slope = Callable[[Real], tuple[float, Real]]
 """Function from weights of the candidates, shape (candidate,), to the merit and its slopes.
 
 It is concave, and at weights 0 and 1 it is the merit of the selection."""
@@ -58,7 +58,7 @@ def best_selection(
     return Selection(tuple(best.tolist()), share, max(share, most), every)
 
 
-def selection_bound(slope: Slope, best: NDArray[np.int64], candidates: int) -> float:
+def selection_bound(slope: Slope, best: Integer, candidates: int) -> float:
     """Upper bound for any choice of the same size: a concave function lies below its tangents.
 
     Frank and Wolfe's method, which starts at the choice and steps to the maximum of each tangent.
@@ -73,9 +73,7 @@ def selection_bound(slope: Slope, best: NDArray[np.int64], candidates: int) -> f
     return lowest
 
 
-def exchanged_by_slope(
-    slope: Slope, begun: NDArray[np.int64], candidates: int
-) -> NDArray[np.int64]:
+def exchanged_by_slope(slope: Slope, begun: Integer, candidates: int) -> Integer:
     """A choice of the same size, ascending, that is at least as good as the first one.
 
     Each step exchanges the candidates of the smallest slopes for those of the largest outside, as
@@ -100,19 +98,17 @@ def exchanged_by_slope(
     return best
 
 
-def _weights(chosen: NDArray[np.int64], candidates: int) -> NDArray[np.float64]:
+def _weights(chosen: Integer, candidates: int) -> Real:
     found = np.zeros(candidates)
     found[chosen] = 1.0
     return found
 
 
-def _of_all(score: Score, candidates: int, n: int) -> NDArray[np.int64]:
+def _of_all(score: Score, candidates: int, n: int) -> Integer:
     choices = np.array(list(itertools.combinations(range(candidates), n)), dtype=np.int64)
     return choices[int(np.argmin(score(choices)))]
 
 
-def _exchanged(
-    score: Score, candidates: int, n: int, starts: Sequence[Sequence[int]]
-) -> NDArray[np.int64]:
+def _exchanged(score: Score, candidates: int, n: int, starts: Sequence[Sequence[int]]) -> Integer:
     begun = [np.array(start, dtype=np.int64) for start in starts if len(set(start)) == n]
     return best_choice(score, candidates, n, begun)

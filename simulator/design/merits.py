@@ -21,12 +21,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
+from ..arrays import Real
+
 TINY = 1e-12
 FARTHEST_STRENGTH = 10.0
 """Prior standard deviation of a touch's strength, over the unpressed capacitance."""
 
 
-LowerTriangle = Mapping[tuple[int, int], NDArray[np.float64]]
+LowerTriangle = Mapping[tuple[int, int], Real]
 """Entries of symmetric matrices by (row, column), row >= column, each of shape (...)."""
 
 
@@ -37,11 +39,11 @@ class MeritValue(NamedTuple):
     (..., case, k). The derivative is the sum of c w w'.
     """
 
-    value: NDArray[np.float64]
-    vectors: NDArray[np.float64]
-    coefficients: NDArray[np.float64]
+    value: Real
+    vectors: Real
+    coefficients: Real
 
-    def slope(self) -> NDArray[np.float64]:
+    def slope(self) -> Real:
         """Derivative by the information of each case, shape (..., case, p, p)."""
         weighed = self.vectors * self.coefficients[..., None]
         return np.einsum("...ka,...kb->...ab", weighed, self.vectors)
@@ -50,16 +52,16 @@ class MeritValue(NamedTuple):
 class Merit(Protocol):
     """Function of the information (..., case, p, p) and the weight of each case (case,)."""
 
-    def value(self, found: LowerTriangle, weight: NDArray[np.float64], /) -> NDArray:
+    def value(self, found: LowerTriangle, weight: Real, /) -> NDArray:
         """The merit without its derivative, shape (...), which is faster. Entries: (..., case)."""
         ...
 
-    def __call__(self, found: NDArray[np.float64], weight: NDArray[np.float64], /) -> MeritValue:
+    def __call__(self, found: Real, weight: Real, /) -> MeritValue:
         """The merit and its derivative."""
         ...
 
 
-def lower_triangle(found: NDArray[np.float64]) -> LowerTriangle:
+def lower_triangle(found: Real) -> LowerTriangle:
     """Lower triangle of matrices of shape (..., p, p)."""
     return {(a, b): found[..., a, b] for a in range(found.shape[-1]) for b in range(a + 1)}
 
@@ -87,14 +89,14 @@ class AccuracyMerit:
     deviations.
     """
 
-    def value(self, found: LowerTriangle, weight: NDArray[np.float64]) -> NDArray:
+    def value(self, found: LowerTriangle, weight: Real) -> NDArray:
         """See `Merit`."""
         strengths, _ = max(found)
         known = [0.0] + [1.0] * strengths
         squared = np.maximum(remaining(found, known, 1)[0, 0], 0.0)
         return 1 - ndtr(-np.sqrt(squared) / 2) @ weight
 
-    def __call__(self, found: NDArray[np.float64], weight: NDArray[np.float64]) -> MeritValue:
+    def __call__(self, found: Real, weight: Real) -> MeritValue:
         """weight: share of all sweeps that is wrong if a pair is always confused."""
         own = found + np.diag([0.0] + [1.0] * (found.shape[-1] - 1))
         direction = np.ones(own.shape[:-1])
@@ -122,19 +124,19 @@ class PositionMerit:
         return math.hypot(*self.room) / math.sqrt(12)
 
     @property
-    def known(self) -> NDArray[np.float64]:
+    def known(self) -> Real:
         """Prior 1/deviation² of x, y and strength, shape (3,)."""
         smallest = 1e-3 * max(self.room)
         sides = [12 / max(side, smallest) ** 2 for side in self.room]
         return np.array([*sides, FARTHEST_STRENGTH**-2])
 
-    def value(self, found: LowerTriangle, weight: NDArray[np.float64]) -> NDArray:
+    def value(self, found: LowerTriangle, weight: Real) -> NDArray:
         """See `Merit`."""
         left = remaining(found, self.known.tolist(), 2)
         xx, xy, yy = left[0, 0], left[1, 0], left[1, 1]
         return 1 - np.sqrt((xx + yy) / (xx * yy - xy**2)) @ weight / self.guess
 
-    def __call__(self, found: NDArray[np.float64], weight: NDArray[np.float64]) -> MeritValue:
+    def __call__(self, found: Real, weight: Real) -> MeritValue:
         """weight: of each position, 1 in total."""
         inverse = np.linalg.inv(found + np.diag(self.known))
         vectors = inverse[..., :2, :].astype(np.float64)

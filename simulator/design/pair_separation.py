@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Real
 from ..bounds.touch_readings import Hypothesis
 from ..mesh.pixel_coverage import pixel_coverage
 from ..press.batch import PressBatch
@@ -34,8 +34,8 @@ class Pairs:
     all sweeps that is wrong if a pair is always confused, shape (pair,).
     """
 
-    separation: NDArray[np.float64]
-    weight: NDArray[np.float64]
+    separation: Real
+    weight: Real
 
     def of(self, readings: Sequence[int], frequencies: Sequence[int]) -> Pairs:
         """The pairs at some of the readings and frequencies."""
@@ -53,14 +53,14 @@ def check_comparable(scene: Scene, target: str) -> None:
     )
 
 
-def _some(values: NDArray[np.float64], which: Sequence[int], axis: int) -> NDArray[np.float64]:
+def _some(values: Real, which: Sequence[int], axis: int) -> Real:
     """Some entries along an axis; the (large) array itself where all are wanted in order."""
     every = range(values.shape[axis])
     return values if [*which] == [*every] else np.take(values, which, axis)
 
 
 def pairs(
-    on: SkinReadout, among: Sequence[Hypothesis], frequency: NDArray[np.float64], against_rest: int
+    on: SkinReadout, among: Sequence[Hypothesis], frequency: Real, against_rest: int
 ) -> Pairs:
     """Nearest pairs of hypotheses, at all candidates of a skin.
 
@@ -77,8 +77,8 @@ def pairs(
 
 
 def _expected(
-    on: SkinReadout, among: Sequence[Hypothesis], frequency: NDArray[np.float64], against_rest: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    on: SkinReadout, among: Sequence[Hypothesis], frequency: Real, against_rest: int
+) -> tuple[Real, Real]:
     """Readings (hypothesis, reading, frequency, 2) and slopes (hypothesis, touch, ...) over noise.
 
     Strengths of the touches are one standard deviation above or below their mean, in all
@@ -94,16 +94,14 @@ def _expected(
     return each.mean(axis=1), slopes
 
 
-def _presses(scene: Scene, among: Sequence[Hypothesis], signs: NDArray[np.float64]) -> PressBatch:
+def _presses(scene: Scene, among: Sequence[Hypothesis], signs: Real) -> PressBatch:
     """All combinations of hypotheses and signs of strength."""
     press = scene.press
     rises = (press.capacitance_factor - 1) * (1 + press.factor_spread * signs)
     return PressBatch.of(each.on(scene, rise) for each in among for rise in rises)
 
 
-def _nearest(
-    middle: NDArray[np.float64], slopes: NDArray[np.float64], answers: Sequence[tuple[int, ...]]
-) -> NDArray[np.int64]:
+def _nearest(middle: Real, slopes: Real, answers: Sequence[tuple[int, ...]]) -> Integer:
     """Index pairs (one, other), one < other: each hypothesis with its NEAREST others."""
     names = {answer: k for k, answer in enumerate(dict.fromkeys(answers))}
     number = np.array([names[answer] for answer in answers])
@@ -116,7 +114,7 @@ def _nearest(
     return np.unique(np.sort(np.column_stack([one, other])[kept], axis=1), axis=0)
 
 
-def _profiled(middle: NDArray[np.float64], slopes: NDArray[np.float64]) -> NDArray[np.float64]:
+def _profiled(middle: Real, slopes: Real) -> Real:
     """Squared distances at the strengths that minimize them, shape (one, other).
 
     All terms are products of readings and slopes, which are computed once.

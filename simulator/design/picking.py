@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Real
 from ..bounds.touch_readings import hypotheses
 from ..measure.readout import errors_of, require_noise
 from ..scene.contacts import Interface
@@ -99,7 +99,7 @@ class PairSource(Protocol):
 
     merit: Merit
 
-    def __call__(self, on: SkinReadout, frequency: NDArray[np.float64], /) -> Pairs:
+    def __call__(self, on: SkinReadout, frequency: Real, /) -> Pairs:
         """Pairs at all readings and frequencies."""
         ...
 
@@ -116,7 +116,7 @@ class PixelPairs:
         self._among = hypotheses(scene, request.target)
         self._against_rest = request.against_rest
 
-    def __call__(self, on: SkinReadout, frequency: NDArray[np.float64]) -> Pairs:
+    def __call__(self, on: SkinReadout, frequency: Real) -> Pairs:
         """Pairs of one skin."""
         return pairs(on, self._among, frequency, self._against_rest)
 
@@ -128,7 +128,7 @@ class PositionPairs:
         self._touches, self._against_rest = touches, request.against_rest
         self.merit: Merit = touches.merit
 
-    def __call__(self, on: SkinReadout, frequency: NDArray[np.float64]) -> Pairs:
+    def __call__(self, on: SkinReadout, frequency: Real) -> Pairs:
         """Positions of one skin."""
         return self._touches.pairs(on, frequency, self._against_rest)
 
@@ -141,7 +141,7 @@ class Picker:
         trained: TrainedSkins,
         pair_source: PairSource,
         pool: Sequence[Interface],
-        frequency: NDArray[np.float64],
+        frequency: Real,
         request: Design,
     ) -> None:
         """pair_source: of pixels or positions. Raises InputError for a meter without noise."""
@@ -259,11 +259,7 @@ class Picker:
         )
 
     def _readings(
-        self,
-        material: Material,
-        count: int,
-        readings: Sequence[int],
-        frequencies: Sequence[int],
+        self, material: Material, count: int, readings: Sequence[int], frequencies: Sequence[int]
     ) -> Selection:
         everything = self._pairs(material).of(range(len(self._pool)), frequencies)
         candidates = by_reading(everything, self._session, self._pair_source.merit)
@@ -284,13 +280,13 @@ class Picker:
         return self._kept[1]
 
 
-def _by_both(picked: Picked, every: int) -> NDArray[np.int64]:
+def _by_both(picked: Picked, every: int) -> Integer:
     """Indices of the picks among the candidates of `by_both`. every: number of frequencies."""
     own = np.add.outer(every * np.arange(len(picked.readings)), picked.frequencies)
     return own.ravel().astype(np.int64)
 
 
-def _known(noise: NDArray[np.float64], accuracy: NDArray[np.float64]) -> float:
+def _known(noise: Real, accuracy: Real) -> float:
     """1/deviation² of an error that is common to a session, in units of the noise.
 
     The deviation is the root mean square over all readings.

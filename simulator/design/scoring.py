@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..bounds.common_draws import CommonDraws
 from ..measure.experiment import own_presses
 from ..scene.contacts import Interface
@@ -62,7 +62,7 @@ class AccuracyScorer:
             against_rest=request.against_rest,
         )
 
-    def merit(self, on: SkinReadout, frequency: NDArray[np.float64]) -> float:
+    def merit(self, on: SkinReadout, frequency: Real) -> float:
         """Best share of correct sweeps of one skin; frequency in Hz.
 
         Raises InputError where the meter's noise is too small.
@@ -76,7 +76,7 @@ class PositionScorer:
     def __init__(self, touches: TouchPositions, against_rest: int) -> None:
         self._touches, self._against_rest = touches, against_rest
 
-    def merit(self, on: SkinReadout, frequency: NDArray[np.float64]) -> float:
+    def merit(self, on: SkinReadout, frequency: Real) -> float:
         """1 minus the median error of one skin over that of a guess; frequency in Hz.
 
         Raises InputError for a meter without noise.

@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ..arrays import Complex, Real
 from ..measure.readout import ErrorModel, errors_of, observed
 from ..measure.skins import DrawnSkin
 from ..models.network.network_skin import NetworkSkin
@@ -45,11 +43,11 @@ class SkinReadout:
         self.scene, self._readings, self._leads = reduced.scene, readings, drawn.leads
         self.skin: ReducedSkin = reduced.skin(drawn.variation)
 
-    def reading(self, frequency: NDArray[np.float64]) -> ReadingSetup:
+    def reading(self, frequency: Real) -> ReadingSetup:
         """Its readings at these frequencies in Hz, behind its own leads."""
         return ReadingSetup(self._readings, frequency, self._leads)
 
-    def errors(self, frequency: NDArray[np.float64], against_rest: int) -> ErrorModel:
+    def errors(self, frequency: Real, against_rest: int) -> ErrorModel:
         """Errors of these readings, evaluated at the unpressed skin; frequency in Hz."""
         return errors_of(
             self.scene,
@@ -58,13 +56,11 @@ class SkinReadout:
             unpressed=lambda: self._impedances(PressBatch.of([NOTHING]), frequency)[0],
         )
 
-    def observed(self, batch: PressBatch, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
+    def observed(self, batch: PressBatch, frequency: Real) -> Real:
         """ln |Z| and phase of many presses, shape (press, 2 * readings)."""
         return observed(self._impedances(batch, frequency))
 
-    def _impedances(
-        self, batch: PressBatch, frequency: NDArray[np.float64]
-    ) -> NDArray[np.complex128]:
+    def _impedances(self, batch: PressBatch, frequency: Real) -> Complex:
         """Z in ohm at the meter, shape (press, reading, frequency)."""
         s = laplace_variable(frequency, self.skin.loss)
         network = NetworkSkin(self.skin, s)

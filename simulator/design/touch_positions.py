@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..bounds.fields import TouchSize
 from ..bounds.fields.reduced_fields import ReducedFields
 from ..bounds.position_bound import ESTIMATED, Slopes, chosen_touch, places_on, position_slopes
@@ -47,7 +47,7 @@ class TouchPositions:
         """A random touch to train the model with."""
         return Case(None, *self.cells.drawn(self.size, random))
 
-    def slopes(self, on: SkinReadout, frequency: NDArray[np.float64], against_rest: int) -> Slopes:
+    def slopes(self, on: SkinReadout, frequency: Real, against_rest: int) -> Slopes:
         """Slopes of one skin's readings at every position; frequency in Hz, ascending."""
         reading = on.reading(frequency)
         return position_slopes(
@@ -59,7 +59,7 @@ class TouchPositions:
             rasterizer=self.cells,
         )
 
-    def pairs(self, on: SkinReadout, frequency: NDArray[np.float64], against_rest: int) -> Pairs:
+    def pairs(self, on: SkinReadout, frequency: Real, against_rest: int) -> Pairs:
         """The slopes as `Pairs`, each position with its share of the weight."""
         by = self.slopes(on, frequency, against_rest).by[..., : len(ESTIMATED)]
         return Pairs(by, np.full(len(by), 1 / len(by)))

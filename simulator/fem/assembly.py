@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from skfem import Element, ElementQuad1, ElementQuad2, ElementQuadP
 
+from ..arrays import Integer, Real
 from ..mesh.rings import QuadrilateralCells
 from .dropped import DROPPED
 from .lazy_kernel import LazyKernel
@@ -85,11 +86,11 @@ class Group:
     (term, local, local). mass_weights: m², shape (cell,), for `mass`, shape (local, local).
     """
 
-    cells: NDArray[np.int64]
-    stiffness_weights: NDArray[np.float64]
-    stiffness: NDArray[np.float64]
-    mass_weights: NDArray[np.float64]
-    mass: NDArray[np.float64]
+    cells: Integer
+    stiffness_weights: Real
+    stiffness: Real
+    mass_weights: Real
+    mass: Real
 
 
 def groups(cells: QuadrilateralCells, order: int) -> list[Group]:
@@ -119,12 +120,12 @@ def _rules(order: int) -> tuple[Rule, Rule]:
 
 
 @cache
-def edge_masses(order: int) -> list[NDArray[np.float64]]:
+def edge_masses(order: int) -> list[Real]:
     """Integrals of u v over each edge of the unit square, shape (local, local)."""
     return [edge_rule(quadrilateral(order), edge, order + 1)[0].mass for edge in range(4)]
 
 
-def _parallelograms(cells: QuadrilateralCells, which: NDArray[np.int64], order: int) -> Group:
+def _parallelograms(cells: QuadrilateralCells, which: Integer, order: int) -> Group:
     """Group of parallelograms: their geometry is constant, so one point gives the weights."""
     rule, corner = _rules(order)
     at, ones = surface(cells.some(which), corner), np.ones((len(which), 1))
@@ -136,9 +137,7 @@ def _parallelograms(cells: QuadrilateralCells, which: NDArray[np.int64], order: 
 
 
 @lru_cache(maxsize=SHAPES_KEPT)
-def _shape_matrices(
-    shape: tuple[float, ...], order: int
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _shape_matrices(shape: tuple[float, ...], order: int) -> tuple[Real, Real]:
     """Mass and stiffness matrix of one quadrilateral, given along, across and twist (two numbers
     each).
 

@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..scene.contacts import Contact, Interface
 from ..scene.node_gain import driven_terminals
 from ..scene.scene import Scene
@@ -52,7 +52,7 @@ class Circuit:
     """
 
     conductance: tuple[float, ...]
-    coupling: NDArray[np.float64]
+    coupling: Real
     terminals: tuple[Terminal, ...]
     excitations: tuple[Excitation, ...]
     low: Low = None
@@ -91,7 +91,7 @@ class Circuit:
         """Combination of the excitations to interfaces."""
         return combination(self.excitations)
 
-    def field_alone(self, field: int) -> NDArray[np.float64]:
+    def field_alone(self, field: int) -> Real:
         """Diagonal matrix that selects one field, shape (field, field)."""
         return np.diag(np.eye(self.fields)[field])
 

@@ -10,8 +10,8 @@ import itertools
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex
 from .error_estimate import Swept, rounded
 from .excitation import Combination
 from .lanczos import MAX_LANCZOS_STEPS, MIN_LANCZOS_STEPS, Pencil, Steps, coefficients
@@ -20,7 +20,7 @@ from .lanczos import MAX_LANCZOS_STEPS, MIN_LANCZOS_STEPS, Pencil, Steps, coeffi
 def respond_together(
     pencils: Sequence[Pencil],
     combined: Combination,
-    s: NDArray[np.complex128],
+    s: Complex,
     rtol: float,
     kept: Sequence[Steps] | None = None,
 ) -> Swept:
@@ -50,7 +50,7 @@ def respond_together(
 class _Fraction:
     """Continued fraction of one pencil, extended step by step; see `lanczos`."""
 
-    def __init__(self, pencil: Pencil, steps: Steps, s: NDArray[np.complex128]) -> None:
+    def __init__(self, pencil: Pencil, steps: Steps, s: Complex) -> None:
         self._t, self._steps, self._going = s - pencil.shift, steps, coefficients(pencil)
         self._at_once = pencil.admittance + self._t * pencil.capacitance
 
@@ -61,7 +61,7 @@ class _Fraction:
             self._steps.add(*step)
         return step is not None
 
-    def form(self) -> NDArray[np.complex128]:
+    def form(self) -> Complex:
         """Q in S after the steps so far, shape (s,)."""
         t, value = self._t, np.zeros_like(self._t)
         for squared, diagonal in reversed(self._steps.coefficients):

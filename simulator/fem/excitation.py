@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Complex, Integer, Real
 from .error_estimate import (
     KRYLOV_SHARE,
     ROUNDING,
@@ -74,7 +75,7 @@ class Combination:
     add: |dY| <= sum |w_k| |dQ_k|.
     """
 
-    weights: NDArray[np.float64]
+    weights: Real
 
     @property
     def one_to_one(self) -> bool:
@@ -82,7 +83,7 @@ class Combination:
         return len(self.weights) == self.weights.shape[1]
 
     @cached_property
-    def groups(self) -> list[NDArray[np.int64]]:
+    def groups(self) -> list[Integer]:
         """Indices of the excitations of each interface."""
         return [np.flatnonzero(row) for row in self.weights]
 
@@ -90,18 +91,16 @@ class Combination:
         """Y in S, or the same sum of other forms, shape (interface, ...)."""
         return Q if self.one_to_one else np.tensordot(self.weights, Q, axes=1)
 
-    def bound(self, dQ: NDArray[np.float64]) -> NDArray[np.float64]:
+    def bound(self, dQ: Real) -> Real:
         """Bound on errors of admittances from bounds on errors of forms, S, shape (interface,
         ...)."""
         return dQ if self.one_to_one else np.tensordot(np.abs(self.weights), dQ, axes=1)
 
-    def impedance(self, Q: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    def impedance(self, Q: Complex) -> Complex:
         """Z in ohm, shape (interface, ...)."""
         return (1 / self.admittance(Q)).astype(np.complex128)
 
-    def relative_change(
-        self, Q: NDArray[np.complex128], truth: NDArray[np.complex128]
-    ) -> NDArray[np.float64]:
+    def relative_change(self, Q: Complex, truth: Complex) -> Real:
         """`relative_difference` of impedances, with the excitations' parts added without signs.
 
         Shape (2, interface, ...). 1/Y - 1/Y' = (Y' - Y) / (Y Y') is exact.
@@ -129,11 +128,11 @@ def combination(excitations: Sequence[Excitation]) -> Combination:
 
 
 def impedance_with_error(
-    sweep: Callable[[NDArray[np.float64], float], list[Swept]],
+    sweep: Callable[[Real, float], list[Swept]],
     excitations: Sequence[Excitation],
-    frequency: NDArray[np.float64],
+    frequency: Real,
     rtol: float,
-) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+) -> tuple[Complex, Real]:
     """Z in ohm, shape (interface, frequency), and its estimated relative errors, shape (2, ...).
 
     sweep: called with frequencies in Hz and a tolerance of the solves; returns the forms of the

@@ -16,12 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse.linalg import SuperLU
 
+from ..arrays import Integer, Mask, Real
 from .excitation import Excitation
 from .lanczos import Pencil, Pencils
 from .low_rank import Bordered, Mass
 from .terminal_network import allowed_potentials
 
-Solve = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+Solve = Callable[[Real], Real]
 """Maps currents inside, shape (unknown, side), to potentials."""
 
 
@@ -35,17 +36,14 @@ class ExcitedTerminals:
     """
 
     conductance: float
-    potential: NDArray[np.float64]
-    floating: NDArray[np.float64]
-    floating_conductance: NDArray[np.float64]
-    common: NDArray[np.bool_]
+    potential: Real
+    floating: Real
+    floating_conductance: Real
+    common: Mask
 
 
 def excited_terminals(
-    excitation: Excitation,
-    terminal_field: NDArray[np.int64],
-    conductance: NDArray[np.float64],
-    lift: NDArray[np.float64],
+    excitation: Excitation, terminal_field: Integer, conductance: Real, lift: Real
 ) -> ExcitedTerminals:
     """Driven potentials and floating terminals of one excitation.
 
@@ -80,16 +78,16 @@ class Unshifted:
     mass: Mass
 
     @cached_property
-    def potential(self) -> NDArray[np.float64]:
+    def potential(self) -> Real:
         """Driven potentials at s = 0, V."""
         return self._neutral(self.driven.potential)
 
     @cached_property
-    def start(self) -> NDArray[np.float64]:
+    def start(self) -> Real:
         """Charge of the driven potentials, C."""
         return self.mass @ self.potential
 
-    def completed(self, y: NDArray[np.float64], inside: NDArray[np.float64]) -> NDArray[np.float64]:
+    def completed(self, y: Real, inside: Real) -> Real:
         """K^-1 y with the floating terminals among the unknowns. inside: K^-1 y of the inner
         block."""
         v = np.zeros_like(y)
@@ -111,12 +109,12 @@ class Unshifted:
             0.0,
         )
 
-    def _neutral(self, v: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _neutral(self, v: Real) -> Real:
         sheets, charge, own = self._sheets
         return v - sheets @ np.linalg.solve(own, charge.T @ v) if sheets.size else v
 
     @cached_property
-    def _tied(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _tied(self) -> tuple[Real, Real]:
         """Potentials of floating terminals that currents tie to others, and the conductance between
         them."""
         tied = ~self.driven.common
@@ -124,7 +122,7 @@ class Unshifted:
         return self.driven.floating[:, tied], conductance
 
     @cached_property
-    def _sheets(self) -> tuple[NDArray[np.float64], ...]:
+    def _sheets(self) -> tuple[Real, ...]:
         """Potentials of sheets that float as a whole, their charges, and the capacitance between
         them."""
         sheets = self.driven.floating[:, self.driven.common]
@@ -135,13 +133,13 @@ class Unshifted:
 def unshifted_pencils(each: Sequence[Unshifted], solve: Solve, inner: int) -> Pencils:
     """Pencils of one K for several excitations and M. solve: of the block of `inner` unknowns."""
 
-    def mass(v: NDArray[np.float64], which: NDArray[np.int64]) -> NDArray[np.float64]:
+    def mass(v: Real, which: Integer) -> Real:
         masses = [each[k].mass for k in which]
         first = [k for k, own in enumerate(masses) if k == 0 or own is not masses[k - 1]]
         parts = zip(first, np.split(v, first[1:]), strict=True)
         return np.concatenate([(masses[k] @ own.T).T for k, own in parts])
 
-    def inverse(y: NDArray[np.float64], which: NDArray[np.int64]) -> NDArray[np.float64]:
+    def inverse(y: Real, which: Integer) -> Real:
         inside = solve(y[:, :inner].T).T
         parts = zip(which, y, inside, strict=True)
         return np.stack([each[k].completed(own, inner_part) for k, own, inner_part in parts])
@@ -154,7 +152,7 @@ def shifted(
     mass: Mass,
     A: SuperLU | Bordered,
     shift: float,
-    power: Callable[[NDArray[np.float64]], float],
+    power: Callable[[Real], float],
 ) -> Pencil:
     """Pencil for sigma > 0, in 1/s. A: factors of the inner block of K + sigma M.
 

@@ -12,6 +12,7 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU, splu
 from threadpoolctl import ThreadpoolController
 
+from ..arrays import Real
 from ..sweeps import ToleranceError
 
 MIN_RIGHT_HAND_SIDES = 3
@@ -61,7 +62,7 @@ class Factors:
         ordered = (each.sorted_indices() for each in both)
         return [(each.indptr, each.indices, each.data) for each in ordered]
 
-    def solve(self, y: NDArray[np.float64]) -> NDArray[np.float64]:
+    def solve(self, y: Real) -> Real:
         """A^-1 y. y: shape (unknown, ...)."""
         if y.ndim == 1 or y.shape[1] < MIN_RIGHT_HAND_SIDES:
             return self._lu.solve(y)

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU
 
+from ..arrays import Complex, Real
 from .circuit import Circuit
 from .excitation import Excitation
 from .excited_terminals import (
@@ -84,14 +85,14 @@ class Galerkin:
         """Matrix of this space and the terminals from its values at `entries`."""
         return self._whole.matrix(values)
 
-    def solve(self, y: NDArray[np.float64]) -> NDArray[np.float64]:
+    def solve(self, y: Real) -> Real:
         """K^-1 y inside, all terminals at 0 V. y: A, shape (inner, ...)."""
         return self._factors.solve(y)
 
     def _inner(self, whole: csc_matrix) -> csc_matrix:
         return self._block.matrix(whole.data[self._block_entries])
 
-    def network(self, mass: csc_matrix, s: NDArray[np.complex128]) -> Network:
+    def network(self, mass: csc_matrix, s: Complex) -> Network:
         """N-terminal network at each s in rad/s: one complex system for each s. mass: M in F."""
         mass = self.restricted(mass)
         charge = mass @ self.lift
@@ -106,7 +107,7 @@ class Galerkin:
         s = s[:, None, None]
         return Network(self.terminal_field, self.conductance, s * at_once - s**2 * delayed)
 
-    def moments(self, mass: csc_matrix, count: int) -> NDArray[np.float64]:
+    def moments(self, mass: csc_matrix, count: int) -> Real:
         """Taylor coefficients of Y(s) = Y_0 + Y_1 s + ... + Y_count s^count, shape (k, N, N).
 
         One real factorisation: Y_1 = G'MG, Y_k = (-1)^(k-1) (MG)' (K^-1 M)^(k-2) K^-1 (MG).
@@ -115,7 +116,7 @@ class Galerkin:
         inner_mass = self._inner(mass)
         charge = mass @ self.lift
         right = inner_charge = charge[: self.inner]
-        moments: list[NDArray[np.float64]] = [self.conductance, self.lift.T @ charge]
+        moments: list[Real] = [self.conductance, self.lift.T @ charge]
         for k in range(2, count + 1):
             solution = self._factor.solve(right)
             moments.append((-1) ** (k - 1) * inner_charge.T @ solution)
@@ -148,9 +149,7 @@ class Galerkin:
         mass = self.restricted(mass)
         return self.spread(potentials(self.driven(excitation), mass, self._shifted(s, mass), s))
 
-    def potentials_by(
-        self, steps: Steps, mass: Mass, excitation: Excitation, s: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def potentials_by(self, steps: Steps, mass: Mass, excitation: Excitation, s: Real) -> Real:
         """Potentials at real s >= 0 from the Lanczos steps of a sweep; shape (..., s)."""
         at_zero = Unshifted(self.driven(excitation), self.restricted(mass)).potential
         return self.spread(at_zero[:, None] + steps.potentials(s))
@@ -172,12 +171,12 @@ class Galerkin:
         in_films = self.restricted(films.stiffness) @ V + films.current[self._rows] @ U
         return in_sheets + in_films[: self.inner]
 
-    def sheet_energy(self, W: NDArray[np.float64], sheets: csc_matrix) -> NDArray[np.float64]:
+    def sheet_energy(self, W: Real, sheets: csc_matrix) -> Real:
         """W'KW in W of the sheets alone. W: V, shape (inner + terminals, k). sheets: of the
         system."""
         return W.T @ (self.restricted(sheets) @ W)
 
-    def film_energy(self, W: NDArray[np.float64], films: Films) -> NDArray[np.float64]:
+    def film_energy(self, W: Real, films: Films) -> Real:
         """W'KW in W of the films of contact resistance alone."""
         U = W[self.inner :]
         current = films.current[self._rows] @ U
@@ -186,7 +185,7 @@ class Galerkin:
         in_films = V.T @ (self.restricted(films.stiffness) @ V)
         return in_films + coupled + coupled.T + U.T @ (films.conductance @ U)
 
-    def _power(self, v: NDArray[np.float64]) -> float:
+    def _power(self, v: Real) -> float:
         """v'Kv in W. v: V, shape (inner + terminals,)."""
         W, system = v[:, None], self._system
         in_films = self.film_energy(W, system.films)
@@ -217,7 +216,7 @@ class Galerkin:
     def _factors(self) -> Factors:
         return Factors(self._factor)
 
-    def _terminal_lift(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _terminal_lift(self) -> tuple[Real, Real]:
         """G, shape (inner + terminals, terminals), and G'KG in S, shape (terminals, terminals).
 
         The columns of a field add up to 1 V, which costs no current; that gives the column of its

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Real
 from .combined_lanczos import respond_together
 from .error_estimate import Swept
 from .excitation import Combination, Excitation, combination
@@ -23,7 +23,7 @@ def swept(
     space: Galerkin,
     mass: Mass,
     excitations: Sequence[Excitation],
-    s: NDArray[np.complex128],
+    s: Complex,
     rtol: float,
     kept: CachedSteps | None = None,
 ) -> Swept:
@@ -45,8 +45,8 @@ def _interface(
     space: Galerkin,
     mass: Mass,
     excitations: Sequence[Excitation],
-    weights: NDArray[np.float64],
-    s: NDArray[np.complex128],
+    weights: Real,
+    s: Complex,
     rtol: float,
     kept: CachedSteps | None,
 ) -> Swept:
@@ -56,7 +56,7 @@ def _interface(
     """
     steps = None if kept is None else [Steps() for _ in excitations]
 
-    def about(shift: float, s: NDArray[np.complex128], steps: list[Steps] | None = None) -> Swept:
+    def about(shift: float, s: Complex, steps: list[Steps] | None = None) -> Swept:
         pencils = [space.pencil(mass, excitation, shift) for excitation in excitations]
         if len(pencils) > 1:
             return respond_together(pencils, Combination(weights[None]), s, rtol, steps)

@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Integer, Real
 from .error_estimate import LOST_SUSCEPTANCE, lost_digits
 from .excitation import Excitation
 from .lazy_kernel import LazyKernel
@@ -24,13 +24,8 @@ MIN_LANCZOS_STEPS = 3
 
 
 def last_change_readable(
-    s: NDArray[np.complex128],
-    shift: float,
-    at_once: NDArray[np.complex128],
-    diagonal: NDArray[np.float64],
-    squared: NDArray[np.float64],
-    steps: int,
-) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+    s: Complex, shift: float, at_once: Complex, diagonal: Real, squared: Real, steps: int
+) -> tuple[Complex, Real]:
     """Do what `last_change` does with Python's numbers, which divide as numba does."""
     a, b = diagonal[:steps].tolist(), squared[:steps].tolist()
 
@@ -68,9 +63,9 @@ class Pencil:
     y. admittance: Y(sigma) in S. capacitance: g'Mg in F. shift: sigma in 1/s.
     """
 
-    start: NDArray[np.float64]
-    mass: Callable[[NDArray[np.float64]], NDArray[np.float64]]
-    inverse: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    start: Real
+    mass: Callable[[Real], Real]
+    inverse: Callable[[Real], Real]
     admittance: float
     capacitance: float
     shift: float
@@ -78,11 +73,11 @@ class Pencil:
 
 def respond(
     pencil: Pencil,
-    s: NDArray[np.complex128],
+    s: Complex,
     rtol: float,
     most_steps: int = MAX_LANCZOS_STEPS,
     kept: Steps | None = None,
-) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+) -> tuple[Complex, Real]:
     """Y(s) in S, and its relative error in Rs and Cp; both of shape (s,). kept: the steps are added
     to it.
 
@@ -94,7 +89,7 @@ def respond(
     diagonal, squared = np.empty(most_steps), np.empty(most_steps)
     farthest = [int(np.abs(s - pencil.shift).argmax())]
 
-    def changed(steps: int) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+    def changed(steps: int) -> tuple[Complex, Real]:
         return last_change(s, pencil.shift, at_once, diagonal, squared, steps)
 
     def settled(steps: int) -> bool:
@@ -125,8 +120,8 @@ def respond(
 
 
 def potentials(
-    pencil: Pencil, shifts: NDArray[np.float64], rtol: float, most_steps: int = MAX_LANCZOS_STEPS
-) -> NDArray[np.float64]:
+    pencil: Pencil, shifts: Real, rtol: float, most_steps: int = MAX_LANCZOS_STEPS
+) -> Real:
     """u(s) - u(0) in V at real s >= 0 of an unshifted pencil, shape (unknown, s).
 
     Ends when the last step adds less than rtol at every s, in the norm of K.
@@ -146,14 +141,14 @@ class Pencils:
     unknown), and the indices of their pencils; return M v and K^-1 y.
     """
 
-    start: NDArray[np.float64]
-    mass: Callable[[NDArray[np.float64], NDArray[np.int64]], NDArray[np.float64]]
-    inverse: Callable[[NDArray[np.float64], NDArray[np.int64]], NDArray[np.float64]]
+    start: Real
+    mass: Callable[[Real, Integer], Real]
+    inverse: Callable[[Real, Integer], Real]
 
 
 def potentials_of_all(
-    pencils: Pencils, shifts: NDArray[np.float64], rtol: float, most_steps: int = MAX_LANCZOS_STEPS
-) -> list[NDArray[np.float64]]:
+    pencils: Pencils, shifts: Real, rtol: float, most_steps: int = MAX_LANCZOS_STEPS
+) -> list[Real]:
     """`potentials` of each pencil, all advanced step by step together."""
     found = [_Spanned(shifts) for _ in pencils.start]
     going, residual = np.arange(len(found)), pencils.start
@@ -185,11 +180,11 @@ class Steps:
     them."""
 
     def __init__(self) -> None:
-        self.basis: list[NDArray[np.float64]] = []
+        self.basis: list[Real] = []
         self.squared: list[float] = []
         self._diagonal: list[float] = []
 
-    def add(self, squared: float, diagonal: float, q: NDArray[np.float64]) -> None:
+    def add(self, squared: float, diagonal: float, q: Real) -> None:
         """Append one step."""
         self.squared.append(squared)
         self._diagonal.append(diagonal)
@@ -200,11 +195,11 @@ class Steps:
         """b_0² and a_1, b_1² and a_2, ..."""
         return list(zip(self.squared, self._diagonal, strict=True))
 
-    def potentials(self, shifts: NDArray[np.float64]) -> NDArray[np.float64]:
+    def potentials(self, shifts: Real) -> Real:
         """u(s) - u(0) in V at real s >= 0, shape (unknown, s)."""
         return np.array(self.basis).T @ self.parts(shifts)
 
-    def parts(self, shifts: NDArray[np.float64]) -> NDArray[np.float64]:
+    def parts(self, shifts: Real) -> Real:
         """Coefficient of each basis vector, shape (step, s): -s (1 + s T)^-1 e1 b_0."""
         beta = np.sqrt(self.squared[1:])
         T = np.diag(self._diagonal) + np.diag(beta, 1) + np.diag(beta, -1)
@@ -220,7 +215,7 @@ class CachedSteps:
     def __init__(self) -> None:
         self.steps = dict[Excitation, tuple[Steps, float]]()
 
-    def of(self, excitation: Excitation, s: NDArray[np.float64]) -> Steps | None:
+    def of(self, excitation: Excitation, s: Real) -> Steps | None:
         """Steps of an excitation, or None unless they are accurate at all s."""
         steps, reach = self.steps.get(excitation, (None, 0.0))
         return steps if s.max() <= reach else None
@@ -229,12 +224,12 @@ class CachedSteps:
 class _Spanned:
     """Lanczos steps for one pencil, until its potentials at the shifts are accurate."""
 
-    def __init__(self, shifts: NDArray[np.float64]) -> None:
+    def __init__(self, shifts: Real) -> None:
         self.shifts = shifts
         self.steps = Steps()
         self._pivot = self._last = np.ones(len(shifts))
 
-    def settled(self, squared: float, diagonal: float, q: NDArray[np.float64], rtol: float) -> bool:
+    def settled(self, squared: float, diagonal: float, q: Real, rtol: float) -> bool:
         """Take one step; True if it adds less than rtol at every s, in the norm of K.
 
         That norm is at most |s| b_0, which shows without a solve that most steps still matter.
@@ -249,12 +244,12 @@ class _Spanned:
         return bool((np.abs(parts[-1]) <= rtol * np.linalg.norm(parts, axis=0)).all())
 
     @property
-    def potentials(self) -> NDArray[np.float64]:
+    def potentials(self) -> Real:
         """u(s) - u(0) in V at the shifts, shape (unknown, s)."""
         return self.steps.potentials(self.shifts)
 
 
-def coefficients(pencil: Pencil) -> Iterator[tuple[float, float, NDArray[np.float64]]]:
+def coefficients(pencil: Pencil) -> Iterator[tuple[float, float, Real]]:
     """b_0², a_1 and q_1, b_1², a_2 and q_2, ... until the space is exhausted; Q'KQ = 1."""
     beta, w, residual = 0.0, np.zeros_like(pencil.start), pencil.start
     while True:

@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU
 
+from ..arrays import Real
+
 
 @dataclass(frozen=True)
 class LowRankMass:
@@ -18,7 +20,7 @@ class LowRankMass:
     """
 
     near: csc_matrix
-    far: NDArray[np.float64]
+    far: Real
 
     def dot(self, v: NDArray) -> NDArray:
         """Return M v."""
@@ -36,7 +38,7 @@ class Bordered:
     Source: M. A. Woodbury, Inverting Modified Matrices, 1950.
     """
 
-    def __init__(self, sparse: SuperLU, far: NDArray[np.float64], s: complex) -> None:
+    def __init__(self, sparse: SuperLU, far: Real, s: complex) -> None:
         """far: F, shape (unknown, rank)."""
         self.shape = sparse.shape
         self._sparse, self._far = sparse, far

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
+from ..arrays import Integer
 from .dropped import DROPPED
 from .lazy_kernel import LazyKernel
 
@@ -35,7 +36,7 @@ class Pattern:
         matrix.data = values
         return matrix
 
-    def within(self, kept: NDArray[np.int64]) -> tuple[Pattern, NDArray[np.int64]]:
+    def within(self, kept: Integer) -> tuple[Pattern, Integer]:
         """Pattern of the block of some rows and columns, and the positions of its values in the
         whole.
 
@@ -54,9 +55,7 @@ class Pattern:
         return matrix
 
 
-def pattern_of_pairs(
-    rows: NDArray[np.int64], columns: NDArray[np.int64], size: int
-) -> tuple[Pattern, NDArray[np.int64]]:
+def pattern_of_pairs(rows: Integer, columns: Integer, size: int) -> tuple[Pattern, Integer]:
     """Pattern that holds every pair (row, column), and the slot of each pair in its values.
 
     Pairs with a negative index get the slot DROPPED. rows and columns have the same shape.
@@ -67,8 +66,8 @@ def pattern_of_pairs(
 
 
 def compressed_readable(
-    rows: NDArray[np.int64], columns: NDArray[np.int64], size: int
-) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int64]]:
+    rows: Integer, columns: Integer, size: int
+) -> tuple[NDArray[np.int32], NDArray[np.int32], Integer]:
     """Do what `compressed` does: by a table of all keys for small matrices, by sorting for
     others."""
     kept = (rows >= 0) & (columns >= 0)
@@ -90,11 +89,8 @@ def compressed_readable(
 
 
 def block_readable(
-    indices: NDArray[np.int32],
-    indptr: NDArray[np.int32],
-    kept: NDArray[np.int64],
-    number: NDArray[np.int32],
-) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int64]]:
+    indices: NDArray[np.int32], indptr: NDArray[np.int32], kept: Integer, number: NDArray[np.int32]
+) -> tuple[NDArray[np.int32], NDArray[np.int32], Integer]:
     """Do what `block` does, for all entries at once."""
     column = number[np.repeat(np.arange(len(indptr) - 1), np.diff(indptr))]
     entries = np.flatnonzero((number[indices] >= 0) & (column >= 0))

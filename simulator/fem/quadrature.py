@@ -20,6 +20,7 @@ from skfem.assembly import Basis
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefQuad, RefTri
 
+from ..arrays import Integer, Real
 from ..mesh.rings import QuadrilateralCells
 
 ROUNDING = 1e-14
@@ -28,7 +29,7 @@ ROUNDING = 1e-14
 BLOCK = 4_000_000
 ONE_FIELD = np.ones((1, 1))
 
-Terms = tuple[NDArray[np.float64], NDArray[np.float64]]
+Terms = tuple[Real, Real]
 """Weights, shape (cell, term), and their matrices, one per row, shape (term, local²)."""
 
 
@@ -40,25 +41,25 @@ class Rule:
     slopes: d/da and d/db, shape (2, function, point).
     """
 
-    points: NDArray[np.float64]
-    weights: NDArray[np.float64]
-    values: NDArray[np.float64]
-    slopes: NDArray[np.float64]
+    points: Real
+    weights: Real
+    values: Real
+    slopes: Real
 
     @cached_property
-    def mass(self) -> NDArray[np.float64]:
+    def mass(self) -> Real:
         """Integrals of u v, shape (function, function)."""
         return self._products(self.values, self.values)
 
     @cached_property
-    def stiffness(self) -> NDArray[np.float64]:
+    def stiffness(self) -> Real:
         """Integrals of d/da d/da, d/db d/db and d/da d/db + d/db d/da, shape (3, function,
         function)."""
         a, b = self.slopes
         both = 2 * self._products(a, b)
         return np.stack([self._products(a, a), self._products(b, b), both])
 
-    def _products(self, u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _products(self, u: Real, v: Real) -> Real:
         """Integrals of (u_i v_j + u_j v_i) / 2, shape (local, local); 0 where only rounding is
         left."""
         one_way = (u * self.weights) @ v.T
@@ -74,17 +75,17 @@ class CellGeometry:
     space x holds the first two coordinates; along and across are in each cell's own frame.
     """
 
-    x: NDArray[np.float64]
-    along: NDArray[np.float64]
-    across: NDArray[np.float64]
+    x: Real
+    along: Real
+    across: Real
 
     @property
-    def area(self) -> NDArray[np.float64]:
+    def area(self) -> Real:
         """Area of the parallelogram of along and across at each point, m², shape (cell, point)."""
         along, across = self.along, self.across
         return np.abs(along[0] * across[1] - along[1] * across[0])
 
-    def some(self, cells: NDArray[np.int64] | slice) -> CellGeometry:
+    def some(self, cells: Integer | slice) -> CellGeometry:
         """Geometry of some of the cells."""
         return CellGeometry(self.x[:, cells], self.along[:, cells], self.across[:, cells])
 
@@ -110,7 +111,7 @@ def divided(element: Element, rule: Rule) -> Rule:
     return rule_at(element, np.hstack([*corners, turned]), np.tile(rule.weights / 4, 4))
 
 
-def rule_at(element: Element, points: NDArray[np.float64], weights: NDArray[np.float64]) -> Rule:
+def rule_at(element: Element, points: Real, weights: Real) -> Rule:
     """Basis functions of an element at these points of its reference cell, shape (2, point)."""
     basis = Basis(_reference_mesh(element), element, quadrature=(points, weights)).basis
     functions = [each for each, *_ in basis]
@@ -122,7 +123,7 @@ def rule_at(element: Element, points: NDArray[np.float64], weights: NDArray[np.f
     )
 
 
-def edge_rule(element: Element, edge: int, count: int) -> tuple[Rule, NDArray[np.float64]]:
+def edge_rule(element: Element, edge: int, count: int) -> tuple[Rule, Real]:
     """Rule with `count` points along one edge of the reference cell, and the direction of that
     edge."""
     corners = np.asarray(element.refdom.p)
@@ -149,10 +150,7 @@ def surface(cells: QuadrilateralCells, rule: Rule) -> CellGeometry:
 
 
 def mass_terms(
-    rule: Rule,
-    surface: CellGeometry,
-    c: NDArray[np.float64],
-    fields: NDArray[np.float64] = ONE_FIELD,
+    rule: Rule, surface: CellGeometry, c: Real, fields: Real = ONE_FIELD
 ) -> Iterator[Terms]:
     """Terms of the form c u v. c: F/m², shape (cell, point). fields: its coupling between fields.
 
@@ -169,10 +167,7 @@ def mass_terms(
 
 
 def stiffness_terms(
-    rule: Rule,
-    surface: CellGeometry,
-    conductance: NDArray[np.float64],
-    fields: NDArray[np.float64] = ONE_FIELD,
+    rule: Rule, surface: CellGeometry, conductance: Real, fields: Real = ONE_FIELD
 ) -> Iterator[Terms]:
     """Terms of the form grad u . S grad v.
 
@@ -192,7 +187,7 @@ def stiffness_terms(
         yield np.hstack([*weights[..., some]]), _between_fields(fields, matrices)
 
 
-def _pulled_back(surface: CellGeometry, conductance: NDArray[np.float64]) -> NDArray[np.float64]:
+def _pulled_back(surface: CellGeometry, conductance: Real) -> Real:
     """|J| J^-1 S J^-T by its components along a a, b b and a b, shape (3, cell, point)."""
     along, across = surface.along, surface.across
     if conductance.ndim == along.ndim - 1:
@@ -201,13 +196,13 @@ def _pulled_back(surface: CellGeometry, conductance: NDArray[np.float64]) -> NDA
     xx, yy, xy = conductance
     to_a, to_b = np.stack([across[1], -across[0]]), np.stack([-along[1], along[0]])
 
-    def form(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+    def form(u: Real, v: Real) -> Real:
         return xx * u[0] * v[0] + yy * u[1] * v[1] + xy * (u[0] * v[1] + u[1] * v[0])
 
     return np.stack([form(to_a, to_a), form(to_b, to_b), form(to_a, to_b)]) / surface.area
 
 
-def _uniform(density: NDArray[np.float64]) -> bool:
+def _uniform(density: Real) -> bool:
     """True if a density is constant in each cell."""
     return bool((density == density[..., :1]).all())
 
@@ -225,13 +220,11 @@ def interpolated(rule: Rule, surface: CellGeometry, u: NDArray) -> tuple[NDArray
     return u.T @ rule.values, np.stack([dx, dy])
 
 
-def _blocks(rule: Rule, fields: NDArray[np.float64]) -> Iterator[slice]:
+def _blocks(rule: Rule, fields: Real) -> Iterator[slice]:
     functions, points = rule.values.shape
     size = max(1, BLOCK // (3 * (functions * len(fields)) ** 2))
     return (slice(start, start + size) for start in range(0, points, size))
 
 
-def _between_fields(
-    fields: NDArray[np.float64], matrices: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _between_fields(fields: Real, matrices: Real) -> Real:
     return np.einsum("fg,pij->pfigj", fields, matrices).reshape(len(matrices), -1)

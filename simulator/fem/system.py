@@ -9,9 +9,9 @@ from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
+from ..arrays import Integer, Real
 from ..mesh.quadrilaterals import PixelMesh, Resolution, pixel_mesh
 from ..scene.contacts import Contact
 from ..scene.scene import Scene
@@ -39,8 +39,8 @@ class Films:
     """
 
     stiffness: csc_matrix
-    current: NDArray[np.float64]
-    conductance: NDArray[np.float64]
+    current: Real
+    conductance: Real
 
     @property
     def any(self) -> bool:
@@ -67,7 +67,7 @@ class System:
         return self.unknowns.pattern
 
     @property
-    def slots(self) -> NDArray[np.int64]:
+    def slots(self) -> Integer:
         """Slot in the pattern's values of each pair of a cell's coefficients."""
         return self.unknowns.slots
 
@@ -86,11 +86,11 @@ class PixelSystem(System):
     and a press fills it three times as fast.
     """
 
-    coupling: NDArray[np.float64]
+    coupling: Real
     groups: list[Group]
     pixels: PixelMesh
 
-    def mass(self, c: NDArray[np.float64]) -> csc_matrix:
+    def mass(self, c: Real) -> csc_matrix:
         """M(c) in F, in the pattern of K. c: F/m², shape (row, column)."""
         values = np.zeros(len(self.pattern.indices))
         c_of_cell = c.ravel()[self.pixels.pixel]
@@ -138,7 +138,7 @@ def build_system(scene: Scene, circuit: Circuit, resolution: Resolution) -> Pixe
 
 
 def conducting(
-    conductance: Sequence[float], pattern: Pattern, slots: NDArray[np.int64], cells: list[Group]
+    conductance: Sequence[float], pattern: Pattern, slots: Integer, cells: list[Group]
 ) -> csc_matrix:
     """K in S of sheets with these conductances in S, one for each field."""
     values = np.zeros(len(pattern.indices))
@@ -167,11 +167,7 @@ def films(circuit: Circuit, unknowns: Unknowns, film: Callable[[Terminal], csc_m
 
 
 def pixel_films(
-    circuit: Circuit,
-    pixels: PixelMesh,
-    unknowns: Unknowns,
-    order: int,
-    only: Contact | None = None,
+    circuit: Circuit, pixels: PixelMesh, unknowns: Unknowns, order: int, only: Contact | None = None
 ) -> Films:
     """Contributions of contact resistance on a mesh of pixels. only: restricts them to this
     foil."""
@@ -189,7 +185,7 @@ def pixel_films(
     return films(circuit, unknowns, film)
 
 
-def _both(fields: NDArray[np.float64], *matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+def _both(fields: Real, *matrices: Real) -> Real:
     """Matrices of one field spread over all fields, one row each, shape (matrix, local²)."""
     local = np.stack(matrices)[:, None, :, None, :]
     return (fields[:, None, :, None] * local).reshape(len(matrices), -1)

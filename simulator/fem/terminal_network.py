@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Integer, Mask, Real
 from .excitation import Excitation
 
 
@@ -26,15 +26,15 @@ class Network:
     (N, N). dynamic: the rest, S, shape (frequency, N, N).
     """
 
-    field: NDArray[np.int64]
-    conductance: NDArray[np.float64]
-    dynamic: NDArray[np.complex128]
+    field: Integer
+    conductance: Real
+    dynamic: Complex
 
-    def impedance(self, excitation: Excitation) -> NDArray[np.complex128]:
+    def impedance(self, excitation: Excitation) -> Complex:
         """Z in ohm between the driven terminals, the others floating, shape (frequency,)."""
         return 1 / self.form(excitation)
 
-    def form(self, excitation: Excitation) -> NDArray[np.complex128]:
+    def form(self, excitation: Excitation) -> Complex:
         """Q of an excitation in S, shape (frequency,)."""
         modes, common = allowed_potentials(tuple(self.field.tolist()), excitation)
         conductance = modes.T @ self.conductance @ modes
@@ -48,9 +48,7 @@ class Network:
 
 
 @cache
-def allowed_potentials(
-    field: tuple[int, ...], excitation: Excitation
-) -> tuple[NDArray[np.float64], NDArray[np.bool_]]:
+def allowed_potentials(field: tuple[int, ...], excitation: Excitation) -> tuple[Real, Mask]:
     """Terminal potentials that an excitation allows, as columns, and which of them cost no direct
     current.
 
@@ -62,7 +60,7 @@ def allowed_potentials(
     high, low = nodes[0], nodes[1] if excitation.low else None
     of_high, of_low = excitation.potentials
     driven, currentless = np.zeros(count), True
-    columns: list[NDArray[np.float64]] = []
+    columns: list[Real] = []
     common: list[bool] = []
     connected: list[tuple[int, ...]] = []
     for island in _islands(nodes, field):
@@ -105,7 +103,7 @@ def _islands(nodes: list[tuple[int, ...]], field: tuple[int, ...]) -> list[list[
     return islands
 
 
-def _indicator(nodes: Sequence[tuple[int, ...]], count: int) -> NDArray[np.float64]:
+def _indicator(nodes: Sequence[tuple[int, ...]], count: int) -> Real:
     column = np.zeros(count)
     column[[terminal for node in nodes for terminal in node]] = 1.0
     return column

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from skfem import ElementTriP1, ElementTriP2, ElementTriP3, ElementTriP4, MeshQuad, MeshTri
 from skfem.assembly import Dofs
 
+from ..arrays import Integer, Real
 from ..scene.contacts import Contact
 from .assembly import element_pairs, quadrilateral
 from .circuit import Circuit, Terminal
@@ -32,15 +33,15 @@ class TrialSpace:
     """
 
     dofs: Dofs
-    one: NDArray[np.float64]
-    degree: NDArray[np.int64]
+    one: Real
+    degree: Integer
 
     @property
-    def vertices(self) -> NDArray[np.int64]:
+    def vertices(self) -> Integer:
         """Coefficients of the vertices."""
         return np.asarray(self.dofs.nodal_dofs).ravel()
 
-    def on(self, facets: NDArray[np.int64]) -> NDArray[np.int64]:
+    def on(self, facets: Integer) -> Integer:
         """Coefficients whose functions are not zero on some of the facets."""
         return self.dofs.get_facet_dofs(facets).flatten()
 
@@ -60,14 +61,14 @@ class Unknowns:
     """
 
     inner: int
-    number: NDArray[np.int64]
-    degree: NDArray[np.int64]
-    one: NDArray[np.float64]
-    under: NDArray[np.float64]
-    at_foils: NDArray[np.float64]
+    number: Integer
+    degree: Integer
+    one: Real
+    under: Real
+    at_foils: Real
     pattern: Pattern
-    slots: NDArray[np.int64]
-    facing: tuple[NDArray[np.int64], NDArray[np.int64]]
+    slots: Integer
+    facing: tuple[Integer, Integer]
 
 
 def quadrilateral_trial(mesh: MeshQuad, order: int) -> TrialSpace:
@@ -90,8 +91,8 @@ def triangle_trial(mesh: MeshTri, order: int) -> TrialSpace:
 def number_unknowns(
     circuit: Circuit,
     trial: TrialSpace,
-    facets: Callable[[Contact], NDArray[np.int64]],
-    inside: Callable[[Contact], NDArray[np.int64]] | None = None,
+    facets: Callable[[Contact], Integer],
+    inside: Callable[[Contact], Integer] | None = None,
 ) -> Unknowns:
     """Number the unknowns of a circuit.
 
@@ -99,7 +100,7 @@ def number_unknowns(
     has one.
     """
 
-    def under_all(contacts: Sequence[Contact]) -> NDArray[np.int64]:
+    def under_all(contacts: Sequence[Contact]) -> Integer:
         if not contacts:
             return np.empty(0, dtype=np.int64)
         found = trial.on(np.concatenate([facets(contact) for contact in contacts]))
@@ -141,7 +142,7 @@ def on_cells(unknowns: Unknowns, trial: TrialSpace, u: NDArray) -> NDArray:
     return values[unknowns.number][:, trial.dofs.element_dofs]
 
 
-def _degree(dofs: Dofs) -> NDArray[np.int64]:
+def _degree(dofs: Dofs) -> Integer:
     degree = np.ones(dofs.N, dtype=np.int64)
     along_edge = np.asarray(dofs.facet_dofs)
     inside = np.asarray(dofs.interior_dofs)
@@ -152,8 +153,8 @@ def _degree(dofs: Dofs) -> NDArray[np.int64]:
 
 
 def _numbers(
-    circuit: Circuit, trial: TrialSpace, under_all: Callable[[Sequence[Contact]], NDArray[np.int64]]
-) -> tuple[NDArray[np.int64], int, NDArray[np.int64]]:
+    circuit: Circuit, trial: TrialSpace, under_all: Callable[[Sequence[Contact]], Integer]
+) -> tuple[Integer, int, Integer]:
     """Unknown of each field's coefficients, the number of inner ones, and the degree of those."""
     free = DROPPED - 1
     number = np.full((circuit.fields, len(trial.one)), free, dtype=np.int64)
@@ -172,8 +173,8 @@ def _numbers(
 
 
 def _facing(
-    circuit: Circuit, trial: TrialSpace, number: NDArray[np.int64], inner: int
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    circuit: Circuit, trial: TrialSpace, number: Integer, inner: int
+) -> tuple[Integer, Integer]:
     """Rows and columns that couple conductors with the fields in front of them, then their
     diagonals."""
     rows, columns = [], []
@@ -188,18 +189,14 @@ def _facing(
 
 
 def _fixed_coefficients(
-    terminal: Terminal,
-    trial: TrialSpace,
-    under_all: Callable[[Sequence[Contact]], NDArray[np.int64]],
-) -> NDArray[np.int64]:
+    terminal: Terminal, trial: TrialSpace, under_all: Callable[[Sequence[Contact]], Integer]
+) -> Integer:
     if not terminal.contacts:
         return trial.vertices[:1]
     return under_all([contact for contact in terminal.contacts if contact.ideal])
 
 
-def _on_fields(
-    one: NDArray[np.float64], number: NDArray[np.int64], inner: int
-) -> NDArray[np.float64]:
+def _on_fields(one: Real, number: Integer, inner: int) -> Real:
     spread = np.zeros((inner, len(number)))
     for field, indices in enumerate(number):
         is_inner = (indices >= 0) & (indices < inner)
@@ -210,10 +207,10 @@ def _on_fields(
 def _under_terminals(
     circuit: Circuit,
     trial: TrialSpace,
-    number: NDArray[np.int64],
+    number: Integer,
     size: int,
-    under_all: Callable[[Sequence[Contact]], NDArray[np.int64]],
-) -> NDArray[np.float64]:
+    under_all: Callable[[Sequence[Contact]], Integer],
+) -> Real:
     under = np.zeros((size, len(circuit.terminals)))
     for index, terminal in enumerate(circuit.terminals):
         coefficients = under_all([contact for contact in terminal.contacts if not contact.ideal])
@@ -224,7 +221,7 @@ def _under_terminals(
     return under
 
 
-def _at_foils(under: NDArray[np.float64], inner: int) -> NDArray[np.float64]:
+def _at_foils(under: Real, inner: int) -> Real:
     """Lift of the sheet at foils: where foils meet, to the first of them; terminals at their own 1
     V."""
     first = np.cumsum(under != 0, axis=1) == 1

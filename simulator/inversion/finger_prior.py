@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..press.finger import finger_capacitance
 from ..press.touch import Touch
 from ..scene.scene import Scene
@@ -40,14 +40,12 @@ class FingerPrior(NamedTuple):
     alone: share of touches that do not press.
     """
 
-    capacitance: NDArray[np.float64]
-    chance: NDArray[np.float64]
+    capacitance: Real
+    chance: Real
     deviation: float
     alone: float
 
-    def pixel_touches(
-        self, factors: NDArray[np.float64], chances: NDArray[np.float64]
-    ) -> list[PixelTouch]:
+    def pixel_touches(self, factors: Real, chances: Real) -> list[PixelTouch]:
         """All touches of a pixel, those that press first; their probabilities sum to 1."""
         each = list(zip(self.capacitance.tolist(), self.chance.tolist(), strict=True))
         pressed = [

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Mask, Real
 from ..press.batch import NOTHING, PressBatch
 from ..press.press import Press
 from ..press.touch import Rectangle
@@ -35,7 +36,7 @@ def cells_per_pixel(scene: Scene) -> int:
     return max(1, min(math.ceil(needed - 1e-9), most))
 
 
-def position_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> dict[str, NDArray]:
+def position_tables(unknown: UnknownSkin, strengths: Real) -> dict[str, NDArray]:
     """Tables of square touches inside the skin, of the mean size in the data set.
 
     x, y [m], strength_nodes: nodes. values (x, y, strength, number): observed change from the
@@ -50,7 +51,7 @@ def position_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> dic
     middle = nodes[len(nodes) // 2]
     places = [(u, v) for u in x for v in y]
 
-    def on_nodes(table: NDArray[np.float64]) -> NDArray[np.float64]:
+    def on_nodes(table: Real) -> Real:
         return table.reshape(len(x), len(y), *table.shape[1:])
 
     touched = [unknown.forward.cells(_touch(u, v, side, side, middle)) for u, v in places]
@@ -80,7 +81,7 @@ def position_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> dic
     }
 
 
-def _on_cells(scene: Scene) -> NDArray[np.bool_]:
+def _on_cells(scene: Scene) -> Mask:
     """True where the middle of a uniform cell is on the skin, shape (y, x)."""
     x, y = ((np.arange(MASK_CELLS) + 0.5) / MASK_CELLS * side for side in scene.skin.sides)
     return covers(scene.skin, np.stack(np.meshgrid(x, y)))
@@ -94,13 +95,13 @@ def touch_size(scene: Scene) -> tuple[float, float]:
     return float(sides.mean()), float(sides.std())
 
 
-def _nodes(side: float, length: float) -> NDArray[np.float64]:
+def _nodes(side: float, length: float) -> Real:
     """Positions of the nodes, closer together towards the edges."""
     turns = np.cos(np.pi * np.arange(NODES) / (NODES - 1))
     return length / 2 - (length - side) / 2 * turns
 
 
-def _strength_nodes(strengths: NDArray[np.float64]) -> NDArray[np.float64]:
+def _strength_nodes(strengths: Real) -> Real:
     low, high = strengths[0], strengths[-1]
     beyond = 0.1 * max(high - low, low - 1)
     return np.linspace(low - beyond, high + beyond, STRENGTH_NODES)
@@ -110,7 +111,7 @@ def _touch(x: float, y: float, width: float, height: float, factor: float) -> Pr
     return Press((Rectangle(x, y, width, height, factor),))
 
 
-def _observed(unknown: UnknownSkin, presses: Sequence[Press]) -> NDArray[np.float64]:
+def _observed(unknown: UnknownSkin, presses: Sequence[Press]) -> Real:
     """Observed changes of uniform skins from the baseline, shape (press, number)."""
     touched = PressBatch.of([NOTHING, *map(unknown.forward.cells, presses)])
     observed = unknown.observed(unknown.forward.impedances(touched, unknown.values))

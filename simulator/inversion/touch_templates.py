@@ -13,6 +13,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..measure.experiment import own_presses
 from ..measure.readout import errors_of
 from ..mesh.pixel_coverage import pixel_coverage
@@ -42,7 +43,7 @@ def templates(
     scene: Scene,
     target: str,
     presses: str = "dataset",
-    baseline: NDArray[np.float64] | None = None,
+    baseline: Real | None = None,
     averaged: int = 1,
     drift: float = DRIFT,
 ) -> Tables:
@@ -100,7 +101,7 @@ def _tables(unknown: UnknownSkin, target: str, presses: str, drift: float) -> Ta
     return tables | pair_tables(unknown, strengths) if target in TWO_TOUCHES else tables
 
 
-def _with_drift(skin: NDArray[np.float64], unknown: UnknownSkin, drift: float) -> Tables:
+def _with_drift(skin: Real, unknown: UnknownSkin, drift: float) -> Tables:
     columns = unknown.drift(drift) if drift else np.zeros((skin.shape[-2], 0))
     everywhere = np.broadcast_to(columns, (*skin.shape[:-1], columns.shape[-1]))
     return {"skin": np.concatenate([skin, everywhere], axis=-1), "drift": columns}
@@ -165,7 +166,7 @@ def _touch(
     return unknown.observed(response.Z), slope, skin, shift
 
 
-def pair_tables(unknown: UnknownSkin, strengths: NDArray[np.float64]) -> Tables:
+def pair_tables(unknown: UnknownSkin, strengths: Real) -> Tables:
     """Tables of all pairs of pixels at all pairs of strengths."""
     places = pixel_coverage(unknown.forward.scene).numbers
     pairs = np.stack(np.triu_indices(len(places), 1), axis=1)

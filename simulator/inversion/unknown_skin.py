@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Complex, Integer, Real
 from ..measure.readout import errors_of, observed, observed_slope, reading_from
 from ..models.parameters import HALF_WAVES, VALUES, mode_values, own_values
 from ..models.reduced.families.family_meshes import family_on
@@ -34,8 +35,8 @@ DRIFTING = ("capacitance", "sheet_resistance")
 class SkinDistribution(NamedTuple):
     """Distribution of the unknowns in their deviations: mean, and a root of the covariance."""
 
-    mean: NDArray[np.float64]
-    factor: NDArray[np.float64]
+    mean: Real
+    factor: Real
 
 
 def expected(scene: Scene) -> dict[str, float]:
@@ -64,25 +65,21 @@ class UnknownSkin:
         self._distribution = SkinDistribution(np.zeros(unknowns), np.eye(unknowns))
         self._baseline_columns = self._columns(*NOTHING)
 
-    def observed(self, Z: NDArray[np.complex128]) -> NDArray[np.float64]:
+    def observed(self, Z: Complex) -> Real:
         """Observed values at the frequencies of the scene's interfaces, shape (..., number)."""
         return self._read(observed(Z, self.forward.scene.taken))
 
-    def observed_slope(
-        self, Z: NDArray[np.complex128], dZ: NDArray[np.complex128]
-    ) -> NDArray[np.float64]:
+    def observed_slope(self, Z: Complex, dZ: Complex) -> Real:
         """Derivative of `observed` from that of Z."""
         return self._read(observed_slope(Z, dZ, self.forward.scene.taken))
 
-    def _read(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _read(self, values: Real) -> Real:
         """The values without phases where the reader has none."""
         if self.forward.scene.reading.phases:
             return values
         return values[..., : values.shape[-1] // 2]
 
-    def of_touch(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def of_touch(self, cells: Integer, rises: Real) -> tuple[Real, Real]:
         """Effect of the unknowns on the change by a touch, and the known effect of the skin.
 
         The first has one column for one standard deviation of each unknown, shape (number,
@@ -94,23 +91,23 @@ class UnknownSkin:
             shared:
         ]
 
-    def baseline(self) -> NDArray[np.float64]:
+    def baseline(self) -> Real:
         """Observed values of the unpressed skin, shape (number,)."""
         shared = len(self._deviations)
         uniform = self.observed(self.forward.respond(*NOTHING, self.values).Z)
         return uniform + self._baseline_columns[:, shared:] @ self._distribution.mean[shared:]
 
-    def unpressed(self) -> NDArray[np.complex128]:
+    def unpressed(self) -> Complex:
         """Z in ohm of the unpressed skin at the mean parameters, (interface, frequency)."""
         return self.forward.respond(*NOTHING, self.values).Z
 
-    def drift(self, step: float) -> NDArray[np.float64]:
+    def drift(self, step: float) -> Real:
         """Effects of a relative step of all foam and of both sheets, shape (number, 2)."""
         response = self.forward.respond(*NOTHING, self.values)
         slopes = [response.by_parameter[name] for name in DRIFTING]
         return step * np.stack([self.observed_slope(response.Z, each) for each in slopes], axis=-1)
 
-    def conditioned_on_baseline(self, baseline: NDArray[np.float64], averaged: int) -> UnknownSkin:
+    def conditioned_on_baseline(self, baseline: Real, averaged: int) -> UnknownSkin:
         """The unknowns after the observation of a baseline, by Gauss-Newton steps.
 
         baseline: mean of `averaged` baseline sweeps in the order of `observed`, with the meter's
@@ -134,7 +131,7 @@ class UnknownSkin:
         skin._baseline_columns = skin._columns(*NOTHING)
         return skin
 
-    def _columns(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _columns(self, cells: Integer, rises: Real) -> Real:
         modes = math.exp(-self.values["sheet_resistance"]) * self._sheet_modes
         response = self.forward.respond(cells, rises, self.values, modes)
         shared = [
@@ -150,9 +147,7 @@ class UnknownSkin:
         columns = [self.observed_slope(response.Z, each) for each in dZ]
         return np.reshape(columns, (-1, self.observed(response.Z).size)).T
 
-    def _of_foam(
-        self, by_cell: NDArray[np.complex128], cells: NDArray[np.int64], rises: NDArray[np.float64]
-    ) -> NDArray:
+    def _of_foam(self, by_cell: Complex, cells: Integer, rises: Real) -> NDArray:
         """Derivatives by each pixel's capacitance, or by each cosine mode of it."""
         pressed, on_foam = np.ones(len(by_cell)), cells < len(by_cell)
         np.add.at(pressed, cells[on_foam], rises[on_foam])
@@ -160,9 +155,7 @@ class UnknownSkin:
         return np.tensordot(self._foam * pressed, by_cell, axes=1)
 
 
-def _baseline_covariance(
-    scene: Scene, baseline: NDArray[np.float64], averaged: int
-) -> NDArray[np.float64]:
+def _baseline_covariance(scene: Scene, baseline: Real, averaged: int) -> Real:
     """Covariance of observed values: errors of the session are common within a meter's range.
 
     Ranges are assumed to be decades of |Z|, each with a fixed error of its own.
@@ -175,7 +168,7 @@ def _baseline_covariance(
 
 
 def _moved(
-    mean: Mapping[str, float], deviations: Mapping[str, float], by: NDArray[np.float64]
+    mean: Mapping[str, float], deviations: Mapping[str, float], by: Real
 ) -> dict[str, float]:
     """Parameters at `by` deviations from the mean, within their physical limits."""
     moved = dict(mean)
@@ -185,7 +178,7 @@ def _moved(
     return moved
 
 
-def _foam_terms(forward: Forward) -> NDArray[np.float64]:
+def _foam_terms(forward: Forward) -> Real:
     """Relative changes of the cells' capacitance, shape (unknown, cell)."""
     scene, cells = forward.scene, forward.divided.pixels
     session, pixels = scene.dataset.session, scene.pixels
@@ -199,7 +192,7 @@ def _foam_terms(forward: Forward) -> NDArray[np.float64]:
     return (session.foam_spread * modes.reshape(len(HALF_WAVES) - 1, -1)).astype(np.float64)
 
 
-def _sheet_mode_terms(forward: Forward) -> NDArray[np.float64]:
+def _sheet_mode_terms(forward: Forward) -> Real:
     """K of the cosine modes at one standard deviation, in the reduced model's coordinates.
 
     Where one field describes both sheets, modes of each add, weighted by its share of resistance.

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Integer, Real
 from ..bounds.exchange import best_choice
 from ..bounds.fields import TouchSize
 from ..models.solver import Solver
@@ -51,10 +51,10 @@ class AmplitudeShares:
     equal: Scene
     shared: Scene
     figures: tuple[float, float]
-    unpressed: NDArray[np.complex128]
+    unpressed: Complex
 
     @property
-    def amplitudes(self) -> NDArray[np.float64]:
+    def amplitudes(self) -> Real:
         """Shared amplitudes over the equal ones, by the voltages of the source."""
         equal, shared = (
             np.abs(amplitudes(_reader(each), each.frequencies))
@@ -63,7 +63,7 @@ class AmplitudeShares:
         return shared / equal
 
     @property
-    def deviations(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def deviations(self) -> tuple[Real, Real]:
         """Deviations of ln |Z| at the noisiest interface, equal and shared, (frequency,)."""
         equal, shared = (
             multisine_deviation(_reader(each), self.unpressed, each.frequencies).max(axis=0)
@@ -115,7 +115,7 @@ def shared_amplitudes(
     return AmplitudeShares(criterion, equal, shared, figures, unpressed)
 
 
-def fitted(scene: Scene, unpressed: NDArray[np.complex128]) -> Scene:
+def fitted(scene: Scene, unpressed: Complex) -> Scene:
     """The scene with the feedback resistance whose output peaks at FILLED of the ADC's range.
 
     unpressed: reading of the unpressed skin, ohm, shape (interface, frequency).
@@ -139,14 +139,14 @@ class ToneInformation:
     """
 
     reader: Multisine
-    unpressed: NDArray[np.complex128]
-    frequency: NDArray[np.float64]
+    unpressed: Complex
+    frequency: Real
 
-    def of(self, powers: NDArray[np.float64]) -> NDArray[np.float64]:
+    def of(self, powers: Real) -> Real:
         """Information at powers of mean 1; both of shape (choice, tone)."""
         return np.stack([own * self._electronics(own) for own in powers])
 
-    def exactly(self, reader: Multisine) -> NDArray[np.float64]:
+    def exactly(self, reader: Multisine) -> Real:
         """Information with another reader's amplitudes and resistance, (1, tone).
 
         It is the mean over interfaces, whose ratios differ little.
@@ -157,7 +157,7 @@ class ToneInformation:
         )
         return ((before / after) ** 2).mean(axis=0, keepdims=True)
 
-    def _electronics(self, powers: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _electronics(self, powers: Real) -> Real:
         """Factor by the fitted resistance, mean over interfaces, shape (tone,)."""
         before, part = self._precision(self.reader), self._output_power
         ratio = np.sqrt(part.sum(axis=1).max() / (part @ powers).max())
@@ -165,22 +165,22 @@ class ToneInformation:
         after = self._precision(self.reader.model_copy(update={"feedback_resistance": R}))
         return (after / before).mean(axis=0)
 
-    def _precision(self, reader: Multisine) -> NDArray[np.float64]:
+    def _precision(self, reader: Multisine) -> Real:
         """|Z_f|² over the density of the noise, shape (interface, tone)."""
         density = output_density(reader, self.unpressed, self.frequency)
         return np.abs(reader.feedback(self.frequency)) ** 2 / density
 
     @cached_property
-    def _output_power(self) -> NDArray[np.float64]:
+    def _output_power(self) -> Real:
         """Part of each tone in the power of the output, at equal powers, (interface, tone)."""
         return np.abs(self.reader.feedback(self.frequency) / self.unpressed) ** 2
 
 
-def _best_powers(criterion: Criterion, information: ToneInformation) -> NDArray[np.float64]:
+def _best_powers(criterion: Criterion, information: ToneInformation) -> Real:
     """Best powers of the tones, of mean 1. criterion: evaluated at equal powers."""
     tones = len(criterion.frequency)
 
-    def powers(choices: NDArray[np.int64]) -> NDArray[np.float64]:
+    def powers(choices: Integer) -> Real:
         counts = np.stack([np.bincount(each, minlength=tones) for each in choices])
         return (1 + counts) * tones / (tones + choices.shape[1])
 

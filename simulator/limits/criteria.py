@@ -13,8 +13,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Real
 from ..bounds.fields import AnyFields, TouchSize
 from ..bounds.fisher_information import (
     in_noise,
@@ -54,14 +54,14 @@ class Criterion:
     pixels, that all candidates together do not resolve.
     """
 
-    frequency: NDArray[np.float64]
-    information: NDArray[np.float64]
-    prior: NDArray[np.float64]
+    frequency: Real
+    information: Real
+    prior: Real
     wanted: int
-    merit: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    merit: Callable[[Real], Real]
     left_out: int = 0
 
-    def score(self, choices: NDArray[np.int64]) -> NDArray[np.float64]:
+    def score(self, choices: Integer) -> Real:
         """Figures of choices of candidates, shape (choice, n) to (choice,)."""
         chunk = max(1, AT_ONCE // len(self.information))
         parts = [choices[k : k + chunk] for k in range(0, len(choices), chunk)]
@@ -72,13 +72,13 @@ class Criterion:
         """Figure of all candidates together."""
         return float(self.weighted(np.ones((1, len(self.frequency))))[0])
 
-    def weighted(self, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+    def weighted(self, weights: Real) -> Real:
         """Figures of all candidates with weights of their information, (choice, candidate) to
         (choice,)."""
         total = np.einsum("wk,ckab->wcab", weights, self.information, optimize=True)
         return self.merit(variances(total + self.prior, self.wanted))
 
-    def _score(self, choices: NDArray[np.int64]) -> NDArray[np.float64]:
+    def _score(self, choices: Integer) -> Real:
         total = self.information[:, choices].sum(axis=2).swapaxes(0, 1)
         return self.merit(variances(total + self.prior, self.wanted))
 
@@ -95,7 +95,7 @@ def position_criterion(slopes: Slopes) -> Criterion:
     if not resolved.any():
         raise InputError("no frequencies resolve the position of a touch")
 
-    def merit(variance: NDArray[np.float64]) -> NDArray[np.float64]:
+    def merit(variance: Real) -> Real:
         posterior = resolved / (1 / variance + 1 / np.maximum(anywhere, NO_ROOM))
         return np.sqrt(posterior.sum(axis=(-1, -2)) / resolved.any(axis=-1).sum())
 
@@ -105,7 +105,7 @@ def position_criterion(slopes: Slopes) -> Criterion:
 def identity_criterion(
     fields: AnyFields,
     target: str,
-    frequency: NDArray[np.float64],
+    frequency: Real,
     against_rest: int = 0,
     progress: ProgressCallback = silent,
     touch: TouchSize | None = None,
@@ -136,7 +136,7 @@ def identity_criterion(
     if not resolved.any():
         raise InputError(f"{scene.name}: no frequencies distinguish any two {target}s")
 
-    def merit(variance: NDArray[np.float64]) -> NDArray[np.float64]:
+    def merit(variance: Real) -> Real:
         return np.sqrt(variance[..., 0].max(axis=-1))
 
     left_out = int((~resolved).sum())
@@ -157,10 +157,7 @@ def _pixel_touches(fields: AnyFields, touch: TouchSize) -> list[RasterizedTouch]
 
 
 def _pressed(
-    fields: AnyFields,
-    pixels: Sequence[RasterizedTouch],
-    hypothesis: Hypothesis,
-    frequency: NDArray[np.float64],
+    fields: AnyFields, pixels: Sequence[RasterizedTouch], hypothesis: Hypothesis, frequency: Real
 ) -> Response:
     """Response to one pressed pixel, with the derivative by its strength."""
     columns, none = fields.scene.pixels.columns, np.zeros(fields.grid)
@@ -176,7 +173,7 @@ def _pair_slopes(
     pairs: Sequence[tuple[int, int]],
     answers: Sequence[Response],
     model: ErrorModel,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+) -> tuple[Real, Real]:
     """Differences of pairs, slopes by both strengths and by the session's errors, over noise.
 
     Also returns the prior information of each.

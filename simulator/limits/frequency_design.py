@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Real
 from ..bounds.exchange import best_choice
 from ..bounds.fields import CELLS_PER_PIXEL, fields_of
 from ..bounds.frequency_sets import OPTIMAL, allowed, candidates_of, compared, too_near
@@ -35,13 +35,13 @@ class FrequencyDesign:
     """
 
     criterion: str
-    sets: dict[str, NDArray[np.float64]]
+    sets: dict[str, Real]
     figures: dict[str, float]
     left_out: int
     errors: dict[str, float]
 
     @property
-    def best(self) -> NDArray[np.float64]:
+    def best(self) -> Real:
         """The frequencies chosen, Hz."""
         return self.sets[OPTIMAL]
 
@@ -84,7 +84,7 @@ def design(
     grid: int = GRID,
     against_rest: int = 0,
     repeats: bool = False,
-    among: NDArray[np.float64] | None = None,
+    among: Real | None = None,
     progress: ProgressCallback = silent,
 ) -> FrequencyDesign:
     """The best n of `candidates_of` a scene in a band in Hz, by a criterion of `criteria`.
@@ -115,12 +115,12 @@ def design(
 
 def best_set(
     criterion: Criterion,
-    own: NDArray[np.int64],
+    own: Integer,
     n: int,
-    others: Iterable[NDArray[np.int64]],
+    others: Iterable[Integer],
     repeats: bool = False,
     spaced: bool = True,
-) -> NDArray[np.int64]:
+) -> Integer:
     """The best n of the candidates `own`, which are indices of frequencies of the criterion.
 
     others: further sets from which exchanges start. spaced: True if no two may be `too_near`.
@@ -150,7 +150,7 @@ def check_design(n: int, candidates: int, repeats: bool, grid: int) -> None:
 def criterion_at(
     scene: Scene,
     name: str,
-    candidates: NDArray[np.float64],
+    candidates: Real,
     touch: TouchSize,
     against_rest: int,
     progress: ProgressCallback,

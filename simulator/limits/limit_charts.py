@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..bounds.position_bound import PositionBounds
 from ..chart_style import COLOURS, LINE_STYLES, chart, plain_numbers
 from ..report.from_above import MM, draw_foils, draw_outline, draw_pixels
@@ -74,7 +75,7 @@ def _draw_row(
     panels: NDArray[np.object_],
     scene: Scene,
     variants: Sequence[Variant],
-    values: Sequence[NDArray[np.float64]],
+    values: Sequence[Real],
     label: str,
 ) -> None:
     from matplotlib.cm import ScalarMappable
@@ -95,7 +96,7 @@ def _draw_row(
     plain_numbers(bar.ax.yaxis)
 
 
-def _norm(values: Sequence[NDArray[np.float64]]) -> Normalize | None:
+def _norm(values: Sequence[Real]) -> Normalize | None:
     from matplotlib.colors import LogNorm
 
     finite = np.concatenate([each[np.isfinite(each)] for each in values])
@@ -105,11 +106,7 @@ def _norm(values: Sequence[NDArray[np.float64]]) -> Normalize | None:
 
 
 def _draw_map(
-    axes: Axes,
-    scene: Scene,
-    bounds: PositionBounds,
-    values: NDArray[np.float64],
-    norm: Normalize | None,
+    axes: Axes, scene: Scene, bounds: PositionBounds, values: Real, norm: Normalize | None
 ) -> None:
     x, y = (np.unique(1e3 * bounds.places[:, axis]) for axis in (0, 1))
     skin, pixels = scene.skin, scene.pixels
@@ -128,7 +125,7 @@ def _draw_map(
     draw_sheet(axes, scene)
 
 
-def _edges(middles: NDArray[np.float64], alone: float) -> NDArray[np.float64]:
+def _edges(middles: Real, alone: float) -> Real:
     step = middles[1] - middles[0] if len(middles) > 1 else alone
     return np.append(middles - step / 2, middles[-1] + step / 2)
 
@@ -174,9 +171,7 @@ def _draw_lines(scene: Scene, variants: Sequence[Variant], title: str, path: Pat
         figure.suptitle(textwrap.fill(title, round(LETTERS_PER_INCH * 6.5)))
 
 
-def draw_distances(
-    separation: NDArray[np.float64], names: Sequence[str], title: str, path: Path
-) -> None:
+def draw_distances(separation: Real, names: Sequence[str], title: str, path: Path) -> None:
     """Draws the distances between the sweeps of all pairs of pixels as a matrix."""
     from matplotlib.colors import LogNorm
 

@@ -11,6 +11,7 @@ from typing import NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Complex, Integer, Real
 from ..bounds.posterior import Templates, axes_of, posterior, starts_of
 from ..bounds.touch_readings import CELLS, MAX_FACTOR, MIN_FACTOR, Hypothesis
 from ..measure.readout import ErrorModel, errors_of, observed, require_noise
@@ -32,8 +33,6 @@ RTOL = 1e-3
 
 MAX_TOUCHES = 2
 AT_ONCE = 20_000
-
-Array = NDArray[np.float64]
 
 
 class RandomPresses:
@@ -83,7 +82,7 @@ class RandomPresses:
         other._offset, other._skin = offset, self._skin
         return other
 
-    def pressed(self, hypothesis: Hypothesis, random: np.random.Generator, count: int) -> Array:
+    def pressed(self, hypothesis: Hypothesis, random: np.random.Generator, count: int) -> Real:
         """Whitened readings without noise of `count` presses of pixels, shape (press, number)."""
         pixels = self.scene.pixels
         pitch = self._extent / [pixels.columns, pixels.rows]
@@ -93,13 +92,13 @@ class RandomPresses:
         aside = truncated_normal(random.random((count, len(middles), 2)), CUT)
         return self.read(middles + self._offset * self._sides * aside, random)
 
-    def anywhere(self, random: np.random.Generator, count: int) -> tuple[Array, Array]:
+    def anywhere(self, random: np.random.Generator, count: int) -> tuple[Real, Real]:
         """Middles of random touches inside the skin, m, shape (press, 2), and their readings."""
         room = self._extent - self._sides
         middles = self._sides / 2 + random.random((count, 2)) * room
         return middles, self.read(middles[:, None], random)
 
-    def read(self, middles: Array, random: np.random.Generator) -> Array:
+    def read(self, middles: Real, random: np.random.Generator) -> Real:
         """Readings of touches of random strength; middles in m, shape (press, touch, 2)."""
         factors = self._presses.at(random.random(middles.shape[:2]))
         parts = range(0, len(middles), AT_ONCE)
@@ -107,11 +106,11 @@ class RandomPresses:
             [self._read(middles[k : k + AT_ONCE], factors[k : k + AT_ONCE]) for k in parts]
         )
 
-    def _read(self, middles: Array, factors: Array) -> Array:
+    def _read(self, middles: Real, factors: Real) -> Real:
         Z = self._impedances(self._rasterized(middles, factors))
         return self._model.whitened(observed(Z))
 
-    def _impedances(self, batch: PressBatch) -> NDArray[np.complex128]:
+    def _impedances(self, batch: PressBatch) -> Complex:
         """Z in ohm at the meter, shape (press, interface, frequency)."""
         frequency = self.scene.frequencies
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
@@ -125,7 +124,7 @@ class RandomPresses:
             self.scene, self._against_rest, unpressed=lambda: self._impedances(unpressed)[0]
         )
 
-    def _rasterized(self, middles: Array, factors: Array, sides: Array | None = None) -> PressBatch:
+    def _rasterized(self, middles: Real, factors: Real, sides: Real | None = None) -> PressBatch:
         """Touches rasterized on cells. sides: of each in m, unless all have the same."""
         x, y = np.moveaxis(middles, -1, 0)
         width, height = np.moveaxis(self._sides if sides is None else sides, -1, 0)
@@ -231,11 +230,11 @@ def distance_of_presses(
     return float(np.median(away)), float(np.median(again, axis=1).std(ddof=1))
 
 
-def _single(values: Array) -> Single:
+def _single(values: Real) -> Single:
     return values.astype(np.float32)
 
 
-def _accuracy_interval(probability: Array, answer: NDArray[np.int64]) -> LimitInterval:
+def _accuracy_interval(probability: Real, answer: Integer) -> LimitInterval:
     """Lower and upper estimates of the accuracy.
 
     probability: that of each answer, shape (reading, answer). answer: the correct one.
@@ -247,7 +246,7 @@ def _accuracy_interval(probability: Array, answer: NDArray[np.int64]) -> LimitIn
     return LimitInterval(float(right.mean()), float(best.mean()), float(error))
 
 
-def _geometric_medians(share: Array, places: Array) -> Array:
+def _geometric_medians(share: Real, places: Real) -> Real:
     """Geometric medians of weighted positions by Weiszfeld's iteration, shape (reading, 2)."""
     middle = share @ places
     for _ in range(WEISZFELD_STEPS):

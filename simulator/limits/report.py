@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..report.files import write_rows
 from .survey import Variant
 
@@ -51,7 +51,7 @@ def write_places(variants: Sequence[Variant], path: Path) -> None:
     )
 
 
-def write_distances(separation: NDArray[np.float64], names: Sequence[str], path: Path) -> None:
+def write_distances(separation: Real, names: Sequence[str], path: Path) -> None:
     """Writes the distance between the sweeps of each pair of pixels as a CSV line."""
     pairs = itertools.combinations(range(len(names)), 2)
     rows = ([names[i], names[j], rounded(separation[i, j])] for i, j in pairs)

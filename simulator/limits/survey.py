@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..bounds.fields import CELLS_PER_PIXEL, fields_of
 from ..bounds.frequency_sets import OPTIMAL, candidates_of, compared, own_band
 from ..bounds.position_bound import (
@@ -42,7 +42,7 @@ class Variant:
     comparison: str
     name: str
     bounds: PositionBounds
-    frequency: NDArray[np.float64]
+    frequency: Real
 
 
 @dataclass(frozen=True)
@@ -172,10 +172,7 @@ def with_interfaces(scene: Scene, names: Sequence[str]) -> Scene:
 
 
 def _slopes(
-    scene: Scene,
-    options: SurveyOptions,
-    frequency: NDArray[np.float64],
-    progress: ProgressCallback,
+    scene: Scene, options: SurveyOptions, frequency: Real, progress: ProgressCallback
 ) -> Slopes:
     fields = fields_of(scene, float(frequency[-1]), options.touch)
     return position_slopes(
@@ -194,7 +191,7 @@ def _pixels_from_edge(scene: Scene) -> int:
     return scene.pixels.columns if edge in ("left", "right") else scene.pixels.rows
 
 
-def _sets(scene: Scene, slopes: Slopes, n: int) -> dict[str, NDArray[np.float64]]:
+def _sets(scene: Scene, slopes: Slopes, n: int) -> dict[str, Real]:
     named = compared(scene, n, own_band(scene))
     try:
         criterion = position_criterion(sampled_positions(slopes))

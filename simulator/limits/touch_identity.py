@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial.distance import cdist
 from scipy.special import ndtr
 
+from ..arrays import Real
 from ..bounds.bayes import BayesAccuracy, bayes
 from ..bounds.touch_readings import Hypothesis, TouchReadings, hypotheses
 from ..bounds.touches.rasterization_errors import RasterizationErrors
@@ -43,7 +43,7 @@ def upper_bound(
     return 1 - float(wrong[linear_sum_assignment(wrong, maximize=True)].mean())
 
 
-def confusion(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+def confusion(one: Real, other: Real) -> float:
     """Smallest error rate between two hypotheses, with equally likely readings (k, number)."""
     size = math.lcm(len(one), len(other))
     error = ndtr(-cdist(one, other) / 2)
@@ -56,7 +56,7 @@ def distances(
     among: Sequence[Hypothesis],
     presses: AnyDistribution,
     spread: float | None = None,
-) -> NDArray[np.float64]:
+) -> Real:
     """Distances between hypotheses of one pixel, in the meter's errors, shape (k, k).
 
     Each is the minimum over both strengths of the presses. With `spread`, the squared deviations of
@@ -74,9 +74,7 @@ def distances(
     return separation
 
 
-def _curve(
-    readings: TouchReadings, hypothesis: Hypothesis, presses: AnyDistribution
-) -> NDArray[np.float64]:
+def _curve(readings: TouchReadings, hypothesis: Hypothesis, presses: AnyDistribution) -> Real:
     touches = len(hypothesis.pixels)
     each = round(STRENGTHS ** (1 / max(1, touches)))
     factor = combined_strengths([quantiles(presses, each)] * touches).factor
@@ -124,7 +122,7 @@ class IdentityBounds:
 
     accuracy: dict[str, BayesAccuracy]
     bound: dict[str, float]
-    separation: NDArray[np.float64]
+    separation: Real
     names: list[str]
     assumptions: str
     rasterization: RasterizationErrors | None = None
@@ -228,11 +226,7 @@ def counts(
 
 
 def counted(
-    scene: Scene,
-    target: str,
-    n: int,
-    sampling: Sampling,
-    progress: ProgressCallback = silent,
+    scene: Scene, target: str, n: int, sampling: Sampling, progress: ProgressCallback = silent
 ) -> Count:
     """The best accuracy with n pixels along the longer side of the grid."""
     divided = with_pixels(scene, n)

@@ -15,7 +15,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..chebyshev import Array, barycentric, extrema
+from ..arrays import Mask, Real
+from ..chebyshev import barycentric, extrema
 from ..models.solution import Solution
 from ..models.solver import Solver
 from ..press.foam_creep import Creep
@@ -37,7 +38,7 @@ OF_NODES = 0.4
 """Tolerance at the nodes over that of the sweep: interpolation adds up to twice their errors."""
 
 
-def reading_moments(scene: Scene) -> tuple[Array, float]:
+def reading_moments(scene: Scene) -> tuple[Real, float]:
     """Time of each reading, s after the press, shape (interface, frequency), and the end of the
     last one.
 
@@ -48,19 +49,19 @@ def reading_moments(scene: Scene) -> tuple[Array, float]:
     return np.where(scene.reading.read, starts + durations / 2, end), end
 
 
-def reading_spans(scene: Scene, start: float = 0.0) -> tuple[Array, Array, float]:
+def reading_spans(scene: Scene, start: float = 0.0) -> tuple[Real, Real, float]:
     """Start and duration of each reading, and the end of the last one, s; see `spans_of`."""
     reading, multisine = scene.reading, scene.readout.multisine
     return spans_of(reading.frequency, reading.read, scene.experiment.timed, multisine, start)
 
 
 def spans_of(
-    frequency: Array,
-    read: NDArray[np.bool_],
+    frequency: Real,
+    read: Mask,
     timing: Timing,
     multisine: Multisine | None = None,
     start: float = 0.0,
-) -> tuple[Array, Array, float]:
+) -> tuple[Real, Real, float]:
     """Start and duration of each reading of a sweep, s, and the end of the last one.
 
     frequency: Hz. read: mask of the readings, shape (interface, frequency), the shape of starts and
@@ -100,16 +101,16 @@ class Interpolation:
     number of nodes in each decay.
     """
 
-    moments: Array
+    moments: Real
     counts: tuple[int, ...]
 
     @property
-    def nodes(self) -> list[Array]:
+    def nodes(self) -> list[Real]:
         """Decays of the states that are solved, each of shape (solid,)."""
         each = [self._of_solid(solid) for solid in range(len(self.counts))]
         return [np.array(state) for state in itertools.product(*each)]
 
-    def weights(self, coarse: int | None = None) -> Array:
+    def weights(self, coarse: int | None = None) -> Real:
         """Weights of the states at each reading, shape (state, interface, frequency).
 
         coarse: a solid of which only every second node is used.
@@ -122,7 +123,7 @@ class Interpolation:
             weights = (weights[:, None] * some).reshape(-1, *own.shape)
         return weights
 
-    def of(self, values: NDArray[Number], weights: Array) -> NDArray[Number]:
+    def of(self, values: NDArray[Number], weights: Real) -> NDArray[Number]:
         """Values at the times of readings, from those of states, shape (..., state, interface,
         frequency).
 
@@ -137,7 +138,7 @@ class Interpolation:
         counts[solid] = 2 * counts[solid] - 1
         return Interpolation(self.moments, tuple(counts)) if counts[solid] <= MAX_NODES else None
 
-    def _of_solid(self, solid: int) -> Array:
+    def _of_solid(self, solid: int) -> Real:
         own = self.moments[solid]
         return extrema(own.min(), own.max(), self.counts[solid])
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..press.pixels import pixels_with_skin
 from ..scene.contacts import EDGES
 from ..scene.fault_odds import FaultOdds
@@ -67,7 +67,7 @@ def drawn_tear(scene: Scene, odds: FaultOdds, seed: int, number: int) -> TornShe
     return TornSheet(sheets, _one_of(EDGES, edge), _rounded(along), _rounded(longest))  # type: ignore[arg-type]
 
 
-def _rounded(value: float | NDArray[np.float64]) -> float:
+def _rounded(value: float | Real) -> float:
     """The value that the text of a fault gives."""
     return float(f"{float(value):.4g}")
 

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..press.pixels import pixels_with_skin
 from ..press.press import Press, pixel_pressed
 from ..scene.draw_distributions import AnyDistribution, Fixed, Normal
@@ -43,8 +43,8 @@ QUANTILES = 20_001
 class Strengths(NamedTuple):
     """Factors of capacitance and their weights, which sum to 1; shape (strength,)."""
 
-    factor: NDArray[np.float64]
-    weight: NDArray[np.float64]
+    factor: Real
+    weight: Real
 
 
 def own_presses(scene: Scene) -> AnyDistribution:

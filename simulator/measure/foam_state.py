@@ -7,8 +7,9 @@ from typing import Literal
 
 import numpy as np
 
+from ..arrays import Real
 from ..models.mechanics.force_depths import press_by_depths
-from ..press.foam_creep import Array, Creep, unloading_strain
+from ..press.foam_creep import Creep, unloading_strain
 from ..press.press import Press, order
 from ..press.touch import AnyTouch, Depth, Force, Indentation, place_of, touch_at
 from ..scene.scene import Scene
@@ -32,7 +33,7 @@ class Spot:
     how: Literal["load", "depth", "free"]
     x: float
     most: float
-    y: Array
+    y: Real
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +52,7 @@ class FoamState:
         """Equivalent press `seconds` after the change."""
         return self.at(self.creep.decay(seconds))
 
-    def at(self, decay: Array) -> Press:
+    def at(self, decay: Real) -> Press:
         """Equivalent press by the decay exp(-t / time_constant) of each solid, shape (solid,).
 
         Strains are linear in these.
@@ -129,7 +130,7 @@ class FoamState:
         hysteresis = self.scene.skin.foam.hysteresis or 0.0
         return float(unloading_strain(np.array(spot.x), np.array(spot.most), hysteresis))
 
-    def _now(self, spot: Spot, decay: Array) -> AnyTouch | None:
+    def _now(self, spot: Spot, decay: Real) -> AnyTouch | None:
         """Touch that compresses the foam as the spot does; None if no trace is left."""
         if spot.how == "depth":
             return spot.touch

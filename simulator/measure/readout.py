@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Mask, Real
 from ..scene.meter import Readout
 from ..scene.reading_setup import ReadingSetup
 from ..scene.readout_errors import ReadoutErrors
@@ -32,27 +32,19 @@ class Meter:
         self._readout, self._random = readout, random
         self._fixed = random.standard_normal((2, interfaces, 1))
 
-    def measure(
-        self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
-    ) -> NDArray[np.complex128]:
+    def measure(self, reading: Complex, frequency: Real) -> Complex:
         """Readings with errors. Z is in ohm; shape (sweep, interface, frequency)."""
         noise = self._random.standard_normal((2, *reading.shape))
         return with_errors(self._readout, reading, frequency, self._fixed, noise)
 
-    def fixed_errors(
-        self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def fixed_errors(self, reading: Complex, frequency: Real) -> tuple[Real, Real]:
         """Errors of the session: factors on |reading|, and what is added to the phase, rad."""
         return _fixed_errors(self._readout, reading, frequency, self._fixed)
 
 
 def with_errors(
-    readout: ReadoutErrors,
-    reading: NDArray[np.complex128],
-    frequency: NDArray[np.float64],
-    fixed: NDArray[np.float64],
-    noise: NDArray[np.float64],
-) -> NDArray[np.complex128]:
+    readout: ReadoutErrors, reading: Complex, frequency: Real, fixed: Real, noise: Real
+) -> Complex:
     """Readings with errors. reading: Z in ohm or gains, shape (..., frequency). frequency: Hz.
 
     fixed, noise: standard normal numbers of the session and of each reading, for magnitude and for
@@ -65,16 +57,13 @@ def with_errors(
 
 
 def _fixed_errors(
-    readout: ReadoutErrors,
-    reading: NDArray[np.complex128],
-    frequency: NDArray[np.float64],
-    fixed: NDArray[np.float64],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    readout: ReadoutErrors, reading: Complex, frequency: Real, fixed: Real
+) -> tuple[Real, Real]:
     magnitude, phase = readout.accuracy(reading, frequency)
     return 1 + magnitude * fixed[0], phase * fixed[1]
 
 
-def displayed(value: NDArray[np.float64], digits: int) -> NDArray[np.float64]:
+def displayed(value: Real, digits: int) -> Real:
     """Values rounded to that many significant digits, as on a meter's display."""
     some = np.isfinite(value) & (value != 0)
     exponent = np.floor(np.log10(np.abs(value), out=np.zeros(value.shape), where=some))
@@ -85,11 +74,8 @@ def displayed(value: NDArray[np.float64], digits: int) -> NDArray[np.float64]:
 
 
 def shown_values(
-    reading: NDArray[np.complex128],
-    frequency: NDArray[np.float64],
-    kind: ReadingKind,
-    readout: Readout,
-) -> dict[str, NDArray[np.float64]]:
+    reading: Complex, frequency: Real, kind: ReadingKind, readout: Readout
+) -> dict[str, Real]:
     """Quantities of measured readings by name, as displayed. frequency: Hz."""
     return {
         name: displayed(value, readout.display_digits)
@@ -119,9 +105,7 @@ def read_out(
     )
 
 
-def observed(
-    Z: NDArray[np.complex128], taken: NDArray[np.bool_] | None = None
-) -> NDArray[np.float64]:
+def observed(Z: Complex, taken: Mask | None = None) -> Real:
     """ln |Z / ohm| of all readings taken, then their phases in rad; shape (..., 2 * readings).
 
     Z: ohm, shape (..., interface, frequency). taken: which of these, all for None.
@@ -130,15 +114,13 @@ def observed(
     return np.concatenate([np.log(np.abs(flat)), np.angle(flat)], axis=-1)
 
 
-def observed_slope(
-    Z: NDArray[np.complex128], dZ: NDArray[np.complex128], taken: NDArray[np.bool_] | None = None
-) -> NDArray[np.float64]:
+def observed_slope(Z: Complex, dZ: Complex, taken: Mask | None = None) -> Real:
     """Derivative of `observed` from that of Z, of the same shape as Z."""
     ratio = _readings(dZ / Z, taken)
     return np.concatenate([ratio.real, ratio.imag], axis=-1)
 
 
-def reading_from(numbers: NDArray[np.float64], read: NDArray[np.bool_]) -> NDArray[np.complex128]:
+def reading_from(numbers: Real, read: Mask) -> Complex:
     """The reading with these `observed` values, 1 where nothing is read; shape of `read`.
 
     Values without phases give a reading of phase 0.
@@ -149,7 +131,7 @@ def reading_from(numbers: NDArray[np.float64], read: NDArray[np.bool_]) -> NDArr
     return found
 
 
-def _readings(Z: NDArray[np.complex128], taken: NDArray[np.bool_] | None) -> NDArray[np.complex128]:
+def _readings(Z: Complex, taken: Mask | None) -> Complex:
     return Z.reshape(*Z.shape[:-2], -1) if taken is None else Z[..., taken]
 
 
@@ -167,11 +149,11 @@ class ErrorModel:
     """
 
     readout: ReadoutErrors
-    read: NDArray[np.bool_]
+    read: Mask
     averaged: int = 1
     against_rest: int = 0
-    reading: NDArray[np.complex128] | None = None
-    frequency: NDArray[np.float64] | None = None
+    reading: Complex | None = None
+    frequency: Real | None = None
     phases: bool = True
 
     def __post_init__(self) -> None:
@@ -181,17 +163,17 @@ class ErrorModel:
             raise ValueError("`reading` must be given where errors depend on the reading")
 
     @cached_property
-    def values(self) -> NDArray[np.bool_]:
+    def values(self) -> Mask:
         """Mask of the values, of ln |Z| and of phases, shape (2, interface, frequency)."""
         return np.stack([self.read, self.read & self.phases])
 
     @property
-    def deviation(self) -> NDArray[np.float64]:
+    def deviation(self) -> Real:
         """Standard deviation of each value by the noise of readings, shape (value,)."""
         return self.noise[self.values]
 
     @cached_property
-    def noise(self) -> NDArray[np.float64]:
+    def noise(self) -> Real:
         """Standard deviations of ln |Z| and phase by the noise of readings.
 
         The shape is (2, interface, frequency). Phases that are not read have infinite ones.
@@ -201,7 +183,7 @@ class ErrorModel:
         return noise if self.phases else np.stack([noise[0], np.full(noise[0].shape, np.inf)])
 
     @cached_property
-    def accuracy(self) -> NDArray[np.float64]:
+    def accuracy(self) -> Real:
         """Standard deviations of ln |Z| and phase by the errors of the session.
 
         The shape is (2, interface, frequency). They cancel where a baseline is subtracted.
@@ -210,14 +192,14 @@ class ErrorModel:
         return np.zeros(accuracy.shape) if self.against_rest else accuracy
 
     @property
-    def _evaluated_at(self) -> tuple[NDArray[np.complex128], NDArray[np.float64]]:
+    def _evaluated_at(self) -> tuple[Complex, Real]:
         """Readings and frequency; 1 for both where the errors are the same for all."""
         if self.reading is None or self.frequency is None:
             return np.ones(self.read.shape, dtype=complex), np.ones(self.read.shape[1])
         return self.reading, self.frequency
 
     @property
-    def covariance(self) -> NDArray[np.float64]:
+    def covariance(self) -> Real:
         """Covariance of all values, shape (value, value)."""
         C = np.diag(self.deviation**2)
         if self.against_rest:
@@ -228,7 +210,7 @@ class ErrorModel:
         accuracy = self.accuracy[self.values]
         return C + accuracy[:, None] * accuracy * shared
 
-    def whitened(self, numbers: NDArray[np.float64]) -> NDArray[np.float64]:
+    def whitened(self, numbers: Real) -> Real:
         """Values of the readings taken, transformed to independent errors of deviation 1.
 
         numbers: of all readings, see `observed`, shape (..., 2 * readings). Returns shape (...,
@@ -240,9 +222,7 @@ class ErrorModel:
         return flat.T.reshape(numbers.shape).astype(np.float64)
 
 
-def flattened(
-    readout: Readout, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
-) -> Readout:
+def flattened(readout: Readout, reading: Complex, frequency: Real) -> Readout:
     """Readout of four numbers: the root mean square of the errors over these readings.
 
     reading: shape (..., frequency). frequency: Hz. A readout of four numbers stays as it is.
@@ -259,7 +239,7 @@ def flattened(
     )
 
 
-def _rms(values: NDArray[np.float64]) -> float:
+def _rms(values: Real) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
@@ -272,7 +252,7 @@ def require_noise(readout: ReadoutErrors) -> None:
         )
 
 
-Unpressed = Callable[[], NDArray[np.complex128]]
+Unpressed = Callable[[], Complex]
 """Function that returns the reading of the unpressed skin, shape (interface, frequency)."""
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Mask, Real
 from ..models.solution import Solution
 from ..models.solver import Solver
 from ..press.press import Press, check_press, label_of, press_on
@@ -96,7 +97,7 @@ def gather(solver: Solver, pairs: Iterable[tuple[Press, Solution]]) -> SweepTabl
     )
 
 
-def resimulated(sweeps: xr.Dataset, scene: Scene, frequency: NDArray[np.float64]) -> xr.Dataset:
+def resimulated(sweeps: xr.Dataset, scene: Scene, frequency: Real) -> xr.Dataset:
     """Noise-free sweeps of a scene with the presses and interfaces of other sweeps.
 
     For foam that creeps they follow each other in the given order, session by session. frequency:
@@ -129,7 +130,7 @@ def _in_sessions(sweeps: xr.Dataset, scene: Scene) -> xr.Dataset:
     )
 
 
-def _by_session(session: NDArray, part: Callable[[NDArray[np.bool_]], xr.Dataset]) -> xr.Dataset:
+def _by_session(session: NDArray, part: Callable[[Mask], xr.Dataset]) -> xr.Dataset:
     """Parts of sweeps, joined in the order of the sweeps. session: of each sweep."""
     order = np.argsort(np.argsort(session, kind="stable"))
     return concatenate([part(session == each) for each in np.unique(session)]).isel(sweep=order)
@@ -153,8 +154,8 @@ class ReadingError(NamedTuple):
     Each is one number, or has shape (frequency,).
     """
 
-    magnitude: float | NDArray[np.float64]
-    phase: float | NDArray[np.float64]
+    magnitude: float | Real
+    phase: float | Real
 
 
 def reading_error(scene: Scene, sweeps: xr.Dataset) -> ReadingError | None:

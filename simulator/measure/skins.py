@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..models.parameters import HALF_WAVES, Variation, mode_values
 from ..press.pixels import cell_centres
 from ..scene.draw_distributions import AnyDistribution, truncated_normal
@@ -77,9 +78,7 @@ def _factor(drawn: AnyDistribution | None, random: np.random.Generator) -> float
     return 1.0 if drawn is None else float(drawn.at(random.random()))
 
 
-def _conductance(
-    scene: Scene, common: float, own: float, draws: NDArray[np.float64], modes: int
-) -> NDArray[np.float64]:
+def _conductance(scene: Scene, common: float, own: float, draws: Real, modes: int) -> Real:
     """Coefficients of a sheet's conductance over nominal, shape (mode,)."""
     drawn = scene.dataset.session
     resistance = drawn.sheet_resistance.at(common) * drawn.sheet_mismatch.at(own)

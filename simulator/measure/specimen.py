@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex
 from ..method_cache import cached_method
 from ..models.mechanics.force_depths import depths_in_words
 from ..models.solver import Solver
@@ -31,7 +31,7 @@ class SolvedScene:
         self._frequencies, self._solver = scene.frequencies, Solver(scene)
 
     @cached_method(READINGS_KEPT)
-    def impedances(self, press: Press, frequency: float) -> NDArray[np.complex128]:
+    def impedances(self, press: Press, frequency: float) -> Complex:
         """Z in ohm, shape (interface,), at a frequency in Hz. Raises what `Solver.solve` raises."""
         own = np.flatnonzero(self._frequencies == frequency)
         if press.indented and own.size and not self._solver.scene.skin.foam.in_time:
@@ -39,7 +39,7 @@ class SolvedScene:
         return self._solver.solve(press, frequency).Z[:, 0]
 
     @cached_method(SWEEPS_KEPT)
-    def _sweeps(self, press: Press) -> NDArray[np.complex128]:
+    def _sweeps(self, press: Press) -> Complex:
         """Solutions at all frequencies of the scene: mechanics is solved once for them."""
         return self._solver.solve(press).Z
 

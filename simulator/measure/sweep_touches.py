@@ -13,8 +13,8 @@ from ..sweeps.press_text import WrittenTouch, parse_touches
 
 if TYPE_CHECKING:
     import xarray as xr
-    from numpy.typing import NDArray
 
+    from ..arrays import Integer, Real
     from ..scene.scene import Scene
 
 MAX_TOUCHES = 2
@@ -31,10 +31,10 @@ class SweepTouches:
     and 1 for no touch.
     """
 
-    count: NDArray[np.int64]
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    factor: NDArray[np.float64]
+    count: Integer
+    x: Real
+    y: Real
+    factor: Real
 
 
 def touches_of(sweeps: xr.Dataset) -> SweepTouches:
@@ -58,7 +58,7 @@ def touches_of(sweeps: xr.Dataset) -> SweepTouches:
     )
 
 
-def counts_of(sweeps: xr.Dataset) -> NDArray[np.int64]:
+def counts_of(sweeps: xr.Dataset) -> Integer:
     """Number of touches of each sweep, without a limit, shape (sweep,).
 
     Raises InputError as `parse_touches`.
@@ -125,7 +125,7 @@ def _centre(touch: WrittenTouch, text: str, scene: Scene | None) -> tuple[float,
     return (column - 0.5) * width, (row - 0.5) * height
 
 
-def _centroid(corners: NDArray[np.float64], text: str) -> tuple[float, float]:
+def _centroid(corners: Real, text: str) -> tuple[float, float]:
     """Centroid of a polygon, m."""
     x, y = (corners - corners[0]).T
     twice = x * np.roll(y, -1) - np.roll(x, -1) * y

@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..scene.contacts import Contact, path
 from ..scene.maps import FactorMap
 from ..scene.scene import Scene
@@ -54,7 +54,7 @@ class Mapping:
         """True for the identity."""
         return not (self.swapped or any(self.turned))
 
-    def place(self, x: NDArray[np.float64], sides: tuple[float, float]) -> NDArray[np.float64]:
+    def place(self, x: Real, sides: tuple[float, float]) -> Real:
         """Images of positions x, m, shape (2, ...)."""
         moved = x[::-1] if self.swapped else x
         return np.stack(
@@ -188,12 +188,12 @@ def _outline_kept(skin: Skin, mapping: Mapping) -> bool:
     )
 
 
-def _marks(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+def _marks(corners: Real) -> Real:
     """Points along a curve: its corners, or eighths of a circle."""
     return corners[:-1] if len(corners) > 2 else np.linspace(0, corners[-1], 8, endpoint=False)
 
 
-def _same(one: NDArray[np.float64], other: NDArray[np.float64], near: float) -> bool:
+def _same(one: Real, other: Real, near: float) -> bool:
     """True if two sets of points (2, n) are equal."""
     if one.shape != other.shape:
         return False
@@ -207,7 +207,7 @@ class _Foil:
     skin: Skin
 
     @cached_property
-    def places(self) -> NDArray[np.float64]:
+    def places(self) -> Real:
         """Points on the foil, m, shape (2, FOIL_POINTS)."""
         return path(self.contact, self.skin, FOIL_POINTS - 1)
 

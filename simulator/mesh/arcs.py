@@ -13,12 +13,11 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Real
 from .edge_numbering import edge_numbers, halves
 
-Numbers = NDArray[np.int64]
-Points = NDArray[np.float64]
+Points = Real
 EDGES = ((0, 1), (1, 2), (0, 2))
 """Edges of a triangle of ascending points, each from the lower to the higher one."""
 
@@ -30,10 +29,10 @@ class Arcs(NamedTuple):
     (arc,); positive where the arc lies left of the chord from the lower end on.
     """
 
-    lines: Numbers
-    curvature: NDArray[np.float64]
+    lines: Integer
+    curvature: Real
 
-    def of(self, edges: Numbers) -> NDArray[np.float64]:
+    def of(self, edges: Integer) -> Real:
         """Curvature of edges by numbers of points, (2, edge) to (edge,); 0 if straight.
 
         All arcs must be among the edges, and the edges in the order of `edges_of`.
@@ -42,7 +41,7 @@ class Arcs(NamedTuple):
         found[edge_numbers(self.lines, edges)] = self.curvature
         return found
 
-    def halved(self, edges: Numbers, new: Numbers) -> Arcs:
+    def halved(self, edges: Integer, new: Integer) -> Arcs:
         """Arcs along edges, divided in two by a new point on them; see `halves`."""
         cut = new[edge_numbers(self.lines, edges)] >= 0
         both = self.curvature[cut]
@@ -54,12 +53,7 @@ class Arcs(NamedTuple):
 NO_ARCS = Arcs(np.zeros((2, 0), dtype=np.int64), np.zeros(0))
 
 
-def on_arcs(
-    start: Points,
-    stop: Points,
-    curvature: NDArray[np.float64],
-    part: NDArray[np.float64] | float = 0.5,
-) -> Points:
+def on_arcs(start: Points, stop: Points, curvature: Real, part: Real | float = 0.5) -> Points:
     """Points of arcs over the chords from start to stop, m, all of shape (2, arc).
 
     part: fraction of the chord at which they lie, 0 to 1.
@@ -70,15 +64,13 @@ def on_arcs(
     return start + part * chord + high * _left_of(chord)
 
 
-def arc_length(chord: NDArray[np.float64], curvature: NDArray[np.float64]) -> NDArray[np.float64]:
+def arc_length(chord: Real, curvature: Real) -> Real:
     """Lengths of the arcs over chords of the given lengths, m."""
     q = chord * np.abs(curvature) / 2
     return chord * np.divide(np.arcsin(q), q, out=np.ones_like(q), where=q > 0)
 
 
-def areas_beside_chords(
-    p: Points, t: Numbers, curvature: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def areas_beside_chords(p: Points, t: Integer, curvature: Real) -> Real:
     """Areas between chords and arcs, negative where arcs cut into the triangle, m².
 
     p, t, curvature: as for `mapped`. The result has the shape of curvature.
@@ -94,9 +86,7 @@ def areas_beside_chords(
     return found
 
 
-def mapped(
-    p: Points, t: Numbers, curvature: NDArray[np.float64], points: Points
-) -> tuple[Points, Points, Points]:
+def mapped(p: Points, t: Integer, curvature: Real, points: Points) -> tuple[Points, Points, Points]:
     """Positions x in m in triangles with arcs for edges, and dx/da and dx/db there.
 
     p: m, shape (2, point). t: ascending in each column, shape (3, cell). curvature: that of the

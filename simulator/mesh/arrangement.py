@@ -6,11 +6,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Real
 from ..scene.planar import Circle, Points, crossings, nearest
-
-Numbers = NDArray[np.int64]
 
 NO_MARKS = np.empty((0, 2))
 
@@ -23,8 +21,8 @@ class Arrangement(NamedTuple):
     """
 
     points: Points
-    pieces: Numbers
-    segment: Numbers
+    pieces: Integer
+    segment: Integer
 
 
 def arranged(segments: Points, same: float, marks: Points = NO_MARKS) -> Arrangement:
@@ -68,7 +66,7 @@ def _merged(points: Points, same: float) -> Points:
     return points[kept]
 
 
-Angles = NDArray[np.float64]
+Angles = Real
 
 WIDEST = np.pi / 8
 """Largest angle of an arc, seen from the centre, rad."""
@@ -87,7 +85,7 @@ class Chords(NamedTuple):
     """
 
     segments: Points
-    curvature: NDArray[np.float64]
+    curvature: Real
 
 
 def chords(
@@ -170,7 +168,7 @@ def _towards(circle: Circle, other: Circle) -> Angles:
     return np.array([angle, angle + np.pi])
 
 
-def _crossings(circle: Circle, segments: Points, same: float) -> NDArray[np.float64]:
+def _crossings(circle: Circle, segments: Points, same: float) -> Real:
     """Angles at which segments meet a circle, shape (segment, 2); NaN where they do not."""
     start, run = segments[:, 0], segments[:, 1] - segments[:, 0]
     length = np.linalg.norm(run, axis=1)
@@ -185,7 +183,7 @@ def _crossings(circle: Circle, segments: Points, same: float) -> NDArray[np.floa
     return np.where(met, angle, np.nan)
 
 
-def _met(circle: Circle, other: Circle, same: float) -> NDArray[np.float64]:
+def _met(circle: Circle, other: Circle, same: float) -> Real:
     """Angles on a circle at which it meets another, shape (1, 2); NaN where it does not."""
     r, R = circle.radius, other.radius
     far = float(np.linalg.norm(other.centre - circle.centre))
@@ -200,7 +198,7 @@ def _met(circle: Circle, other: Circle, same: float) -> NDArray[np.float64]:
     return (towards + np.array([[-aside, aside]])) % (2 * np.pi)
 
 
-def _with_middles(pairs: Sequence[NDArray[np.float64]]) -> tuple[Angles, Angles]:
+def _with_middles(pairs: Sequence[Real]) -> tuple[Angles, Angles]:
     """All angles, then those half-way between two at which one shape meets a circle.
 
     The half-way points keep a chord of the circle from lying along a segment or along a chord of

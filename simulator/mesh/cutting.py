@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Mask, Real
 from ..scene.planar import nearest
-from .domain import Domain, Numbers, Points, areas
+from .domain import Domain, Points, areas
 from .edge_numbering import edges_of, halves, rim_points
 
 
@@ -52,7 +52,7 @@ def _cut_along(mesh: Domain, segment: Points, same: float) -> Domain:
     return replace(mesh, p=p, t=t, pixel=mesh.pixel[parent], covered=covered, foils=foils)
 
 
-def _entered(at_corners: Points, at_edges: Points, length: float, same: float) -> NDArray[np.bool_]:
+def _entered(at_corners: Points, at_edges: Points, length: float, same: float) -> Mask:
     """True for each triangle that the segment runs through inside, shape (triangle,).
 
     at_corners, at_edges: where the segment's line meets them, along it; NaN where it does not.
@@ -64,7 +64,7 @@ def _entered(at_corners: Points, at_edges: Points, length: float, same: float) -
     return through & (np.minimum(last, length) - np.maximum(first, 0.0) > same)
 
 
-def _split(t: Numbers, new: Numbers) -> tuple[Numbers, Numbers]:
+def _split(t: Integer, new: Integer) -> tuple[Integer, Integer]:
     """Triangles after cuts, shape (3, child), and the number of the parent of each.
 
     new: points on the edges 0-1, 1-2, 2-0, at most two of them; -1 where there is none.
@@ -83,7 +83,7 @@ def _split(t: Numbers, new: Numbers) -> tuple[Numbers, Numbers]:
     return np.concatenate(children, axis=1), np.concatenate(parents)
 
 
-def _apex(there: NDArray[np.bool_]) -> Numbers:
+def _apex(there: Mask) -> Integer:
     """Corners to turn triangles by for edge 0-1 to be cut, and 2-0 where two are."""
     one = there & ~np.roll(there, -1, axis=0)
     return one.argmax(axis=0) * one.any(axis=0)
@@ -96,7 +96,7 @@ No triangle turns over.
 """
 
 
-def snapped(p: Points, t: Numbers, fixed: Numbers, corners: Points, segments: Points) -> Points:
+def snapped(p: Points, t: Integer, fixed: Integer, corners: Points, segments: Points) -> Points:
     """Points of a plane mesh, shape (2, point), some moved to corners and segments.
 
     Those within reach move, the nearest to each corner first. fixed: points that stay, in addition
@@ -119,7 +119,7 @@ def snapped(p: Points, t: Numbers, fixed: Numbers, corners: Points, segments: Po
     return p
 
 
-def _reach(p: Points, t: Numbers) -> NDArray[np.float64]:
+def _reach(p: Points, t: Integer) -> Real:
     """Largest distance that each point may be moved, m, shape (point,)."""
     a, b, c = (p[:, corner] for corner in t)
     longest = np.linalg.norm([a - b, b - c, c - a], axis=1).max(axis=0)
@@ -128,7 +128,7 @@ def _reach(p: Points, t: Numbers) -> NDArray[np.float64]:
     return reach
 
 
-def _nearest(p: Points, reach: NDArray[np.float64], places: Points) -> list[tuple[int, int]]:
+def _nearest(p: Points, reach: Real, places: Points) -> list[tuple[int, int]]:
     """Pairs of a point and the nearest place within its reach, each at most once."""
     from scipy.spatial import KDTree
 

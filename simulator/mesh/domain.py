@@ -6,16 +6,15 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from skfem import MeshTri
 
+from ..arrays import Integer, Mask, Real
 from ..scene.planar import Circle, inside
 from .arcs import NO_ARCS, Arcs, areas_beside_chords, mapped
 from .drawing import Drawing
 from .edge_numbering import edges_of
 
-Points = NDArray[np.float64]
-Numbers = NDArray[np.int64]
+Points = Real
 NO_EDGES = np.zeros((2, 0), dtype=np.int64)
 
 
@@ -33,11 +32,11 @@ class Domain:
     """
 
     p: Points
-    t: Numbers
-    pixel: Numbers
-    covered: NDArray[np.bool_]
-    foils: dict[str, Numbers]
-    seams: Numbers
+    t: Integer
+    pixel: Integer
+    covered: Mask
+    foils: dict[str, Integer]
+    seams: Integer
     arcs: Arcs = NO_ARCS
     out_of_round: float = 0.0
 
@@ -48,7 +47,7 @@ class Domain:
         return MeshTri(p, t, sort_t=False)
 
     @cached_property
-    def curvature(self) -> NDArray[np.float64]:
+    def curvature(self) -> Real:
         """Curvature of each triangle's edges 0 to 1, 1 to 2 and 0 to 2, 1/m.
 
         Positive where the edge bends to the left, shape (3, triangle).
@@ -63,20 +62,20 @@ class Domain:
         return mapped(self.p[:2], self.t, self.curvature, third)[0][:, :, 0]
 
     @property
-    def areas(self) -> NDArray[np.float64]:
+    def areas(self) -> Real:
         """Areas of the triangles, m², shape (triangle,)."""
         return areas(self.p, self.t) + areas_beside_chords(self.p, self.t, self.curvature).sum(
             axis=0
         )
 
     @property
-    def lengths(self) -> NDArray[np.float64]:
+    def lengths(self) -> Real:
         """Length of the longest edge of each triangle, m, shape (triangle,)."""
         a, b, c = (self.p[:, corner] for corner in self.t)
         return np.linalg.norm([a - b, b - c, c - a], axis=1).max(axis=0)
 
 
-def areas(p: Points, t: Numbers) -> NDArray[np.float64]:
+def areas(p: Points, t: Integer) -> Real:
     """Areas of triangles in the plane or in space, m², shape (triangle,)."""
     a, b, c = (p[:, corner] for corner in t)
     u, v = b - a, c - a
@@ -99,9 +98,9 @@ def labelled(drawing: Drawing, mesh: Domain) -> Domain:
 
 def unlabelled(
     p: Points,
-    t: Numbers,
-    foils: dict[str, Numbers],
-    seams: Numbers = NO_EDGES,
+    t: Integer,
+    foils: dict[str, Integer],
+    seams: Integer = NO_EDGES,
     arcs: Arcs = NO_ARCS,
 ) -> Domain:
     """Mesh whose triangles have no pixel and no touches yet."""

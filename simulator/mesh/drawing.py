@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer
 from ..press.capacitance import touched_box
 from ..press.pixels import pixel_lines
 from ..press.press import Press
@@ -63,7 +63,7 @@ class Drawing:
             ),
         )
 
-    def pixel_at(self, x: Points) -> NDArray[np.int64]:
+    def pixel_at(self, x: Points) -> Integer:
         """Number of the pixel at positions x, (2, point) to (point,); -1 off the grid."""
         column, row = (
             np.searchsorted(lines, along, side="right") - 1

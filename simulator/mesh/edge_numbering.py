@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Numbers = NDArray[np.int64]
+from ..arrays import Integer
 
 
-def edges_of(t: Numbers) -> tuple[Numbers, Numbers]:
+def edges_of(t: Integer) -> tuple[Integer, Integer]:
     """Edges of triangles by numbers of points, and the three edges of each triangle.
 
     Returns the edges, ascending, shape (2, edge), and the numbers of each triangle's edges from
@@ -21,13 +20,13 @@ def edges_of(t: Numbers) -> tuple[Numbers, Numbers]:
     return np.stack([keys // base, keys % base]), number.reshape(3, -1)
 
 
-def rim_points(t: Numbers) -> Numbers:
+def rim_points(t: Integer) -> Integer:
     """Points at edges that belong to just one triangle."""
     edges, of_triangle = edges_of(t)
     return np.unique(edges[:, np.bincount(of_triangle.ravel()) == 1])
 
 
-def edge_numbers(lines: Numbers, edges: Numbers) -> Numbers:
+def edge_numbers(lines: Integer, edges: Integer) -> Integer:
     """Number of each line among `edges`, -1 if it is no edge, shape (line,)."""
     base = int(max(edges.max(), lines.max(initial=0))) + 1
     keys, requested = edges[0] * base + edges[1], lines[0] * base + lines[1]
@@ -35,7 +34,7 @@ def edge_numbers(lines: Numbers, edges: Numbers) -> Numbers:
     return np.where(keys[number] == requested, number, -1)
 
 
-def halves(lines: Numbers, edges: Numbers, new: Numbers) -> Numbers:
+def halves(lines: Integer, edges: Integer, new: Integer) -> Integer:
     """Lines along edges; those with a new point on them are divided in two.
 
     Both ends ascend in each column of the result. new: points on `edges`, -1 where there is none,

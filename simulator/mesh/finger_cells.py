@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Real
 from ..press.batch import PressBatch
 from ..press.parts import parts_of
 from ..press.rasterized import Footprints, rasterized
@@ -13,11 +13,7 @@ from .pixel_coverage import pixel_coverage
 
 
 def with_fingers_at(
-    scene: Scene,
-    batch: PressBatch,
-    touches: NDArray[np.int64],
-    placed: Footprints,
-    grid: tuple[int, int],
+    scene: Scene, batch: PressBatch, touches: Integer, placed: Footprints, grid: tuple[int, int]
 ) -> PressBatch:
     """Presses with the fingers of their touches, as parts of M that rise by F.
 
@@ -34,11 +30,7 @@ def with_fingers_at(
 
 
 def with_fingers_on(
-    scene: Scene,
-    batch: PressBatch,
-    finger: NDArray[np.float64],
-    cells: NDArray[np.int64],
-    grid: tuple[int, int],
+    scene: Scene, batch: PressBatch, finger: Real, cells: Integer, grid: tuple[int, int]
 ) -> PressBatch:
     """Presses as from `with_fingers_at` for touches of equally many whole cells.
 
@@ -52,9 +44,7 @@ def with_fingers_on(
     return batch
 
 
-def _spread(
-    scene: Scene, covered: PressBatch, finger: NDArray[np.float64], grid: tuple[int, int]
-) -> PressBatch:
+def _spread(scene: Scene, covered: PressBatch, finger: Real, grid: tuple[int, int]) -> PressBatch:
     """Finger of one touch of each press, spread over the cells that it covers.
 
     covered: cells, and the covered part of each. finger: F, shape (press,).

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Mask
 from ..scene.form.mesh_file import MeshSurface, foil_lines
 from ..scene.planar import Circle, distance, nearest
 from ..scene.skin import Skin
@@ -16,7 +16,7 @@ from ..sweeps import InputError, ToleranceError
 from .arcs import Arcs, on_arcs
 from .arrangement import WIDEST, Arrangement, arranged, chords
 from .cutting import cut, snapped
-from .domain import Domain, Numbers, Points, labelled, unlabelled
+from .domain import Domain, Points, labelled, unlabelled
 from .drawing import Drawing
 from .edge_numbering import edges_of, rim_points
 from .mending import collapsed, compressed, edges_along, flipped
@@ -161,7 +161,7 @@ def _check_directions(skin: Skin, path: str) -> None:
             raise InputError(f"skin.mesh {path} must lie in a plane for `{key}`")
 
 
-def _kept_edges(mesh: Domain) -> Numbers:
+def _kept_edges(mesh: Domain) -> Integer:
     """Edges at the boundary and between pixels, by numbers of points, (2, edge)."""
     edges, of_triangle = edges_of(mesh.t)
     rim = np.bincount(of_triangle.ravel()) == 1
@@ -180,12 +180,12 @@ def _as_fine(mesh: Domain, pieces: Points) -> Domain:
         mesh = refined(mesh, coarse)
 
 
-def _between(t: Numbers, pixel: Numbers) -> Numbers:
+def _between(t: Integer, pixel: Integer) -> Integer:
     """Points at which triangles of more than one pixel meet."""
     return np.flatnonzero(_of_several(t, pixel))
 
 
-def _of_several(parts: Numbers, pixel: Numbers) -> NDArray[np.bool_]:
+def _of_several(parts: Integer, pixel: Integer) -> Mask:
     """True for points or edges of triangles of more than one pixel.
 
     parts: numbers of the points or edges of each triangle, shape (3, triangle).
@@ -196,7 +196,7 @@ def _of_several(parts: Numbers, pixel: Numbers) -> NDArray[np.bool_]:
     return least < most
 
 
-def _at(p: Points, places: Points, same: float) -> Numbers:
+def _at(p: Points, places: Points, same: float) -> Integer:
     """Points of the mesh at places, shape (place, 2)."""
     from scipy.spatial import KDTree
 
@@ -215,7 +215,7 @@ def _grid(drawing: Drawing) -> Points:
     return np.array([*across, *(np.array([(x[0], line), (x[-1], line)]) for line in y)])
 
 
-def _grouped(path: str, surface: MeshSurface, groups: Sequence[Sequence[str]]) -> Numbers:
+def _grouped(path: str, surface: MeshSurface, groups: Sequence[Sequence[str]]) -> Integer:
     """Pixel of each triangle by the groups of the mesh file, -1 for those in none."""
     pixel = np.full(surface.t.shape[1], -1, dtype=np.int64)
     names = [name for row in groups for name in row]

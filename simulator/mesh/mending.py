@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Mask, Real
 from ..scene.planar import distance
-from .domain import Domain, Numbers, Points
+from .domain import Domain, Points
 from .edge_numbering import edge_numbers, edges_of
 
 POOR = 0.2
@@ -18,7 +18,7 @@ GAIN = 1.2
 """Smallest factor by which the worst triangle around a point must improve."""
 
 
-def collapsed(mesh: Domain, movable: NDArray[np.bool_], lines: Numbers) -> Domain:
+def collapsed(mesh: Domain, movable: Mask, lines: Integer) -> Domain:
     """Mesh without those `movable` points, shape (point,), that make slivers.
 
     lines: edges along segments by numbers of points, shape (2, edge). Points keep their places and
@@ -45,7 +45,7 @@ def compressed(mesh: Domain) -> Domain:
     return replace(mesh, p=mesh.p[:, used], t=t.reshape(3, -1), foils=foils)
 
 
-def _targets(mesh: Domain, movable: NDArray[np.bool_], lines: Numbers) -> Numbers:
+def _targets(mesh: Domain, movable: Mask, lines: Integer) -> Integer:
     """Neighbour that each movable point may be moved into, itself for others."""
     on = np.bincount(lines.ravel(), minlength=len(movable))
     edges = edges_of(mesh.t)[0]
@@ -60,7 +60,7 @@ def _targets(mesh: Domain, movable: NDArray[np.bool_], lines: Numbers) -> Number
     return target
 
 
-def _chosen(mesh: Domain, target: Numbers) -> Numbers:
+def _chosen(mesh: Domain, target: Integer) -> Integer:
     """Target of each point that moves.
 
     Points with the worst triangles have priority, and no two that move share a triangle.
@@ -85,7 +85,7 @@ def _chosen(mesh: Domain, target: Numbers) -> Numbers:
     return np.where(gains & ~beaten, target, np.arange(len(target)))
 
 
-def _shape(corners: Points) -> NDArray[np.float64]:
+def _shape(corners: Points) -> Real:
     """Signed area over that of an equilateral triangle of equal mean square sides."""
     a, b, c = corners.swapaxes(0, 1)
     u, v, w = b - a, c - b, a - c
@@ -99,7 +99,7 @@ MIN_EXCESS = 1e-9
 ROUNDS = 200
 
 
-def flipped(p: Points, t: Numbers, part: Numbers, segments: Points, same: float) -> Numbers:
+def flipped(p: Points, t: Integer, part: Integer, segments: Points, same: float) -> Integer:
     """Triangles after edges were turned, shape (3, triangle).
 
     Each lies within the same part as the triangle that it replaces. p: m, shape (2, point). part:
@@ -123,14 +123,14 @@ def flipped(p: Points, t: Numbers, part: Numbers, segments: Points, same: float)
     return t
 
 
-def edges_along(p: Points, t: Numbers, segments: Points, same: float) -> Numbers:
+def edges_along(p: Points, t: Integer, segments: Points, same: float) -> Integer:
     """Edges that lie along a segment, by numbers of points, shape (2, edge)."""
     edges, _ = edges_of(t)
     on = distance(p.T, segments) <= 2 * same
     return edges[:, (on[edges[0]] & on[edges[1]]).any(axis=1)]
 
 
-def _sides(of_triangle: Numbers) -> tuple[Numbers, Numbers]:
+def _sides(of_triangle: Integer) -> tuple[Integer, Integer]:
     """Triangles on both sides of each edge; at the boundary the same one twice."""
     flat, triangle = of_triangle.ravel(), np.tile(np.arange(of_triangle.shape[1]), 3)
     order = np.argsort(flat, kind="stable")
@@ -138,7 +138,7 @@ def _sides(of_triangle: Numbers) -> tuple[Numbers, Numbers]:
     return triangle[order[start]], triangle[order[start + count - 1]]
 
 
-def _excess(p: Points, t: Numbers, of_triangle: Numbers) -> NDArray[np.float64]:
+def _excess(p: Points, t: Integer, of_triangle: Integer) -> Real:
     """Minus the sine of the sum of the angles opposite each edge, shape (edge,)."""
     sine, cosine = _opposite(p, t)
     edge, count = of_triangle.ravel(), int(of_triangle.max()) + 1
@@ -147,7 +147,7 @@ def _excess(p: Points, t: Numbers, of_triangle: Numbers) -> NDArray[np.float64]:
     return -np.imag(turn)
 
 
-def _opposite(p: Points, t: Numbers) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _opposite(p: Points, t: Integer) -> tuple[Real, Real]:
     """Sine and cosine of the angles opposite the edges 0-1, 1-2 and 2-0.
 
     Shape (3, triangle).
@@ -158,7 +158,7 @@ def _opposite(p: Points, t: Numbers) -> tuple[NDArray[np.float64], NDArray[np.fl
     return np.abs(u[0] * v[1] - u[1] * v[0]) / size, (u * v).sum(axis=0) / size
 
 
-def _turned(t: Numbers, edges: Numbers, first: Numbers, second: Numbers) -> Numbers:
+def _turned(t: Integer, edges: Integer, first: Integer, second: Integer) -> Integer:
     """Triangles with those edges replaced by the other diagonals."""
     ends = edges.sum(axis=0)
     beyond = [t[:, triangle].sum(axis=0) - ends for triangle in (first, second)]

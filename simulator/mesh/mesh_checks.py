@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..arrays import Integer
 from ..sweeps import InputError
-from .domain import Numbers, Points, areas
+from .domain import Points, areas
 from .edge_numbering import edges_of
 
 FLAT = 1e-10
@@ -14,14 +15,14 @@ SAME = 1e-9
 """Distance over the mesh's extent below which points are at one place."""
 
 
-def check(path: str, p: Points, t: Numbers) -> None:
+def check(path: str, p: Points, t: Integer) -> None:
     """Raises InputError unless triangles have areas, meet at edges and are connected."""
     problem = _flat(p, t) or _torn(p, t) or _folded(p, t) or _in_parts(t)
     if problem:
         raise InputError(f"{path}: the triangles of `skin.mesh` must {problem}")
 
 
-def _flat(p: Points, t: Numbers) -> str | None:
+def _flat(p: Points, t: Integer) -> str | None:
     if not np.isfinite(p).all():
         return "have finite coordinates"
     a, b, c = (p[:, corner] for corner in t)
@@ -32,7 +33,7 @@ def _flat(p: Points, t: Numbers) -> str | None:
     return None
 
 
-def _torn(p: Points, t: Numbers) -> str | None:
+def _torn(p: Points, t: Integer) -> str | None:
     """Requirement violated by points on other edges, or edges of over two triangles.
 
     Points at one place count as points on another edge.
@@ -64,7 +65,7 @@ def _torn(p: Points, t: Numbers) -> str | None:
     return None
 
 
-def _folded(p: Points, t: Numbers) -> str | None:
+def _folded(p: Points, t: Integer) -> str | None:
     """Requirement violated by plane triangles on the same side of their common edge."""
     if len(p) == 3:
         return None
@@ -81,7 +82,7 @@ def _folded(p: Points, t: Numbers) -> str | None:
     return None
 
 
-def _in_parts(t: Numbers) -> str | None:
+def _in_parts(t: Integer) -> str | None:
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 

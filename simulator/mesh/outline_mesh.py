@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Real
 from ..scene.contacts import Contact, curve_section
 from ..scene.form.outline import Curve
 from ..scene.planar import Circle
 from ..scene.skin_region import curves
 from .arcs import Arcs, arc_length, on_arcs
 from .arrangement import Arrangement, Chords, arranged, chords
-from .domain import Domain, Numbers, Points, labelled, unlabelled
+from .domain import Domain, Points, labelled, unlabelled
 from .drawing import Drawing, closed
 from .mesher import MeshedDrawing, meshed
 from .refining.inverted_triangles import without_inversions
@@ -36,7 +36,7 @@ def drawn(drawing: Drawing, size: float) -> Domain:
     curve, middle = _on_boundary(pieces, bends, around, found)
     mesh = meshed(pieces.points, pieces.pieces, bends, curve, size)
 
-    def under(foil: Contact) -> Numbers:
+    def under(foil: Contact) -> Integer:
         along = curve_section(foil, skin)
         there = (curve == along.curve) & (along.start < middle) & (middle < along.stop)
         return mesh.lines[:, there[mesh.piece]]
@@ -58,10 +58,7 @@ def _grid(drawing: Drawing) -> list[Points]:
 
 
 def _clipped(
-    whole: Arrangement,
-    curvature: NDArray[np.float64],
-    around: Sequence[Curve],
-    found: Sequence[Chords],
+    whole: Arrangement, curvature: Real, around: Sequence[Curve], found: Sequence[Chords]
 ) -> Arrangement:
     """Boundary, and the pieces inside the outline and outside its holes."""
     middle = _middles(whole, curvature[whole.segment]).T
@@ -78,11 +75,8 @@ def _boundary_segments(around: Sequence[Curve], found: Sequence[Chords]) -> int:
 
 
 def _on_boundary(
-    drawing: Arrangement,
-    bends: NDArray[np.float64],
-    around: Sequence[Curve],
-    found: Sequence[Chords],
-) -> tuple[Numbers, NDArray[np.float64]]:
+    drawing: Arrangement, bends: Real, around: Sequence[Curve], found: Sequence[Chords]
+) -> tuple[Integer, Real]:
     """Closed curve that each piece is part of, -1 inside, and distance along it, m.
 
     Both are of shape (piece,); the distance is that of the piece's middle.
@@ -101,7 +95,7 @@ def _on_boundary(
     return curve, along
 
 
-def _starts(curve: Curve, rim: Chords) -> NDArray[np.float64]:
+def _starts(curve: Curve, rim: Chords) -> Real:
     """Distances along a curve at which its chords begin, m."""
     shape = curve.shape
     if isinstance(shape, Circle):
@@ -109,13 +103,13 @@ def _starts(curve: Curve, rim: Chords) -> NDArray[np.float64]:
     return curve.marks[:-1]
 
 
-def _middles(drawing: Arrangement, bends: NDArray[np.float64]) -> Points:
+def _middles(drawing: Arrangement, bends: Real) -> Points:
     """Middles of pieces or of the arcs over them, m, shape (piece, 2)."""
     start, stop = (drawing.points[end].T for end in drawing.pieces.T)
     return on_arcs(start, stop, bends).T
 
 
-def _arcs(mesh: MeshedDrawing, drawing: Arrangement, bends: NDArray[np.float64]) -> Arcs:
+def _arcs(mesh: MeshedDrawing, drawing: Arrangement, bends: Real) -> Arcs:
     """Arcs of the mesh: its lines along pieces that bend."""
     bent = bends[mesh.piece] != 0
     lines, piece = mesh.lines[:, bent], mesh.piece[bent]

@@ -7,8 +7,8 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Real
 from ..press.press import Press
 from ..scene.scene import Scene
 
@@ -20,11 +20,11 @@ class PixelCoverage(NamedTuple):
     middle: middle of that skin, m, shape (2, pixel); 0 where there is none.
     """
 
-    part: NDArray[np.float64]
-    middle: NDArray[np.float64]
+    part: Real
+    middle: Real
 
     @property
-    def numbers(self) -> NDArray[np.int64]:
+    def numbers(self) -> Integer:
         """Numbers of the pixels that contain any skin, from 0, ascending."""
         return np.flatnonzero(self.part)
 

@@ -10,9 +10,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from skfem import MeshQuad
 
+from ..arrays import Integer, Real
 from ..press.pixels import pixel_lines
 from ..scene.contacts import Contact
 from ..scene.planar import NO_LINES, SAME_LINE, Lines, distinct
@@ -22,9 +22,7 @@ from ..scene.wiring_checks import ACROSS, strip, touch_at
 from .rings import QuadrilateralCells, rectangles, ringed
 
 
-def nodes(
-    lines: NDArray[np.float64], cells: int, widths: Mapping[float, float], growth: float = np.inf
-) -> NDArray[np.float64]:
+def nodes(lines: Real, cells: int, widths: Mapping[float, float], growth: float = np.inf) -> Real:
     """Nodes on all `lines`, `cells` equal cells between them, finer where requested.
 
     widths: by line (given to within rounding) the largest width in m of the cells next to it; cells
@@ -48,9 +46,7 @@ def _narrowest(line: float, length: float, widths: Mapping[float, float]) -> flo
     return min(same, default=np.inf)
 
 
-def _halved(
-    low: float, high: float, cells: int, at_low: float, at_high: float
-) -> NDArray[np.float64]:
+def _halved(low: float, high: float, cells: int, at_low: float, at_high: float) -> Real:
     width = (high - low) / cells
     both = width > at_low and width > at_high
     uniform = np.linspace(low, high, (max(cells, 2) if both else cells) + 1)
@@ -61,13 +57,13 @@ def _halved(
     )
 
 
-def _steps(cell: float, widest: float) -> NDArray[np.float64]:
+def _steps(cell: float, widest: float) -> Real:
     """Distances from the line at which a cell next to it is divided, ascending."""
     divisions = int(np.ceil(np.log2(max(1.0, cell / widest)) - SAME_LINE))
     return cell * 0.5 ** np.arange(divisions, 0.0, -1.0)
 
 
-def _growing(nodes: NDArray[np.float64], growth: float) -> NDArray[np.float64]:
+def _growing(nodes: Real, growth: float) -> Real:
     while True:
         width = np.diff(nodes)
         too_wide = growth * (1 + SAME_LINE)
@@ -125,9 +121,9 @@ class PixelMesh:
     skin: Skin
     mesh: MeshQuad
     cells: QuadrilateralCells
-    pixel: NDArray[np.int64]
+    pixel: Integer
 
-    def facets(self, contact: Contact) -> NDArray[np.int64]:
+    def facets(self, contact: Contact) -> Integer:
         """Boundary facets under a foil."""
         start, stop = contact.ends(self.skin)
         along = 1 if contact.edge in ("left", "right") else 0
@@ -137,7 +133,7 @@ class PixelMesh:
         middle = ends[along].mean(axis=0)
         return boundary[on_edge & (start[along] < middle) & (middle < stop[along])]
 
-    def edges(self, facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    def edges(self, facets: Integer) -> tuple[Integer, Real]:
         """Element at each boundary facet, and which of its edges the facet is.
 
         Returns element, shape (facet,), and length in m at the edge and 0 at the other three, shape
@@ -172,14 +168,12 @@ def pixel_mesh(scene: Scene, contacts: Sequence[Contact], resolution: Resolution
     return PixelMesh(skin, mesh, cells, row * (len(tiles_x) - 1) + column)
 
 
-def tile_lines(scene: Scene, axis: int, resolution: Resolution) -> NDArray[np.float64]:
+def tile_lines(scene: Scene, axis: int, resolution: Resolution) -> Real:
     """Lines across x (axis 0) or y (axis 1) that the capacitance may jump at, m, ascending."""
     return np.sort([*pixel_lines(scene, axis), *resolution.lines[axis]])
 
 
-def _lines(
-    scene: Scene, axis: int, contacts: Sequence[Contact], resolution: Resolution
-) -> NDArray[np.float64]:
+def _lines(scene: Scene, axis: int, contacts: Sequence[Contact], resolution: Resolution) -> Real:
     """Lines across an axis that a mesh keeps: those of tiles and ends of foils."""
     ends = (end[axis] for contact in contacts for end in contact.ends(scene.skin))
     return distinct([*tile_lines(scene, axis, resolution), *ends])
@@ -210,7 +204,7 @@ def _nodes(
     resolution: Resolution,
     tips: Sequence[tuple[float, float]],
     patch: float,
-) -> NDArray[np.float64]:
+) -> Real:
     """Nodes along x (axis 0) or y (axis 1)."""
     skin, length = scene.skin, scene.skin.sides[axis]
     widths = dict.fromkeys(resolution.touched[axis], resolution.touch_cell)
@@ -238,7 +232,7 @@ def _at_corner(ringed: tuple[float, float, int], skin: Skin) -> bool:
     return all(at in (0.0, side) for at, side in zip(ringed, skin.sides, strict=False))
 
 
-def _with_nodes_between(nodes: NDArray[np.float64], ringed: Sequence[float]) -> NDArray[np.float64]:
+def _with_nodes_between(nodes: Real, ringed: Sequence[float]) -> Real:
     """Nodes with one more in the middle of cells between two ringed ones.
 
     No cell then has rings twice.

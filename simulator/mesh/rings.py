@@ -12,6 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..arrays import Integer, Real
+
 RATIO = 0.2
 PARTNER_ALONG = (1, 0, 3, 2)
 PARTNER_ACROSS = (3, 2, 1, 0)
@@ -27,19 +29,19 @@ class QuadrilateralCells:
     same direction.
     """
 
-    p: NDArray[np.float64]
-    t: NDArray[np.int64]
-    along: NDArray[np.float64]
-    across: NDArray[np.float64]
-    twist: NDArray[np.float64]
+    p: Real
+    t: Integer
+    along: Real
+    across: Real
+    twist: Real
 
-    def some(self, which: NDArray[np.int64] | slice) -> QuadrilateralCells:
+    def some(self, which: Integer | slice) -> QuadrilateralCells:
         """Some of the cells, on the same points."""
         along, across, twist = (v[:, which] for v in (self.along, self.across, self.twist))
         return QuadrilateralCells(self.p, self.t[:, which], along, across, twist)
 
 
-def rectangles(x: NDArray[np.float64], y: NDArray[np.float64]) -> QuadrilateralCells:
+def rectangles(x: Real, y: Real) -> QuadrilateralCells:
     """Cells between lines, row after row. x, y: ascending, m."""
     rows, columns = len(y) - 1, len(x) - 1
     low = (np.arange(rows)[:, None] * len(x) + np.arange(columns)).ravel()
@@ -54,9 +56,7 @@ def rectangles(x: NDArray[np.float64], y: NDArray[np.float64]) -> QuadrilateralC
     )
 
 
-def ringed(
-    cells: QuadrilateralCells, tips: NDArray[np.int64], layers: ArrayLike
-) -> QuadrilateralCells:
+def ringed(cells: QuadrilateralCells, tips: Integer, layers: ArrayLike) -> QuadrilateralCells:
     """Rectangles, divided into rings where a corner is one of the points `tips`.
 
     layers: number of rings, one for all tips or one for each.
@@ -74,7 +74,7 @@ def ringed(
 
 
 class _Builder:
-    def __init__(self, cells: QuadrilateralCells, scales: dict[int, NDArray[np.float64]]) -> None:
+    def __init__(self, cells: QuadrilateralCells, scales: dict[int, Real]) -> None:
         """Starts with undivided cells.
 
         scales: sizes of the rings around each tip, the outermost 1.
@@ -83,7 +83,7 @@ class _Builder:
         self.points = [cells.p]
         self.count = cells.p.shape[1]
         self.parts: list[tuple[NDArray, NDArray, NDArray, NDArray]] = []
-        self._chains: dict[tuple[int, int], NDArray[np.int64]] = {}
+        self._chains: dict[tuple[int, int], Integer] = {}
 
     def divide(self, cell: int, corner: int) -> None:
         cells, t = self.cells, self.cells.t[:, cell]
@@ -117,7 +117,7 @@ class _Builder:
         along = start[:, None] * (outer - inner)
         self.parts.append((t, along, step * inner, step * (outer - inner)))
 
-    def _chain(self, tip: int, towards: int) -> NDArray[np.int64]:
+    def _chain(self, tip: int, towards: int) -> Integer:
         """Points from `towards`, which is the first, to the tip, which is left out."""
         if (tip, towards) not in self._chains:
             start, end = self.cells.p[:, [tip]], self.cells.p[:, [towards]]
@@ -128,7 +128,7 @@ class _Builder:
             self._chains[tip, towards] = np.concatenate([[towards], new])
         return self._chains[tip, towards]
 
-    def built(self, divided: NDArray[np.int64]) -> QuadrilateralCells:
+    def built(self, divided: Integer) -> QuadrilateralCells:
         cells = self.cells
         whole = np.setdiff1d(np.arange(cells.t.shape[1]), divided)
         shapes = (cells.t, cells.along, cells.across, cells.twist)

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Annotated, Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from ..arrays import Integer, Real
 from ..sweeps import InputError, inputs
 from ..sweeps.reading_time import reading_time
 
@@ -74,7 +74,6 @@ PROPORTIONAL_FROM = 1e3
 SMALLEST_RATIO = 1e-9
 RANGES = range(1, 11)
 
-Array = NDArray[np.float64]
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
@@ -191,7 +190,7 @@ class AccuracyTable(AccuracyModel):
         of_Z, of_theta = self._bounds(size, frequency, np.array([conditions.range]), conditions)
         return float(of_Z[0]), float(of_theta[0])
 
-    def bounds(self, size: Array, frequency: Array, speed: str, level: float, cable: int) -> Array:
+    def bounds(self, size: Real, frequency: Real, speed: str, level: float, cable: int) -> Real:
         """Bounds of `error_bounds`, each in the range that fits the reading, shape (2, ...).
 
         size: |Z| in ohm. frequency: Hz, along the last axis.
@@ -203,17 +202,13 @@ class AccuracyTable(AccuracyModel):
         """Number of the lowest range that guarantees |Z|; the highest range if none does."""
         return int(self._fitting_ranges(np.array(abs(Z))))
 
-    def _fitting_ranges(self, size: Array) -> NDArray[np.int64]:
+    def _fitting_ranges(self, size: Real) -> Integer:
         highest = self.span.guaranteed[1] * FULL_SCALES
         return np.minimum(RANGES[0] + np.searchsorted(highest, size), RANGES[-1])
 
     def _bounds(
-        self,
-        size: Array,
-        frequency: Array,
-        number: NDArray[np.int64],
-        conditions: ReadingConditions,
-    ) -> Array:
+        self, size: Real, frequency: Real, number: Integer, conditions: ReadingConditions
+    ) -> Real:
         band = np.maximum(np.searchsorted(self.band_starts, frequency, side="right") - 1, 0)
         scale = FULL_SCALES[number - RANGES[0]]
         rows = np.log([row.full_scale for row in self.range])
@@ -224,7 +219,7 @@ class AccuracyTable(AccuracyModel):
         per_unit = np.array([1 / 100, math.pi / 180]).reshape(2, *(1,) * size.ndim)
         return self._factor(frequency, conditions) * (A + B * over) * per_unit
 
-    def _factor(self, frequency: Array, conditions: ReadingConditions) -> Array:
+    def _factor(self, frequency: Real, conditions: ReadingConditions) -> Real:
         levels = self.coefficients.level
         level = next((k for volt, k in reversed(levels) if volt <= conditions.level), levels[0][1])
         at_0_Hz, rise = self.coefficients.cable_1m

@@ -7,7 +7,8 @@ from typing import Annotated, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from .accuracy_table import AccuracyModel, Array, Error, Positive
+from ..arrays import Real
+from .accuracy_table import AccuracyModel, Error, Positive
 
 
 class OffsetBand(AccuracyModel):
@@ -47,12 +48,12 @@ class OffsetAccuracy(AccuracyModel):
         """Smallest bound of all bands."""
         return min(each.basic for each in self.band) / 100
 
-    def bounds(self, size: Array, frequency: Array) -> Array:
+    def bounds(self, size: Real, frequency: Real) -> Real:
         """Bounds on |Z| and phase, shape (2, ...); size: |Z| in ohm, frequency: Hz, last."""
         starts = [each.start for each in self.band]
         number = np.maximum(np.searchsorted(starts, frequency, side="right") - 1, 0)
 
-        def of(name: str) -> Array:
+        def of(name: str) -> Real:
             return np.array([getattr(each, name) for each in self.band])[number]
 
         short, opened = (

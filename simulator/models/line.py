@@ -11,8 +11,9 @@ from __future__ import annotations
 from functools import reduce
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ..arrays import Complex, Real
 from ..fem.circuit import Circuit, one_field
 from ..press.capacitance import lines, tile_map
 from ..press.pixels import pixel_lines
@@ -52,7 +53,7 @@ class Line:
         """True if both ends have contacts."""
         return len(self._circuit.terminals) == 2
 
-    def impedance(self, press: Press, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+    def impedance(self, press: Press, frequency: Real) -> Complex:
         """Z in ohm, shape (interface, frequency); frequency in Hz.
 
         Raises InputError if the press varies across the line. Source: chain matrices of the
@@ -73,14 +74,12 @@ class Line:
         interfaces = len(self._circuit.excitations)
         return np.tile(contact + 1 / Y, (interfaces, 1)).astype(np.complex128)
 
-    def _between_two_ends(
-        self, press: Press, frequency: NDArray[np.float64]
-    ) -> NDArray[np.complex128]:
+    def _between_two_ends(self, press: Press, frequency: Real) -> Complex:
         """Z of interfaces that drive the first end, the second, or both tied together."""
         ports = self.ports(press, frequency)
         return np.stack([ports.seen_from(on.high, on.low) for on in self._circuit.excitations])
 
-    def ports(self, press: Press, frequency: NDArray[np.float64]) -> LinePorts:
+    def ports(self, press: Press, frequency: Real) -> LinePorts:
         """Network between the end of the first contact, the far end, and the low terminal.
 
         frequency: Hz. Raises InputError if the press varies across the line.
@@ -100,7 +99,7 @@ class Line:
         films = [[film(R, s)] if R else [] for R in resistances]
         return reduce(LinePorts.joined, [*films[0], *line, *(films[1] if films[1:] else [])])
 
-    def profile(self, press: Press) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def profile(self, press: Press) -> tuple[Real, Real]:
         """c in F/m² and length in m of each segment from the fed edge on, shape (segment,).
 
         Raises InputError if the press varies across the line.
@@ -134,7 +133,7 @@ HALF_POWER = 1 / np.sqrt(2)
 PAPER_CONSTANT = 0.0382
 
 
-def propagation_constant(frequency: ArrayLike, R: float, C: float) -> NDArray[np.complex128]:
+def propagation_constant(frequency: ArrayLike, R: float, C: float) -> Complex:
     """gamma = alpha + j beta = sqrt(j omega R C), 1/m (paper Eq 3).
 
     frequency: Hz. R: ohm/m. C: F/m.
@@ -142,7 +141,7 @@ def propagation_constant(frequency: ArrayLike, R: float, C: float) -> NDArray[np
     return np.sqrt(2j * np.pi * np.asarray(frequency, dtype=float) * R * C)
 
 
-def attenuation(frequency: ArrayLike, x: float, R: float, C: float) -> NDArray[np.float64]:
+def attenuation(frequency: ArrayLike, x: float, R: float, C: float) -> Real:
     """Amplitude exp(-Re(gamma) x) of the wave on an infinite line (paper Eqs 4, 5).
 
     frequency: Hz. x: m from the interface. R: ohm/m. C: F/m. The paper prints the exponent as
@@ -153,7 +152,7 @@ def attenuation(frequency: ArrayLike, x: float, R: float, C: float) -> NDArray[n
 
 def interrogation_frequency(
     x: ArrayLike, R: float, C: float, constant: float = PAPER_CONSTANT
-) -> NDArray[np.float64]:
+) -> Real:
     """f_i in Hz where the amplitude at x_i has fallen to half power (paper Eq 6).
 
     x: m. R: ohm/m. C: F/m. constant: (ln sqrt 2)² / pi = 0.03823, which the paper rounds to 0.0382.
@@ -173,9 +172,7 @@ def cut_off_frequency(scene: Scene, *interfaces: Interface) -> float:
     return float(interrogation_frequency(uniform.reach(*interfaces), uniform.skin.both_sheets, c))
 
 
-def open_line_amplitude(
-    frequency: ArrayLike, x: float, length: float, R: float, C: float
-) -> NDArray[np.float64]:
+def open_line_amplitude(frequency: ArrayLike, x: float, length: float, R: float, C: float) -> Real:
     """|V(x) / V(0)| = |cosh(gamma (l - x)) / cosh(gamma l)| on a line of length l, open at its end.
 
     frequency: Hz. x, length: m. R: ohm/m. C: F/m. The form uses decaying exponentials only.

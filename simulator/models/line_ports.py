@@ -12,7 +12,8 @@ from collections.abc import Collection
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ..arrays import Complex
 
 LEVELS_OF_FRACTION = 12
 SERIES_TERMS = 12
@@ -21,9 +22,9 @@ SERIES_TERMS = 12
 class LinePorts(NamedTuple):
     """Admittances in S, shape (frequency,): of each end to earth, and between the ends."""
 
-    near: NDArray[np.complex128]
-    between: NDArray[np.complex128]
-    far: NDArray[np.complex128]
+    near: Complex
+    between: Complex
+    far: Complex
 
     def joined(self, other: LinePorts) -> LinePorts:
         """The line continued at its far end by another one."""
@@ -35,9 +36,7 @@ class LinePorts(NamedTuple):
             other.far + other.between * middle / total,
         )
 
-    def seen_from(
-        self, driven: Collection[int], at_earth: Collection[int] = ()
-    ) -> NDArray[np.complex128]:
+    def seen_from(self, driven: Collection[int], at_earth: Collection[int] = ()) -> Complex:
         """Impedance to earth in ohm of the driven ends, tied together.
 
         driven, at_earth: 0 for the near end, 1 for the far one; an end that is neither is open.
@@ -50,20 +49,20 @@ class LinePorts(NamedTuple):
         return 1 / (own + self.between * other / (self.between + other))
 
 
-def film(R: float, s: NDArray[np.complex128]) -> LinePorts:
+def film(R: float, s: Complex) -> LinePorts:
     """Network of a contact resistance in ohm, shape as s."""
     nothing = np.zeros(s.shape, dtype=complex)
     return LinePorts(nothing, np.full_like(nothing, 1 / R), nothing)
 
 
-def segment(R: float, C: float, s: NDArray[np.complex128]) -> LinePorts:
+def segment(R: float, C: float, s: Complex) -> LinePorts:
     """Network of a uniform segment. R: ohm. C: F. s: 1/s, shape (frequency,)."""
     z = s * R * C
     shunt = s * C / 2 * tanh_ratio(z / 4)
     return LinePorts(shunt, _sinh_ratio(z) / R, shunt)
 
 
-def tanh_ratio(z: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def tanh_ratio(z: Complex) -> Complex:
     """tanh(q)/q for q² = z, accurate to rounding in the real and in the imaginary part.
 
     Small z use Lambert's continued fraction 1/(1 + z/(3 + z/(5 + ...))), large z the definition.
@@ -78,7 +77,7 @@ def tanh_ratio(z: NDArray[np.complex128]) -> NDArray[np.complex128]:
     return ratio
 
 
-def _sinh_ratio(z: NDArray[np.complex128]) -> NDArray[np.complex128]:
+def _sinh_ratio(z: Complex) -> Complex:
     """q / sinh(q) for q² = z, accurate to rounding in the real and in the imaginary part."""
     small = np.abs(z) < 1
     near, total = np.where(small, z, 0), np.zeros(z.shape, dtype=complex)

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Integer, Real
 from ..press.press import Press
 from ..press.touch import Touch
 from ..scene.frequency import laplace_variable, slopes_of_s
@@ -54,7 +54,7 @@ class LineModel:
         """Parameters that the impedance of the scene depends on."""
         return tuple(n for n in own_values(self.scene) if n != "contact_resistance" or self._film)
 
-    def cells(self, press: Press) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    def cells(self, press: Press) -> tuple[Integer, Real]:
         """Pixels that a press touches, from 0, and the rise of each relative to the unpressed c.
 
         Raises InputError for touches that are not whole pixels.
@@ -67,10 +67,7 @@ class LineModel:
         return np.array(cells, dtype=np.int64), np.array([touch.factor - 1 for touch in raised])
 
     def certificate(
-        self,
-        cells: NDArray[np.int64],
-        rises: NDArray[np.float64],
-        given: Mapping[str, float] | None = None,
+        self, cells: Integer, rises: Real, given: Mapping[str, float] | None = None
     ) -> float:
         """Bound on the relative error: 0, because the line is exact."""
         return 0.0
@@ -79,16 +76,13 @@ class LineModel:
         """True if `respond_together` takes presses, see `Forward.allows_batches`."""
         return True
 
-    def unpressed_factors(self, given: Mapping[str, float] | None = None) -> NDArray[np.float64]:
+    def unpressed_factors(self, given: Mapping[str, float] | None = None) -> Real:
         """c of each unpressed cell over that of the scene."""
         factor = math.exp(all_values(self.scene, given)["capacitance"])
         return np.full(len(self._C), factor)
 
     def respond(
-        self,
-        cells: NDArray[np.int64],
-        rises: NDArray[np.float64],
-        given: Mapping[str, float] | None = None,
+        self, cells: Integer, rises: Real, given: Mapping[str, float] | None = None
     ) -> Response:
         """Response to one press, with exact derivatives; see `Forward.respond`."""
         found = self._responses(cells[None], rises[None], given)
@@ -96,10 +90,7 @@ class LineModel:
         return Response(found.Z[0], by_parameter, found.by_cell[0], found.by_term[0])
 
     def respond_together(
-        self,
-        cells: NDArray[np.int64],
-        rises: NDArray[np.float64],
-        given: Mapping[str, float] | None = None,
+        self, cells: Integer, rises: Real, given: Mapping[str, float] | None = None
     ) -> Response:
         """Responses to presses with equally many touches; see `Forward.respond_together`."""
         found = self._responses(cells, rises, given)
@@ -107,10 +98,7 @@ class LineModel:
         return replace(found, by_cell=of_touched)
 
     def _responses(
-        self,
-        cells: NDArray[np.int64],
-        rises: NDArray[np.float64],
-        given: Mapping[str, float] | None,
+        self, cells: Integer, rises: Real, given: Mapping[str, float] | None
     ) -> Response:
         """Responses to presses, shape (press, touch): all arrays have an axis (press,) first."""
         values = all_values(self.scene, given)
@@ -133,7 +121,7 @@ class LineModel:
         slopes |= {name: by_s * slope for name, slope in of_s.items()}
         to_Y, times = -1 / (Z + film) ** 2, len(self.scene.reading.solved)
 
-        def everywhere(values: NDArray[np.complex128]) -> NDArray[np.complex128]:
+        def everywhere(values: Complex) -> Complex:
             return np.repeat(values[:, None], times, axis=1)
 
         return at_meter(
@@ -143,15 +131,13 @@ class LineModel:
             everywhere(to_Y[..., None] * by_cell),
         )
 
-    def _both_sheets(self, values: Mapping[str, float]) -> NDArray[np.float64]:
+    def _both_sheets(self, values: Mapping[str, float]) -> Real:
         """Resistance of each whole sheet in ohm."""
         half = values["sheet_mismatch"] / 2
         return self._sheets * np.exp(values["sheet_resistance"] + np.array([half, -half]))
 
 
-def chain(
-    R: NDArray[np.float64], C: NDArray[np.float64], s: NDArray[np.complex128]
-) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+def chain(R: Real, C: Real, s: Complex) -> tuple[Complex, Complex]:
     """Y in S of segments in series, open at the far end, and its slopes by each segment's s C.
 
     R in ohm, shape (segment,), and C in F, shape (..., segment), start at the fed end; s in rad/s.
@@ -172,9 +158,7 @@ def chain(
     return Y, slopes
 
 
-def tanh_ratio_slope(
-    z: NDArray[np.complex128], T: NDArray[np.complex128]
-) -> NDArray[np.complex128]:
+def tanh_ratio_slope(z: Complex, T: Complex) -> Complex:
     """dT/dz for T = tanh(q)/q, q² = z: (1 - T - z T²) / (2 z), by its Taylor series about 0."""
     small = np.abs(z) < SMALL
     away = np.where(small, 1, z)

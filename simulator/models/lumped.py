@@ -9,8 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Integer, Real
 from ..fem.excitation import Excitation
 from ..fem.galerkin import Galerkin
 from ..fem.terminal_network import allowed_potentials
@@ -42,14 +42,12 @@ class Lumped:
         self.scene, self._sheet, self._space = sheet.scene, sheet, space or sheet.space
         self._series: dict[Press, list[Series]] = {}
 
-    def impedance(self, press: Press, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+    def impedance(self, press: Press, frequency: Real) -> Complex:
         """Z in ohm, shape (interface, frequency); frequency in Hz."""
         s = laplace_variable(frequency, self.scene.skin.foam.loss)
         return np.stack([1 / (s * term.C) + term.R for term in self.series(press)])
 
-    def bounds(
-        self, press: Press, frequency: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def bounds(self, press: Press, frequency: Real) -> tuple[Real, Real]:
         """Bounds on the error of Rs in ohm and Cp in F, shapes (interface, frequency).
 
         They cover the truncation; the discretisation of R and C is not part of them.
@@ -58,7 +56,7 @@ class Lumped:
         Rs, Cp = zip(*(_bounds(term, s, frequency) for term in self.series(press)), strict=True)
         return np.stack(Rs), np.stack(Cp)
 
-    def truncation_error(self, press: Press, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
+    def truncation_error(self, press: Press, frequency: Real) -> Real:
         """Bounds as fractions of Rs and Cp, shape (2, interface, frequency)."""
         Z = self.impedance(press, frequency)
         Rs, Cp = self.bounds(press, frequency)
@@ -87,9 +85,7 @@ def min_truncation_error(scene: Scene, frequency: float) -> float:
     return min(1.0, u**2 / 45)
 
 
-def _bounds(
-    term: Series, s: NDArray[np.complex128], frequency: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _bounds(term: Series, s: Complex, frequency: Real) -> tuple[Real, Real]:
     """Next terms of the series, or the range of Rs in [0, R] and Cp in [0, C]."""
     size = np.abs(s)
     Z = 1 / (s * term.C) + term.R
@@ -106,9 +102,7 @@ def _bounds(
     return Rs_error, Cp_error
 
 
-def _series(
-    moments: NDArray[np.float64], field: NDArray[np.int64], excitation: Excitation
-) -> Series:
+def _series(moments: Real, field: Integer, excitation: Excitation) -> Series:
     modes, common = allowed_potentials(tuple(field.tolist()), excitation)
     if not common[0] or common[1:].any():
         raise InputError("the lumped model needs an interface between the two sheets, both driven")
@@ -121,7 +115,7 @@ def _series(
     return Series(C, R, first, second)
 
 
-def _without_floating(Y: NDArray[np.float64]) -> NDArray[np.float64]:
+def _without_floating(Y: Real) -> Real:
     """Coefficients of Y_00 - Y_0f Y_ff^-1 Y_f0 from those of Y, shape (power of s,)."""
     orders = len(Y)
     X = np.zeros((orders, Y.shape[1] - 1))

@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Real
 from ..press.parts import SOLVED, foam_parts, parts_of
 from ..scene.foam import VACUUM_PERMITTIVITY, Foam
 from ..scene.foam_in_time import IN_TIME
@@ -37,20 +37,20 @@ class Variation:
     over nominal.
     """
 
-    top: NDArray[np.float64]
-    bottom: NDArray[np.float64]
-    films: NDArray[np.float64]
-    capacitance: NDArray[np.float64]
+    top: Real
+    bottom: Real
+    films: Real
+    capacitance: Real
     loss: Loss
     beyond_pixels: float = 1.0
     body: float = 1.0
     rim: float = 1.0
 
-    def foam(self, scene: Scene) -> NDArray[np.float64]:
+    def foam(self, scene: Scene) -> Real:
         """Factors on the capacitance of each part, shape (part,), see `foam_parts`."""
         return of_parts(scene, np.asarray(self.capacitance, dtype=np.float64), self.beyond_pixels)
 
-    def factors(self, scene: Scene) -> NDArray[np.float64]:
+    def factors(self, scene: Scene) -> Real:
         """Factors on each part of M, shape (part,), see `Parts`; 1 for a finger."""
         parts, foam = parts_of(scene), self.foam(scene)
         fixed = [1.0 if name == SOLVED else getattr(self, name) for name in parts.fixed]
@@ -65,7 +65,7 @@ class Variation:
         return bool(np.allclose(top, bottom, rtol=1e-12, atol=1e-12))
 
 
-def of_parts(scene: Scene, map_of: NDArray[np.float64], beyond: float) -> NDArray[np.float64]:
+def of_parts(scene: Scene, map_of: Real, beyond: float) -> Real:
     """Values of parts, shape (part,), from those of pixels, shape (row, column)."""
     return np.append(map_of.ravel(), beyond)[: foam_parts(scene)]
 
@@ -82,7 +82,7 @@ def nominal(scene: Scene, modes: int = 1) -> Variation:
     )
 
 
-def mode_values(scene: Scene, x: NDArray[np.float64], modes: int) -> NDArray[np.float64]:
+def mode_values(scene: Scene, x: Real, modes: int) -> Real:
     """cos(pi i x / L) cos(pi j y / W) for the first of HALF_WAVES, shape (mode, ...).
 
     x: positions in m, shape (2, ...). Raises InputError for more modes than there are.
@@ -258,9 +258,7 @@ def _capacitance(scene: Scene, factor: float) -> dict[str, Any]:
     return {"capacitance_per_area": c, "mechanics": mechanics, "thickness": thickness}
 
 
-def by_sheets(
-    energy: NDArray[np.complex128], top: float, bottom: float
-) -> dict[str, NDArray[np.complex128]]:
+def by_sheets(energy: Complex, top: float, bottom: float) -> dict[str, Complex]:
     """Derivatives of Y in S by `sheet_resistance` and `sheet_mismatch`.
 
     energy: u'Ku of each field's sheet at 1 V, S, shape (field, ...). top, bottom: resistances of

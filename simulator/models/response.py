@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex
 from ..scene.reading_setup import ReadingSetup
 
 NONE = np.zeros(0, dtype=np.complex128)
@@ -25,20 +25,20 @@ class Response:
     cell, as far as it changes the sheets; shape of by_cell, or 0.
     """
 
-    Z: NDArray[np.complex128]
-    by_parameter: Mapping[str, NDArray[np.complex128]]
-    by_cell: NDArray[np.complex128]
-    by_term: NDArray[np.complex128]
-    by_gauge: NDArray[np.complex128] | float = 0.0
+    Z: Complex
+    by_parameter: Mapping[str, Complex]
+    by_cell: Complex
+    by_term: Complex
+    by_gauge: Complex | float = 0.0
 
 
 def at_meter(
-    Z: NDArray[np.complex128],
-    by_parameter: Mapping[str, NDArray[np.complex128]],
+    Z: Complex,
+    by_parameter: Mapping[str, Complex],
     reading: ReadingSetup,
-    by_cell: NDArray[np.complex128] = NONE,
-    by_term: NDArray[np.complex128] = NONE,
-    by_gauge: NDArray[np.complex128] | float = 0.0,
+    by_cell: Complex = NONE,
+    by_term: Complex = NONE,
+    by_gauge: Complex | float = 0.0,
 ) -> Response:
     """Response behind the leads and the reader.
 

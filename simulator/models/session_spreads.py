@@ -6,8 +6,8 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..scene.draw_distributions import AnyDistribution
 from ..scene.foam_in_time import AMBIENT
 from ..scene.scene import Scene
@@ -86,6 +86,6 @@ def _of_logarithm(drawn: AnyDistribution) -> SessionSpread:
     return _spread(np.log(drawn.at(QUANTILES)))
 
 
-def _spread(values: NDArray[np.float64]) -> SessionSpread:
+def _spread(values: Real) -> SessionSpread:
     """Spread of these values; exactly 0 deviation if all are equal."""
     return SessionSpread(float(values.mean()), float(values.std()) if np.ptp(values) else 0.0)

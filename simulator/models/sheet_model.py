@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
+from ..arrays import Complex, Real
 from ..fem.circuit import Circuit
 from ..fem.error_estimate import Swept
 from ..fem.factors import one_blas_thread
@@ -43,7 +43,7 @@ class SheetModel:
         """Size of the sparse system."""
         return self.space.inner
 
-    def impedance(self, press: Press, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+    def impedance(self, press: Press, frequency: Real) -> Complex:
         """Z in ohm at every interface, shape (interface, frequency). frequency: Hz.
 
         One complex system for each frequency: the reference for faster methods.
@@ -51,14 +51,14 @@ class SheetModel:
         network = self.network(press, frequency)
         return np.stack([network.impedance(excitation) for excitation in self.circuit.excitations])
 
-    def network(self, press: Press, frequency: NDArray[np.float64]) -> Network:
+    def network(self, press: Press, frequency: Real) -> Network:
         """N-terminal network at these frequencies in Hz."""
         with one_blas_thread():
             return self.space.network(self.mass(press), self._s(frequency))
 
     def sweep(
-        self, press: Press, frequency: NDArray[np.float64], rtol: float, *spaces: Galerkin
-    ) -> list[tuple[NDArray[np.complex128], NDArray[np.float64]]]:
+        self, press: Press, frequency: Real, rtol: float, *spaces: Galerkin
+    ) -> list[tuple[Complex, Real]]:
         """Z in ohm and the relative error in Rs and Cp of its real solves.
 
         One pair for each of `spaces`, or for the whole space; of shape (interface, frequency).
@@ -67,9 +67,7 @@ class SheetModel:
         found, combined = self.forms(press, frequency, rtol, *spaces), self.circuit.combination
         return [(combined.impedance(Q), error) for Q, error in found]
 
-    def forms(
-        self, press: Press, frequency: NDArray[np.float64], rtol: float, *spaces: Galerkin
-    ) -> list[Swept]:
+    def forms(self, press: Press, frequency: Real, rtol: float, *spaces: Galerkin) -> list[Swept]:
         """Forms of the excitations in S, in place of Z; see `sweep`."""
         mass, s = self.mass(press), self._s(frequency)
         with one_blas_thread():
@@ -87,7 +85,7 @@ class SheetModel:
             self._filled = press, self.system.mass(self._capacitance(press))
         return self._filled[1]
 
-    def _capacitance(self, press: Press) -> NDArray[np.float64]:
+    def _capacitance(self, press: Press) -> Real:
         """c in F/m² between the lines of the mesh, shape (row, column)."""
         if self.resolution.lines == NO_LINES:
             return capacitance_map(self.scene, press)
@@ -99,9 +97,9 @@ class SheetModel:
             self.scene, press, x, y
         )
 
-    def moments(self, press: Press, count: int) -> NDArray[np.float64]:
+    def moments(self, press: Press, count: int) -> Real:
         """Taylor coefficients of the network's Y(s), shape (count + 1, N, N)."""
         return self.space.moments(self.mass(press), count)
 
-    def _s(self, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+    def _s(self, frequency: Real) -> Complex:
         return laplace_variable(frequency, self.scene.skin.foam.loss)

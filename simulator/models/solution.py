@@ -7,8 +7,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Mask, Real
 from ..fem.error_estimate import reference_susceptance, relative_difference
 from ..fem.safety_factors import UNIFORM
 from ..scene.reading_setup import ReadingSetup
@@ -25,8 +25,8 @@ class ModelResult:
 
     model: str
     unknowns: int
-    Z: NDArray[np.complex128]
-    error: NDArray[np.float64]
+    Z: Complex
+    error: Real
 
 
 @dataclass(frozen=True)
@@ -38,21 +38,21 @@ class Solution:
     with reasons. kind: of the readings.
     """
 
-    frequency: NDArray[np.float64]
-    Z: NDArray[np.complex128]
-    errors: Mapping[str, NDArray[np.float64]]
+    frequency: Real
+    Z: Complex
+    errors: Mapping[str, Real]
     models: tuple[str, ...]
     unknowns: tuple[int, ...]
     rejected: tuple[str, ...] = ()
     kind: ReadingKind = IMPEDANCE
 
     @property
-    def Rs_error(self) -> NDArray[np.float64]:
+    def Rs_error(self) -> Real:
         """Estimated error of Rs, ohm."""
         return self.errors["Rs_error"]
 
     @property
-    def Cp_error(self) -> NDArray[np.float64]:
+    def Cp_error(self) -> Real:
         """Estimated error of Cp, F."""
         return self.errors["Cp_error"]
 
@@ -62,7 +62,7 @@ class Solution:
         return "; ".join(dict.fromkeys(self.models))
 
     @property
-    def relative_errors(self) -> tuple[NDArray[np.float64], ...]:
+    def relative_errors(self) -> tuple[Real, ...]:
         """Estimated errors of Rs and Cp as fractions of their values, see `reference_capacitance`;
         of gains, the one error as a fraction of |V / V_s|."""
         if self.kind is not IMPEDANCE:
@@ -103,9 +103,7 @@ class Solution:
         return lines + [f"rejected  {reason}" for reason in self.rejected]
 
 
-def reference_capacitance(
-    Z: NDArray[np.complex128], frequency: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def reference_capacitance(Z: Complex, frequency: Real) -> Real:
     """Reference of relative errors of Cp, in F: |Cp|, but at least its part that is not rounding.
 
     Z: ohm, shape (..., frequency). frequency: Hz.
@@ -113,9 +111,7 @@ def reference_capacitance(
     return reference_susceptance(1 / Z) / (2 * np.pi * frequency)
 
 
-def reading_difference(
-    found: NDArray[np.complex128], truth: NDArray[np.complex128], kind: ReadingKind
-) -> NDArray[np.float64]:
+def reading_difference(found: Complex, truth: Complex, kind: ReadingKind) -> Real:
     """Relative differences of readings, shape (quantity, ...): of Rs and Cp, or of gains."""
     if kind is IMPEDANCE:
         return relative_difference(found, truth)
@@ -131,7 +127,7 @@ class SolutionProgress:
     def __init__(
         self,
         interfaces: int,
-        frequency: NDArray[np.float64],
+        frequency: Real,
         rtol: float,
         on_error: Callable[[float], None] = lambda error: None,
     ) -> None:
@@ -148,11 +144,11 @@ class SolutionProgress:
         return not self._left.size
 
     @property
-    def frequency(self) -> NDArray[np.float64]:
+    def frequency(self) -> Real:
         """Remaining frequencies, Hz."""
         return self._all[self._left]
 
-    def offer(self, result: ModelResult, among: NDArray[np.bool_] | None = None) -> None:
+    def offer(self, result: ModelResult, among: Mask | None = None) -> None:
         """Accept a result at the remaining frequencies at which it keeps the tolerance.
 
         among: mask of the remaining frequencies that the result covers; all for None.
@@ -192,7 +188,7 @@ class SolutionProgress:
             rejected=tuple(self.rejected),
         )
 
-    def _reason(self, result: ModelResult, f: NDArray[np.float64]) -> str:
+    def _reason(self, result: ModelResult, f: Real) -> str:
         error = result.error.max(axis=1)
         Rs, Cp = (int(np.argmax(each)) for each in error)
         return (

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Complex, Integer, Real
 from ..press.press import Press, check_fingers
 from ..progress import ProgressCallback, silent
 from ..scene.frequency import laplace_variable
@@ -17,9 +18,6 @@ from .heterogeneous.discretised import Discretised
 from .heterogeneous.mesh_choice import deformed, meshes
 from .heterogeneous.sampling import Sampler
 from .time_estimate import RemainingTime
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True)
@@ -37,7 +35,7 @@ class SolutionFields:
 
     x: Real
     position: Real
-    cells: NDArray[np.int64]
+    cells: Integer
     frequency: Real
     Z: Complex
     potential: Complex

@@ -11,8 +11,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ..arrays import Real
 from ..press.press import Press, check_fingers
 from ..press.press import require_plain as require_plain_press
 from ..scene.scene import Scene
@@ -105,7 +106,7 @@ class Solver:
     def _stricter(self) -> Solver:
         return Solver(self.scene, STRICTER * self.rtol, self.model, self.frequency)
 
-    def _of_skin(self, press: Press, frequency: NDArray[np.float64]) -> Solution:
+    def _of_skin(self, press: Press, frequency: Real) -> Solution:
         """Solution at the skin's own contacts."""
         check_fingers(press, self.scene)
         if self._without_earth is not None and not press.fingers:
@@ -248,7 +249,7 @@ class Solver:
         return FactorPressModel(self._uniform, self.rtol, self.frequency)
 
 
-def checked_frequencies(frequency: ArrayLike) -> NDArray[np.float64]:
+def checked_frequencies(frequency: ArrayLike) -> Real:
     """Frequencies as an array, shape (frequency,). Raises InputError if they are invalid."""
     checked = np.atleast_1d(np.asarray(frequency, dtype=np.float64))
     finite = np.isfinite(checked).all() and (checked > 0).all()

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from time import perf_counter
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..progress import duration
 from ..sweeps import ToleranceError
 
@@ -25,7 +25,7 @@ STEEPEST = 0.6
 """Largest power of the error by which the time of elements of order 3 grows."""
 
 
-def cells_needed(parts: NDArray[np.float64], order: int, rtol: float) -> float:
+def cells_needed(parts: Real, order: int, rtol: float) -> float:
     """Minimum count of cells that may keep a tolerance; the final count is about twice as large.
 
     parts: share of each cell in the relative error, which is their sum, shape (cell,). A cell that
@@ -37,7 +37,7 @@ def cells_needed(parts: NDArray[np.float64], order: int, rtol: float) -> float:
     if parts.sum() <= rtol:
         return float(len(parts))
 
-    def divided(raised: float) -> NDArray[np.float64]:
+    def divided(raised: float) -> Real:
         return np.clip((np.exp(raised) * parts) ** (1 / (order + 1)), 1.0, MAX_CELL_PARTS)
 
     def excess(raised: float) -> float:

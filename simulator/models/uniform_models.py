@@ -11,8 +11,8 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..fem.circuit import Circuit, one_field, two_fields
 from ..fem.error_estimate import ROUNDING, relative_difference
 from ..fem.excitation import impedance_with_error
@@ -100,9 +100,7 @@ class UniformModels:
             return 1
         return max(1, math.floor(math.log(self.rtol / error) / math.log(GAIN)))
 
-    def _element_result(
-        self, level: int, press: Press, frequency: NDArray[np.float64]
-    ) -> ModelResult:
+    def _element_result(self, level: int, press: Press, frequency: Real) -> ModelResult:
         sheet = self._sheet(self._hierarchy.resolution(level, press, frequency[-1]))
         Z, error = impedance_with_error(
             lambda f, rtol: sheet.forms(press, f, rtol, sheet.nested, sheet.space),

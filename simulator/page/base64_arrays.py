@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Real
 
-def exact_array(values: NDArray[np.float64]) -> dict[str, Any]:
+
+def exact_array(values: Real) -> dict[str, Any]:
     """Array as text, exact to 1.5e-11.
 
     It is little-endian, row after row: the upper six of eight bytes, rounded.
@@ -18,7 +20,7 @@ def exact_array(values: NDArray[np.float64]) -> dict[str, Any]:
     return _text(whole.view("u1").reshape(-1, 8)[:, 2:], "float48")
 
 
-def single_precision_array(values: NDArray[np.float64]) -> dict[str, Any]:
+def single_precision_array(values: Real) -> dict[str, Any]:
     """Array as text in single precision, little-endian, row after row."""
     return _text(np.ascontiguousarray(values, "<f4").view("u1"), "float32")
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Mask, Real
 from ..mesh.arcs import mapped
 from ..mesh.domain import Domain
 
@@ -23,12 +23,12 @@ class LocatedPoints(NamedTuple):
     (point,). places: shape (2, point).
     """
 
-    triangle: NDArray[np.int64]
-    places: NDArray[np.float64]
-    on_skin: NDArray[np.bool_]
+    triangle: Integer
+    places: Real
+    on_skin: Mask
 
 
-def locate_points(domain: Domain, points: NDArray[np.float64]) -> LocatedPoints:
+def locate_points(domain: Domain, points: Real) -> LocatedPoints:
     """Places on the mesh of points as seen along z, m, shape (2, point)."""
     each = [_nearest(domain, x) for x in points.T]
     triangle = np.array([number for number, _ in each])
@@ -44,7 +44,7 @@ def locate_points(domain: Domain, points: NDArray[np.float64]) -> LocatedPoints:
     )
 
 
-def _nearest(domain: Domain, x: NDArray[np.float64]) -> tuple[int, NDArray[np.float64]]:
+def _nearest(domain: Domain, x: Real) -> tuple[int, Real]:
     """Triangle that contains x or is nearest, and (a, b) in it, by its corners alone."""
     origin, along, across = domain.p[:2, domain.t].transpose(1, 0, 2)
     along, across, off = along - origin, across - origin, x[:, None] - origin
@@ -56,13 +56,7 @@ def _nearest(domain: Domain, x: NDArray[np.float64]) -> tuple[int, NDArray[np.fl
     return nearest, np.array([a[nearest], b[nearest]])
 
 
-def _newton_place(
-    p: NDArray[np.float64],
-    t: NDArray[np.int64],
-    bends: NDArray[np.float64],
-    place: NDArray[np.float64],
-    x: NDArray[np.float64],
-) -> NDArray[np.float64]:
+def _newton_place(p: Real, t: Integer, bends: Real, place: Real, x: Real) -> Real:
     """Newton's method for (a, b) at x in a triangle with arcs.
 
     p, t, bends: as for `mapped`.

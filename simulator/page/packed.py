@@ -8,8 +8,8 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Real
 from ..measure.experiment import own_presses
 from ..measure.readout import flattened
 from ..mesh.pixel_coverage import pixel_coverage
@@ -71,9 +71,7 @@ def random_press_drawer(scene: Scene, cells: int) -> Callable[[np.random.Generat
     return draw
 
 
-def _touched_parts(
-    parts: Parts, rises: NDArray[np.float64], fingers: NDArray[np.float64]
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def _touched_parts(parts: Parts, rises: Real, fingers: Real) -> tuple[Integer, Real]:
     """Parts of M that are touched, and their rises.
 
     rises, fingers [F]: of each cell.

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Mask, Real
 from ..fem.lanczos import MAX_LANCZOS_STEPS, MIN_LANCZOS_STEPS
 from ..fem.terminal_network import allowed_potentials
 from ..models.heterogeneous.coefficients import ELECTRODES
@@ -87,18 +87,18 @@ def _walls(parts: Parts) -> dict[str, Any]:
     return {"start": parts.kind[3].start, "pairs": parts.walls.pairs.ravel().tolist()}
 
 
-def _allowed(reduced: Projection) -> list[tuple[NDArray[np.float64], NDArray[np.bool_]]]:
+def _allowed(reduced: Projection) -> list[tuple[Real, Mask]]:
     fields = tuple(reduced.terminal_field.tolist())
     return [allowed_potentials(fields, excitation) for excitation in reduced.circuit.excitations]
 
 
-def _conductance(skin: ReducedSkin) -> NDArray[np.float64]:
+def _conductance(skin: ReducedSkin) -> Real:
     """Conductance between terminals at zero frequency, S, shape (N, N)."""
     terminals = len(skin.unpressed_mass.rows)
     return (skin.turn.T @ skin.stiffness @ skin.turn)[:terminals, :terminals]
 
 
-def _top_sheet_matrix(skin: ReducedSkin) -> NDArray[np.float64]:
+def _top_sheet_matrix(skin: ReducedSkin) -> Real:
     """Part of K due to the top sheet and its foils' films, S, shape (m, m)."""
     reduced = skin.reduced
     films = resistive(reduced.circuit)
@@ -124,7 +124,7 @@ def _gauge_data(skin: ReducedSkin) -> dict[str, Any]:
     }
 
 
-def _factor(K: NDArray[np.float64]) -> NDArray[np.float64]:
+def _factor(K: Real) -> Real:
     """Factor F with K = F'F to rounding."""
     power, turn = np.linalg.eigh(K)
     kept = power > ROUNDING * max(power.max(), 0.0)

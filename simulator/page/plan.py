@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Mask, Real
 from ..mesh.domain import Domain
 from ..mesh.edge_numbering import edges_of
 from ..mesh.pixel_coverage import pixel_coverage
@@ -24,7 +24,7 @@ EDGE_STEP = 1e-4
 DIGITS = 7
 """Decimals of places in m: a tenth of a micrometre."""
 
-Points = NDArray[np.float64]
+Points = Real
 
 
 def plan(scene: Scene, family: Family) -> dict[str, Any]:
@@ -60,7 +60,7 @@ def plan(scene: Scene, family: Family) -> dict[str, Any]:
     }
 
 
-def boundary_lines(mesh: Domain, within: NDArray[np.bool_] | None = None) -> list[Points]:
+def boundary_lines(mesh: Domain, within: Mask | None = None) -> list[Points]:
     """Closed lines around some triangles, by default all, m, shape (point, 2) each."""
     t = mesh.t if within is None else mesh.t[:, within]
     if not t.shape[1]:
@@ -70,7 +70,7 @@ def boundary_lines(mesh: Domain, within: NDArray[np.bool_] | None = None) -> lis
     return [mesh.p[:2, each].T for each in _closed_walks(rim)]
 
 
-def _closed_walks(edges: NDArray[np.int64]) -> list[list[int]]:
+def _closed_walks(edges: Integer) -> list[list[int]]:
     """Closed walks that take every edge once. edges: numbers of points, shape (2, edge)."""
     beside: dict[int, list[int]] = {}
     for a, b in edges.T.tolist():
@@ -115,7 +115,7 @@ def _foil_pieces(contact: Contact, skin: Skin) -> Points:
     return np.concatenate([x[:, :-1], x[:, 1:], away]).T
 
 
-def _facet_pieces(facets: NDArray[np.int64], mesh: Domain) -> Points:
+def _facet_pieces(facets: Integer, mesh: Domain) -> Points:
     """Pieces of a foil on a mesh. facets: numbers of points, shape (2, facet)."""
     start, stop = mesh.p[:2, facets[0]], mesh.p[:2, facets[1]]
     of_edge = {(a, b): k for k, three in enumerate(mesh.t.T.tolist()) for a, b in _pairs(three)}

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
+from ..arrays import Mask, Real
 from ..fem.assembly import quadrilateral
 from ..fem.quadrature import rule_at
 from ..models.heterogeneous.elements import triangles
@@ -38,7 +38,7 @@ class Raster:
         return cls(length, width, columns, max(2, round(points / columns)))
 
     @cached_property
-    def points(self) -> NDArray[np.float64]:
+    def points(self) -> Real:
         """Positions x and y, m, shape (2, row * column)."""
         x = self.length * (np.arange(self.columns) + 0.5) / self.columns
         y = self.width * (np.arange(self.rows) + 0.5) / self.rows
@@ -56,9 +56,9 @@ class RasterFields:
     point).
     """
 
-    potential: NDArray[np.float64]
-    on_skin: NDArray[np.bool_]
-    conductance: NDArray[np.float64]
+    potential: Real
+    on_skin: Mask
+    conductance: Real
 
 
 def raster_fields(skin: ReducedSkin, raster: Raster) -> RasterFields:
@@ -83,7 +83,7 @@ def _square_probes(family: UniformFamily, raster: Raster) -> csr_matrix:
     return csr_matrix(basis.probes(raster.points))
 
 
-def _triangle_probes(family: Family, raster: Raster) -> tuple[csr_matrix, NDArray[np.bool_]]:
+def _triangle_probes(family: Family, raster: Raster) -> tuple[csr_matrix, Mask]:
     """Matrix from coefficients of one field to values at points.
 
     Also returns True for points that are on the skin.

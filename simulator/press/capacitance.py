@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..scene.planar import NO_LINES, SAME_EDGE, SAME_LINE, Lines, disc_fraction, distinct, shared
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -27,8 +27,8 @@ from .walls import require_no_walls
 class Patch:
     """A touch between two lines x and two lines y in m, and its factor."""
 
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
+    x: Real
+    y: Real
     factor: float
 
     @property
@@ -36,16 +36,16 @@ class Patch:
         """Area between its lines, m²."""
         return float(np.ptp(self.x) * np.ptp(self.y))
 
-    def share(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    def share(self, x: Real, y: Real) -> Real:
         """Covered share of each cell between other lines, shape (row, column)."""
         return shared(self.y, y).T @ shared(self.x, x)
 
-    def factors(self, x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    def factors(self, x: Real, y: Real) -> Real:
         """c over that without the touch, averaged over each cell between other lines."""
         return mean_factor(self.share(x, y), self.factor)
 
 
-def capacitance_map(scene: Scene, press: Press) -> NDArray[np.float64]:
+def capacitance_map(scene: Scene, press: Press) -> Real:
     """c in F/m², shape (row, column): the unpressed foam, times each touch's factor.
 
     Raises InputError for a touch that is not whole pixels; `grid_map` then gives the pixels' means.
@@ -66,7 +66,7 @@ def capacitance_map(scene: Scene, press: Press) -> NDArray[np.float64]:
     return c
 
 
-def grid_map(scene: Scene, press: Press, rows: int, columns: int) -> NDArray[np.float64]:
+def grid_map(scene: Scene, press: Press, rows: int, columns: int) -> Real:
     """c over its unpressed value, on a uniform grid over the skin, shape (row, column).
 
     Each touch enters a cell as 1 + (factor - 1) times the fraction of its area that it covers, a
@@ -83,15 +83,13 @@ def grid_map(scene: Scene, press: Press, rows: int, columns: int) -> NDArray[np.
     return total
 
 
-def _with_touch(
-    scene: Scene, total: NDArray[np.float64], factors: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _with_touch(scene: Scene, total: Real, factors: Real) -> Real:
     """c with one more touch: factors multiply, capacitances to earth add."""
     return total + (factors - 1) if scene.press.adds else total * factors
 
 
 @lru_cache
-def _uniform_lines(length: float, cells: int) -> NDArray[np.float64]:
+def _uniform_lines(length: float, cells: int) -> Real:
     """Lines between equal cells, from 0 to a length in m; read-only."""
     lines = np.linspace(0, length, cells + 1)
     lines.flags.writeable = False
@@ -169,9 +167,7 @@ def _under_applicators(scene: Scene, press: Press) -> TouchedCells:
     return TouchedCells(np.array(cells, dtype=np.int64), np.array(rises))
 
 
-def tile_map(
-    scene: Scene, press: Press, x: NDArray[np.float64], y: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def tile_map(scene: Scene, press: Press, x: Real, y: Real) -> Real:
     """c over its unpressed value between lines in m, shape (row, column): exact for `lines`.
 
     Edges that nearly coincide with a line enter the cells next to it by the covered area.
@@ -212,12 +208,12 @@ def touched_box(scene: Scene, touch: AnyTouch) -> Box:
     return Box(_snapped(left, x), _snapped(right, x), _snapped(bottom, y), _snapped(top, y))
 
 
-def mean_factor(fraction: NDArray[np.float64], factor: float) -> NDArray[np.float64]:
+def mean_factor(fraction: Real, factor: float) -> Real:
     """1 + (factor - 1) fraction, exact for fractions 0 and 1."""
     return (1 - fraction) + factor * fraction
 
 
-def _snapped(line: float, known: NDArray[np.float64], same: float = SAME_LINE) -> float:
+def _snapped(line: float, known: Real, same: float = SAME_LINE) -> float:
     nearest = known[np.abs(known - line).argmin()]
     return float(nearest if abs(nearest - line) <= same * known[-1] else line)
 

@@ -8,8 +8,8 @@ A finger on the cover is a plate as large as the patch that it touches:
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Mask, Real
 from ..scene.planar import Circle, area, inside
 from ..scene.ranges import Finger
 from ..scene.scene import Scene
@@ -56,7 +56,7 @@ def finger_capacitance(scene: Scene, place: Place, how: Finger) -> float:
     return float(finger_over(scene, np.array(touched_area(scene, place)), how))
 
 
-def finger_over(scene: Scene, area: NDArray[np.float64], how: Finger | None) -> NDArray[np.float64]:
+def finger_over(scene: Scene, area: Real, how: Finger | None) -> Real:
     """Capacitances of fingers on areas in m², for a scene with surroundings; 0 for a rod.
 
     The scene needs a cover or air if the capacitance follows from it.
@@ -88,7 +88,7 @@ def touched_area(scene: Scene, place: Place) -> float:
     return float(whole * (covers(skin, x) & _within(place, x)).mean())
 
 
-def _box_around(scene: Scene, place: Place) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _box_around(scene: Scene, place: Place) -> tuple[Real, Real]:
     """Rectangle around a place: its lowest corner, and its sides along x and y; m."""
     if isinstance(place, Touch):
         sides = np.array(scene.skin.sides) / scene.pixels.shape[::-1]
@@ -97,7 +97,7 @@ def _box_around(scene: Scene, place: Place) -> tuple[NDArray[np.float64], NDArra
     return box[::2], box[1::2] - box[::2]
 
 
-def _covered_share(place: Place, extent: NDArray[np.float64]) -> float:
+def _covered_share(place: Place, extent: Real) -> float:
     """Share of the rectangle around it that a place covers; extent: sides of the rectangle, m."""
     if isinstance(place, Disc):
         return np.pi / 4
@@ -106,7 +106,7 @@ def _covered_share(place: Place, extent: NDArray[np.float64]) -> float:
     return 1.0
 
 
-def _within(place: Place, x: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _within(place: Place, x: Real) -> Mask:
     """True for positions x in the box around a place, m, shape (2, ...), that lie in it."""
     if isinstance(place, Disc):
         return Circle(place.x, place.y, place.radius).holds(x)

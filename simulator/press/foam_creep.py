@@ -16,11 +16,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..scene.foam import Foam
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,8 +28,8 @@ class Creep:
     Internal strains y have the shape (solid, ...), strains (...).
     """
 
-    share: Array
-    time: Array
+    share: Real
+    time: Real
 
     @classmethod
     def of(cls, foam: Foam) -> Creep:
@@ -41,15 +39,15 @@ class Creep:
         share, time = np.array(pairs, dtype=np.float64).reshape(-1, 2).T
         return cls(share, time)
 
-    def nothing(self, *shape: int) -> Array:
+    def nothing(self, *shape: int) -> Real:
         """Internal strains of a foam that was never pressed."""
         return np.zeros((len(self.share), *shape))
 
-    def decay(self, seconds: float | Array) -> Array:
+    def decay(self, seconds: float | Real) -> Real:
         """exp(-t / time), shape (solid, ...) for seconds of the shape (...)."""
         return np.exp(-(seconds / self.time.reshape(-1, *[1] * np.ndim(seconds))))
 
-    def loaded(self, y: Array, x: Array, decay: Array) -> Array:
+    def loaded(self, y: Real, x: Real, decay: Real) -> Real:
         """Internal strains later, under a load that causes the strain x at once; 0 lets the foam
         recover.
 
@@ -58,7 +56,7 @@ class Creep:
         settled = self.share.reshape(-1, *[1] * np.ndim(x)) * x
         return settled + (y - settled) * decay.reshape(*decay.shape, *[1] * (y.ndim - decay.ndim))
 
-    def clamped(self, y: Array, e: Array, seconds: float) -> Array:
+    def clamped(self, y: Real, e: Real, seconds: float) -> Real:
         """Internal strains `seconds` later at a fixed strain e; they tend to share_k e / (1 + sum
         share)."""
         settled = np.multiply.outer(self.share, e) / (1 + self.share.sum())
@@ -66,13 +64,13 @@ class Creep:
         moved = turn * np.exp(power * seconds) @ turn.T * root / root[:, None]
         return settled + np.tensordot(moved, y - settled, 1)
 
-    def greatest(self, y: Array, x: Array) -> Array:
+    def greatest(self, y: Real, x: Real) -> Real:
         """Bound on the strain under a load that causes x at once; reached if all y are 0 at
         first."""
         return x + np.maximum(y, np.multiply.outer(self.share, x)).sum(axis=0)
 
     @cached_property
-    def _modes(self) -> tuple[Array, Array, Array]:
+    def _modes(self) -> tuple[Real, Real, Real]:
         """Modes of dy/dt = -(y + share sum(y)) / time.
 
         Rates (solid,) in 1/s, vectors, and the scale of y in which the system is symmetric.
@@ -83,7 +81,7 @@ class Creep:
         return power, turn, root
 
 
-def unloading_strain(x: Array, most: Array, hysteresis: float) -> Array:
+def unloading_strain(x: Real, most: Real, hysteresis: float) -> Real:
     """Strain on unloading, where loading would cause x, after a larger load caused `most`.
 
     x + 3 h x (1 - x / most): where stress is proportional to x, the area between both paths is the

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Mask, Real
 from ..scene.foam_mechanics import Mechanics
 from ..scene.scene import Scene
 from ..scene.surroundings import Surroundings
@@ -67,20 +67,18 @@ class Parts:
         """True if there are parts other than the foam's."""
         return self.count > self.foam
 
-    def finger(self, pixel: NDArray[np.int64]) -> NDArray[np.int64]:
+    def finger(self, pixel: Integer) -> Integer:
         """Part of a finger on a pixel, counted row by row from 0."""
         return self.foam + pixel
 
-    def by_kind(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64]
-    ) -> tuple[TouchedCells, TouchedCells]:
+    def by_kind(self, cells: Integer, rises: Real) -> tuple[TouchedCells, TouchedCells]:
         """Changes of a press, separated into those of the foam and those of fingers."""
         if not self.around:
             return TouchedCells(cells, rises), NOTHING
         foam = cells < self.foam
         return TouchedCells(cells[foam], rises[foam]), TouchedCells(cells[~foam], rises[~foam])
 
-    def pixels(self, cells: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    def pixels(self, cells: Integer) -> tuple[Integer, Mask]:
         """Pixel of each touch on the foam or by a finger; True where no earlier one is on it.
 
         Earlier touches are those of the same press. Both results have shape (press, touch).
@@ -90,14 +88,14 @@ class Parts:
         return pixels, ~np.tril(same, -1).any(axis=2)
 
     @cached_property
-    def resting(self) -> NDArray[np.float64]:
+    def resting(self) -> Real:
         """Amount of each part without a press, shape (part,): 0 for fingers and walls, else 1."""
         found = np.ones(self.count)
         _, fingers, _, walls = self.kind
         found[fingers] = found[walls] = 0.0
         return found
 
-    def pressed(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
+    def pressed(self, cells: Integer, rises: Real) -> Real:
         """Amount of each part under a press, shape (part,)."""
         found = self.resting.copy()
         np.add.at(found, cells, rises)
@@ -108,13 +106,13 @@ class Parts:
             found[walls] = self.wall(*found[foam][self.walls.pairs].T)
         return found
 
-    def thinned(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
+    def thinned(self, factor: Real) -> Real:
         """Thickness of the foam over the unpressed one for factors of c, of shape (...)."""
         if self.mechanics is None:
             return 1 / factor
         return 1 - np.asarray(self.mechanics.strain_at(factor))
 
-    def across(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
+    def across(self, factor: Real) -> Real:
         """Correction for the field along the foam over its unpressed value, shape (...).
 
         factor: of c, shape (...). The correction is proportional to c d². Without mechanics the
@@ -124,21 +122,19 @@ class Parts:
             return 1 / factor
         return factor * self.thinned(factor) ** 2
 
-    def across_slope(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
+    def across_slope(self, factor: Real) -> Real:
         """Derivative of `across` by the factor, to six digits."""
         step = SLOPE_STEP * factor
         return (self.across(factor + step) - self.across(factor - step)) / (2 * step)
 
-    def wall(self, one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
+    def wall(self, one: Real, other: Real) -> Real:
         """Amount of a wall between foam with these factors of c, both of shape (...).
 
         `step_capacitance` of the ratio of the thicknesses; 0 if they are equal.
         """
         return step_capacitance(_ratio(self.thinned(one), self.thinned(other)))
 
-    def wall_slope(
-        self, own: NDArray[np.float64], other: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def wall_slope(self, own: Real, other: Real) -> Real:
         """Derivative of `wall` by the factor on its own side, to six digits."""
         thinned, beside, step = self.thinned(own), self.thinned(other), SLOPE_STEP * own
         by_factor = (self.thinned(own + step) - self.thinned(own - step)) / (2 * step)
@@ -146,7 +142,7 @@ class Parts:
         by_thickness = np.where(thinner, 1 / beside, -beside / thinned**2)
         return step_capacitance_slope(_ratio(thinned, beside)) * by_thickness * by_factor
 
-    def wall_slopes(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
+    def wall_slopes(self, factor: Real) -> Real:
         """Derivatives of all walls by the factors of their first and second part, shape (wall, 2).
 
         factor: of each part of the foam, shape (part,).
@@ -154,7 +150,7 @@ class Parts:
         one, other = factor[self.walls.pairs].T
         return np.stack([self.wall_slope(one, other), self.wall_slope(other, one)], axis=1)
 
-    def completed(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> TouchedCells:
+    def completed(self, cells: Integer, rises: Real) -> TouchedCells:
         """Changes of one press, completed as `followed` does."""
         if not (self.thickness or self.walls.count):
             return TouchedCells(cells, rises)
@@ -177,9 +173,7 @@ class Parts:
             batch = batch.and_(self._touched_walls(keys, factor, batch.count))
         return batch
 
-    def _touched_walls(
-        self, keys: NDArray[np.int64], factor: NDArray[np.float64], count: int
-    ) -> PressBatch:
+    def _touched_walls(self, keys: Integer, factor: Real, count: int) -> PressBatch:
         """Walls around touched parts of `count` presses.
 
         keys: press * foam + touched part, ascending, and the factor of each.
@@ -195,7 +189,7 @@ class Parts:
         return PressBatch(self.kind[3].start + wall, self.wall(*beside.T), starts)
 
 
-def _ratio(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
+def _ratio(one: Real, other: Real) -> Real:
     """Ratio of the smaller one to the larger one."""
     return np.minimum(one, other) / np.maximum(one, other)
 

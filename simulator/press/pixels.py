@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..scene.scene import Scene
 from ..scene.skin_region import reaches_into
 
@@ -12,12 +12,12 @@ SAME = 1e-8
 """Overlap of skin and pixel over the skin's longer side below which the pixel counts as empty."""
 
 
-def pixel_lines(scene: Scene, axis: int) -> NDArray[np.float64]:
+def pixel_lines(scene: Scene, axis: int) -> Real:
     """Lines between pixels, across x (axis 0) or y (axis 1); m."""
     return np.linspace(0, scene.skin.sides[axis], scene.pixels.shape[1 - axis] + 1)
 
 
-def cell_centres(scene: Scene, grid: tuple[int, int]) -> NDArray[np.float64]:
+def cell_centres(scene: Scene, grid: tuple[int, int]) -> Real:
     """Centres (x, y) of equal cells by rows and columns, m, shape (2, row, column)."""
     row, column = np.indices(grid) + 0.5
     return np.stack([column * scene.skin.length / grid[1], row * scene.skin.width / grid[0]])
@@ -31,7 +31,7 @@ def pixels_with_skin(scene: Scene) -> list[tuple[int, int]]:
         return every
     lines, same = [pixel_lines(scene, axis) for axis in (0, 1)], SAME * max(skin.sides)
 
-    def corner(row: int, column: int) -> NDArray[np.float64]:
+    def corner(row: int, column: int) -> Real:
         return np.array([lines[0][column], lines[1][row]])
 
     low = [corner(row - 1, column - 1) + same for row, column in every]

@@ -9,8 +9,9 @@ from __future__ import annotations
 from typing import NamedTuple, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ..arrays import Integer, Mask, Real
 from ..scene.planar import SAME_LINE
 from ..scene.scene import Scene
 from .batch import PressBatch
@@ -23,19 +24,19 @@ class Footprints(NamedTuple):
     factor: c over that without the touch. finger: capacitance to earth, F.
     """
 
-    disc: NDArray[np.bool_]
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    width: NDArray[np.float64]
-    height: NDArray[np.float64]
-    factor: NDArray[np.float64]
-    finger: NDArray[np.float64]
+    disc: Mask
+    x: Real
+    y: Real
+    width: Real
+    height: Real
+    factor: Real
+    finger: Real
 
     @classmethod
     def rectangles(
         cls,
-        x: NDArray[np.float64],
-        y: NDArray[np.float64],
+        x: Real,
+        y: Real,
         width: ArrayLike,
         height: ArrayLike,
         factor: ArrayLike,
@@ -47,7 +48,7 @@ class Footprints(NamedTuple):
 
 
 def rasterized(
-    scene: Scene, touches: NDArray[np.int64], footprints: Footprints, grid: tuple[int, int]
+    scene: Scene, touches: Integer, footprints: Footprints, grid: tuple[int, int]
 ) -> PressBatch:
     """Cells in which presses raise c, and the rise relative to the unpressed c.
 
@@ -71,21 +72,14 @@ def rasterized(
     return PressBatch(*touched(touches, boxes, radius, factor, x, y))
 
 
-def _ends(
-    middle: NDArray[np.float64],
-    extent: NDArray[np.float64],
-    lines: NDArray[np.float64],
-    disc: NDArray[np.bool_],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _ends(middle: Real, extent: Real, lines: Real, disc: Mask) -> tuple[Real, Real]:
     """Start and end of touches along an axis, m; rectangles snap to lines that they nearly coincide
     with."""
     low, high = (_on_lines(middle + side * extent / 2, lines, disc) for side in (-1, 1))
     return low, high
 
 
-def _on_lines(
-    ends: NDArray[np.float64], lines: NDArray[np.float64], disc: NDArray[np.bool_]
-) -> NDArray[np.float64]:
+def _on_lines(ends: Real, lines: Real, disc: Mask) -> Real:
     cells = len(lines) - 1
     near = lines[np.clip(np.rint(ends / lines[-1] * cells), 0, cells).astype(np.int64)]
     return np.where(~disc & (np.abs(near - ends) <= SAME_LINE * lines[-1]), near, ends)

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Real
 from ..scene.scene import Scene
 from ..sweeps import InputError
 
@@ -22,7 +22,7 @@ NO_WALL = -1
 class Walls:
     """Pairs of adjacent parts of the foam, the lower number first, shape (wall, 2)."""
 
-    pairs: NDArray[np.int64]
+    pairs: Integer
 
     @property
     def count(self) -> int:
@@ -30,7 +30,7 @@ class Walls:
         return len(self.pairs)
 
     @cached_property
-    def around(self) -> NDArray[np.int64]:
+    def around(self) -> Integer:
         """Walls of each part, shape (part, most), padded with NO_WALL."""
         part, wall = self.pairs.ravel(), np.repeat(np.arange(self.count), 2)
         order = np.argsort(part, kind="stable")
@@ -41,7 +41,7 @@ class Walls:
         found[part, place] = wall
         return found
 
-    def of(self, parts: NDArray[np.int64]) -> NDArray[np.int64]:
+    def of(self, parts: Integer) -> Integer:
         """Walls of some parts, shape (..., most)."""
         if not self.count:
             return np.zeros((*parts.shape, 0), dtype=np.int64)
@@ -95,7 +95,7 @@ def require_no_walls(scene: Scene, what: str) -> None:
         )
 
 
-def step_capacitance(ratio: NDArray[np.float64] | float) -> NDArray[np.float64]:
+def step_capacitance(ratio: Real | float) -> Real:
     """Capacitance of a step in the gap between two plates beyond straight fields, over eps, per
     metre.
 
@@ -110,7 +110,7 @@ def step_capacitance(ratio: NDArray[np.float64] | float) -> NDArray[np.float64]:
     return (2 * np.log1p(b**2 / (4 * a)) + walls) / np.pi
 
 
-def step_capacitance_slope(ratio: NDArray[np.float64]) -> NDArray[np.float64]:
+def step_capacitance_slope(ratio: Real) -> Real:
     """Derivative of `step_capacitance` by the ratio: -(1 - a²)/(pi a²) ln((1 + a)/(1 - a))."""
     a = np.asarray(ratio, dtype=np.float64)
     there = a < 1

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..chart_style import FOIL_COLOURS, foil_offset
 from ..mesh.edge_numbering import edges_of
 from ..mesh.skin_mesh import domain
@@ -24,7 +24,7 @@ LINE_PLACES = 1001
 """Number of places along a line between pixels that are tested for skin."""
 MM = 1e3
 
-Places = NDArray[np.float64]
+Places = Real
 
 
 class Ribbon(NamedTuple):

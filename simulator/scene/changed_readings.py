@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Mask, Real
 from .contacts import Interface
 from .meter import Sweep
 from .readers import with_sources
@@ -22,9 +22,7 @@ def checked_interfaces(names: Sequence[str] | None, scene: Scene) -> tuple[str, 
     return tuple(checked_interface(each, scene) for each in chosen)
 
 
-def with_frequencies(
-    scene: Scene, frequency: Sequence[float], taken: NDArray[np.bool_] | None = None
-) -> Scene:
+def with_frequencies(scene: Scene, frequency: Sequence[float], taken: Mask | None = None) -> Scene:
     """The scene with these ascending frequencies in Hz in place of its own.
 
     taken: mask of the readings, shape (interface, frequency); None for all of them.
@@ -52,7 +50,7 @@ def restricted_to_interfaces(scene: Scene, names: Sequence[str]) -> Scene:
     return with_frequencies(some, scene.frequencies[read].tolist(), taken[:, read])
 
 
-def _reading(interface: Interface, frequency: NDArray[np.float64] | None) -> Interface:
+def _reading(interface: Interface, frequency: Real | None) -> Interface:
     own = None if frequency is None else tuple(frequency.tolist())
     if own == interface.frequencies:
         return interface

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import Annotated, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import (
     AfterValidator,
     BeforeValidator,
@@ -18,6 +17,7 @@ from pydantic import (
     model_validator,
 )
 
+from ..arrays import Mask, Real
 from .form.outline import Outline
 from .keys.key_paths import OrText
 from .meter import ascending
@@ -64,14 +64,14 @@ def curve_section(contact: Contact, skin: Skin) -> CurveSection:
     return CurveSection(curve, start + low * (stop - start), start + high * (stop - start))
 
 
-def path(contact: Contact, skin: Skin, pieces: int = 64) -> NDArray[np.float64]:
+def path(contact: Contact, skin: Skin, pieces: int = 64) -> Real:
     """Points along a foil on a skin without mesh, in m, shape (2, pieces + 1)."""
     along = curve_section(contact, skin)
     curve = curves(skin)[along.curve]
     return np.array([curve.at(mark) for mark in np.linspace(*along[1:], pieces + 1)]).T
 
 
-def outwards(path: NDArray[np.float64], skin: Skin) -> NDArray[np.float64]:
+def outwards(path: Real, skin: Skin) -> Real:
     """Outward unit vectors along a path on the skin's edge, both of shape (2, point)."""
     x, y = np.gradient(path, axis=1)
     across = np.stack([y, -x]) / np.hypot(x, y)
@@ -96,7 +96,7 @@ def max_foil_distance(
     return float(np.sqrt(square.min(axis=1).max()))
 
 
-def _places(skin: Skin) -> NDArray[np.float64]:
+def _places(skin: Skin) -> Real:
     """Sample points of a skin, including its outline, m, shape (2, point)."""
     x, y = np.meshgrid(*(np.linspace(0, side, LINES) for side in skin.sides))
     everywhere = np.stack([x.ravel(), y.ravel()])
@@ -252,9 +252,7 @@ def _is_default(interface: Interface, key: str) -> bool:
     return getattr(interface, key) == Interface.model_fields[key].default
 
 
-def taken(
-    interfaces: Sequence[Interface], frequency: NDArray[np.float64]
-) -> NDArray[np.bool_] | None:
+def taken(interfaces: Sequence[Interface], frequency: Real) -> Mask | None:
     """Mask of the readings taken, shape (interface, frequency); None if all are taken.
 
     frequency: Hz.

@@ -6,9 +6,9 @@ import math
 from typing import TYPE_CHECKING, Annotated, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from ..arrays import Complex, Real
 from .validation import Number, Table, Whole, within
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ class Converter(Table):
         """Deviation of the largest gain of a passive skin, 1."""
         return self.component_noise / self.source_amplitude
 
-    def deviation(self, gain: NDArray[np.complex128]) -> NDArray[np.float64]:
+    def deviation(self, gain: Complex) -> Real:
         """Deviation of ln |V / V_s|, and of the phase in rad; shape of the gain."""
         return self.smallest_deviation / np.abs(gain)
 

@@ -6,9 +6,9 @@ import math
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import AfterValidator, BeforeValidator, ValidationError, model_validator
 
+from ..arrays import Real
 from .validation import Number, NumberRange, Table, one_line, within
 
 Finite = Annotated[Number, within(-1e15, 1e15, "", "no drawn quantity is larger")]
@@ -17,7 +17,7 @@ Cut = Annotated[
     Number, within(0.01, 8.0, "deviations", "beyond 8 deviations no value is ever drawn")
 ]
 
-Chances = NDArray[np.float64] | np.float64 | float
+Chances = Real | np.float64 | float
 
 
 class _Drawn(Table):
@@ -42,7 +42,7 @@ class Fixed(_Drawn):
     def high(self) -> float:
         return self.value
 
-    def at(self, chance: Chances) -> NDArray[np.float64]:
+    def at(self, chance: Chances) -> Real:
         return np.full(np.shape(chance), float(self.value))
 
 
@@ -59,7 +59,7 @@ class Uniform(_Drawn):
             raise ValueError(f"low must be <= high, got {self.low:g} and {self.high:g}")
         return self
 
-    def at(self, chance: Chances) -> NDArray[np.float64]:
+    def at(self, chance: Chances) -> Real:
         return self.low + (self.high - self.low) * np.asarray(chance)
 
 
@@ -81,7 +81,7 @@ class Normal(_Drawn):
     def high(self) -> float:
         return self.mean + self.cut * self.deviation
 
-    def at(self, chance: Chances) -> NDArray[np.float64]:
+    def at(self, chance: Chances) -> Real:
         return self.mean + self.deviation * truncated_normal(chance, self.cut)
 
 
@@ -107,11 +107,11 @@ class Lognormal(_Drawn):
     def high(self) -> float:
         return self.median * math.exp(self.cut * self.spread)
 
-    def at(self, chance: Chances) -> NDArray[np.float64]:
+    def at(self, chance: Chances) -> Real:
         return self.median * np.exp(self.spread * truncated_normal(chance, self.cut))
 
 
-def truncated_normal(chance: Chances, cut: float) -> NDArray[np.float64]:
+def truncated_normal(chance: Chances, cut: float) -> Real:
     """Quantiles of the standard normal distribution truncated to |x| <= cut."""
     from scipy.special import ndtr, ndtri
 

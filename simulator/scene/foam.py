@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Self
 
-import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from ..arrays import Real
 from .foam_in_time import Humidity, Hysteresis, Relaxations, Temperature
 from .foam_mechanics import Mechanics, strain_of
 from .frequency import Loss
@@ -63,14 +62,14 @@ class Foam(Table):
         keys = {"relaxation": self.relaxation, "hysteresis": self.hysteresis}
         return [f"skin.foam.{name}" for name, value in keys.items() if value]
 
-    def strain_at(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
+    def strain_at(self, factor: Real) -> Real:
         """Compressive strain at a capacitance factor; 0 for factors below 1.
 
         The permittivity is constant without mechanics.
         """
         return strain_of(factor) if self.mechanics is None else self.mechanics.strain_at(factor)
 
-    def factor_at(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
+    def factor_at(self, strain: Real) -> Real:
         """Capacitance factor at a compressive strain, the inverse of `strain_at`."""
         return 1 / (1 - strain) if self.mechanics is None else self.mechanics.factor(strain)
 

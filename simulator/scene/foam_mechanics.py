@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from pydantic import Field, model_validator
 
+from ..arrays import Real
 from .ranges import Permittivity, Stress, Tension
 from .validation import Number, Table
 
@@ -42,7 +43,7 @@ class Elastomer:
         """Largest strain for which the law is used."""
         return REACH * self.densification_strain
 
-    def stress(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
+    def stress(self, strain: Real) -> Real:
         """p in Pa."""
         known = np.clip(strain, 0.0, self.greatest_strain)
         r = known / self.densification_strain
@@ -50,7 +51,7 @@ class Elastomer:
         within = self.plateau_stress * (buckled + r**2 / (1 - r) / DENSIFICATION)
         return within + self.stiffness(known) * (strain - known)
 
-    def stiffness(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
+    def stiffness(self, strain: Real) -> Real:
         """dp/de in Pa."""
         known = np.clip(strain, 0.0, self.greatest_strain)
         r = known / self.densification_strain
@@ -58,7 +59,7 @@ class Elastomer:
         buckling = self.modulus * np.exp(-self.modulus * known / self.plateau_stress)
         return buckling + closing / DENSIFICATION
 
-    def energy(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
+    def energy(self, strain: Real) -> Real:
         """Integral of p from zero strain, J per m³ of uncompressed foam."""
         known, beyond = np.clip(strain, 0.0, self.greatest_strain), 0.0
         r = known / self.densification_strain
@@ -78,27 +79,27 @@ class Hookean:
     modulus: float
     greatest_strain: float
 
-    def stress(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
+    def stress(self, strain: Real) -> Real:
         return self.modulus * strain
 
-    def stiffness(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
+    def stiffness(self, strain: Real) -> Real:
         return np.full_like(strain, self.modulus)
 
-    def energy(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
+    def energy(self, strain: Real) -> Real:
         return self.modulus * strain**2 / 2
 
 
 Elastic = Elastomer | Hookean
 
-Law = Callable[[NDArray[np.float64], float], NDArray[np.float64]]
+Law = Callable[[Real, float], Real]
 
 
-def looyenga(porosity: NDArray[np.float64], solid: float) -> NDArray[np.float64]:
+def looyenga(porosity: Real, solid: float) -> Real:
     """Looyenga's law, eps^(1/3) averaged by volume: H. Looyenga, Physica 31 (1965) 401."""
     return ((1 - porosity) * np.cbrt(solid) + porosity) ** 3
 
 
-def bruggeman(porosity: NDArray[np.float64], solid: float) -> NDArray[np.float64]:
+def bruggeman(porosity: Real, solid: float) -> Real:
     """Bruggeman's law, (1-p)(s-e)/(s+2e) + p(1-e)/(1+2e) = 0, for spheres of both in the mixture.
 
     Source: D. A. G. Bruggeman, Annalen der Physik 416 (1935) 636.
@@ -107,12 +108,12 @@ def bruggeman(porosity: NDArray[np.float64], solid: float) -> NDArray[np.float64
     return (half + np.sqrt(half**2 + 8 * solid)) / 4
 
 
-def lichtenecker(porosity: NDArray[np.float64], solid: float) -> NDArray[np.float64]:
+def lichtenecker(porosity: Real, solid: float) -> Real:
     """Lichtenecker's law, ln eps averaged by volume: Physikalische Zeitschrift 27 (1926) 115."""
     return solid ** (1 - porosity)
 
 
-def maxwell_garnett(porosity: NDArray[np.float64], solid: float) -> NDArray[np.float64]:
+def maxwell_garnett(porosity: Real, solid: float) -> Real:
     """Maxwell Garnett's law: round closed cells of air in the solid.
 
     It is the upper bound of Hashin and Shtrikman. Source: J. C. Maxwell Garnett, Philosophical
@@ -136,7 +137,7 @@ STEP = 1e-6
 HALVINGS = 53
 
 
-def strain_of(factor: ArrayLike) -> NDArray[np.float64]:
+def strain_of(factor: ArrayLike) -> Real:
     """Compressive strain of foam with constant permittivity at a capacitance factor.
 
     It is 1 - 1 / factor, and 0 for factors below 1.
@@ -193,11 +194,11 @@ class Mechanics(Table):
             return None
         return float(self._permittivity(np.array(0.0)))
 
-    def factor(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
+    def factor(self, strain: Real) -> Real:
         """Capacitance under compressive strain over the unpressed one, eps(e)/eps(0)/(1 - e)."""
         return self._permittivity(strain) / self._permittivity(np.array(0.0)) / (1 - strain)
 
-    def strain_at(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
+    def strain_at(self, factor: Real) -> Real:
         """Strain at a capacitance factor, by bisection; 0 for factors < 1, at most the porosity."""
         low, high = np.zeros(np.shape(factor)), np.full(np.shape(factor), self.porosity)
         for _ in range(HALVINGS):
@@ -206,13 +207,13 @@ class Mechanics(Table):
             low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
         return np.where(np.asarray(factor) > 1, high, 0.0)
 
-    def gain(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
+    def gain(self, strain: Real) -> Real:
         """d ln factor / d strain, by central difference."""
         inside = np.clip(strain, 0.0, self.porosity)
         low, high = np.maximum(inside - STEP, 0.0), np.minimum(inside + STEP, self.porosity)
         return np.log(self.factor(high) / self.factor(low)) / (high - low)
 
-    def _permittivity(self, strain: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _permittivity(self, strain: Real) -> Real:
         if self.effective_medium == "constant":
             return np.ones_like(strain)
         assert self.solid_permittivity is not None

@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ..arrays import Complex, Real
 from ..sweeps import InputError
 
 REFERENCE = 1e3
@@ -30,7 +31,7 @@ class Loss(NamedTuple):
 LOSSLESS = Loss()
 
 
-def laplace_variable(frequency: ArrayLike, loss: Loss = LOSSLESS) -> NDArray[np.complex128]:
+def laplace_variable(frequency: ArrayLike, loss: Loss = LOSSLESS) -> Complex:
     """s = j omega (1 - j tan d) (j f / REFERENCE)^(a - 1) + leak, rad/s. frequency: Hz.
 
     With a slope b of the exponent, a is a + b lg(j f / REFERENCE) / 2. With s for j omega the
@@ -48,12 +49,12 @@ def laplace_variable(frequency: ArrayLike, loss: Loss = LOSSLESS) -> NDArray[np.
     return s.astype(np.complex128)
 
 
-def _square_of_decades(frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+def _square_of_decades(frequency: Real) -> Complex:
     """Derivative of ln s by `exponent_slope`."""
     return np.log(1j * frequency / REFERENCE) ** 2 / (2 * np.log(10))
 
 
-def slopes_of_s(frequency: NDArray[np.float64], loss: Loss) -> dict[str, NDArray[np.complex128]]:
+def slopes_of_s(frequency: Real, loss: Loss) -> dict[str, Complex]:
     """Derivatives of `laplace_variable` by ln(capacitance) and by each of the losses."""
     s, turned = laplace_variable(frequency, loss), 1j * frequency / REFERENCE
     charging, bend = s - loss.leak, _square_of_decades(frequency)

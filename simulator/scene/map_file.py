@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, ValidationError, model_validator
 
+from ..arrays import Real
 from ..sweeps import InputError, inputs
 from ..sweeps.units import plain_number
 from .form.mesh_data import names_a_file
@@ -86,7 +86,7 @@ def _with_grid(part: Any, key: str, folder: Path | None) -> Any:
     return {**part, "map": {"kind": "grid", "values": _grid(map_file, key, folder).tolist()}}
 
 
-def _grid(map_file: MapFile, key: str, folder: Path) -> NDArray[np.float64]:
+def _grid(map_file: MapFile, key: str, folder: Path) -> Real:
     path = folder / map_file.path
     try:
         values = _table(path) if map_file.table else _picture(path, map_file)
@@ -104,7 +104,7 @@ def _grid(map_file: MapFile, key: str, folder: Path) -> NDArray[np.float64]:
     return reduced
 
 
-def _table(path: Path) -> NDArray[np.float64]:
+def _table(path: Path) -> Real:
     lines = csv.reader(inputs.text(path, inputs.MAP).splitlines())
     rows = [
         [_factor(cell, lines.line_num, place) for place, cell in enumerate(row, start=1)]
@@ -142,7 +142,7 @@ def _opened_picture(path: Path) -> Image.Image:
     return picture
 
 
-def _picture(path: Path, map_file: MapFile) -> NDArray[np.float64]:
+def _picture(path: Path, map_file: MapFile) -> Real:
     assert map_file.low is not None and map_file.high is not None
     with _opened_picture(path) as picture:
         if picture.mode.startswith("I"):
@@ -152,7 +152,7 @@ def _picture(path: Path, map_file: MapFile) -> NDArray[np.float64]:
     return map_file.low + (map_file.high - map_file.low) * lightness[::-1]
 
 
-def _reduced(values: NDArray[np.float64], rows: int, columns: int) -> NDArray[np.float64]:
+def _reduced(values: Real, rows: int, columns: int) -> Real:
     """Averages over the cells of another uniform grid."""
     if values.shape == (rows, columns):
         return values

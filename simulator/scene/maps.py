@@ -6,9 +6,9 @@ from functools import lru_cache
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import AfterValidator, BeforeValidator, model_validator
 
+from ..arrays import Integer, Real
 from .planar import NO_LINES, Lines
 from .ranges import Length, MapFactor, Seed, Slope
 from .validation import Number, Table, by_kind, within
@@ -22,9 +22,7 @@ BAND = 5.0
 AT_ONCE = 2**12
 
 
-def random_field(
-    x: NDArray[np.float64], sides: tuple[float, float], correlation_length: float, seed: int
-) -> NDArray[np.float64]:
+def random_field(x: Real, sides: tuple[float, float], correlation_length: float, seed: int) -> Real:
     """Random field of mean 0 and variance 1 at positions x in m, shape (2, ...) to (...).
 
     sides: of the rectangle, m. A seed always gives the same field, at any positions.
@@ -40,7 +38,7 @@ def random_field(
     return field.reshape(np.shape(x)[1:])
 
 
-def _modes(side: float, length: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _modes(side: float, length: float) -> tuple[Real, Real]:
     """Wave numbers on the torus in rad/m, and their fractions of the variance (sum 1)."""
     period = side + GAP * length
     k = 2 * np.pi / period * np.arange(np.ceil(BAND * period / (2 * np.pi * length)) + 1)
@@ -48,9 +46,7 @@ def _modes(side: float, length: float) -> tuple[NDArray[np.float64], NDArray[np.
     return k, density / density.sum()
 
 
-def _basis(
-    x: NDArray[np.float64], k: NDArray[np.float64], share: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _basis(x: Real, k: Real, share: Real) -> Real:
     """Cosines, then sines of every mode, scaled by its fraction; shape (2 * mode, point).
 
     They are computed as powers of the first mode; the hundredth has a hundred rounding errors.
@@ -63,7 +59,7 @@ def _basis(
 
 
 @lru_cache(maxsize=32)
-def _amplitudes(seed: int, along: int, across: int) -> NDArray[np.float64]:
+def _amplitudes(seed: int, along: int, across: int) -> Real:
     return np.random.default_rng(seed).standard_normal((along, across))
 
 
@@ -93,7 +89,7 @@ class FactorMap(Table):
         """The factor of a constant map; None if the map varies."""
         raise NotImplementedError
 
-    def factors(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
+    def factors(self, x: Real, sides: Sides) -> Real:
         """Factors at positions x in m, shape (2, ...) to (...)."""
         raise NotImplementedError
 
@@ -105,7 +101,7 @@ class FactorMap(Table):
         """Shortest length over which the map varies, m."""
         return np.inf
 
-    def details(self, sides: Sides) -> NDArray[np.float64]:
+    def details(self, sides: Sides) -> Real:
         """Points in m that show what a coarse grid of points may miss, shape (2, point)."""
         return np.zeros((2, 0))
 
@@ -123,7 +119,7 @@ class Constant(FactorMap):
     def uniform(self) -> float | None:
         return self.value
 
-    def factors(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
+    def factors(self, x: Real, sides: Sides) -> Real:
         return np.full(np.shape(x)[1:], self.value)
 
 
@@ -142,7 +138,7 @@ class Gradient(FactorMap):
     def uniform(self) -> float | None:
         return None if self.x or self.y else self.middle
 
-    def factors(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
+    def factors(self, x: Real, sides: Sides) -> Real:
         length, width = sides
         return self.middle + self.x * (x[0] / length - 0.5) + self.y * (x[1] / width - 0.5)
 
@@ -177,7 +173,7 @@ class Random(FactorMap):
     def uniform(self) -> float | None:
         return None if self.deviation else 1.0
 
-    def factors(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
+    def factors(self, x: Real, sides: Sides) -> Real:
         field = random_field(x, sides, self.correlation_length, self.seed)
         if self.distribution == "normal":
             return 1 + self.deviation * field
@@ -246,7 +242,7 @@ class Grid(FactorMap):
         first = self.values[0][0]
         return first if all(value == first for row in self.values for value in row) else None
 
-    def factors(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
+    def factors(self, x: Real, sides: Sides) -> Real:
         """Factors at positions x; beyond the edges those on the edges."""
         values = np.array(self.values)
         (low, right), (row, up) = (
@@ -270,9 +266,7 @@ class Grid(FactorMap):
         return min(steps, default=np.inf)
 
 
-def _between(
-    at: NDArray[np.float64], side: float, count: int
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def _between(at: Real, side: float, count: int) -> tuple[Integer, Real]:
     """Index of the value before each position along a side, and the fraction to the next."""
     steps = np.clip(np.asarray(at) / side, 0, 1) * (count - 1)
     before = np.minimum(steps.astype(np.int64), max(count - 2, 0))

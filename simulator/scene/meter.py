@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import (
     BeforeValidator,
     Field,
@@ -18,6 +17,7 @@ from pydantic import (
     model_validator,
 )
 
+from ..arrays import Complex, Real
 from .converter import Converter
 from .foam_in_time import Celsius, Humid
 from .keys.key_paths import OrTable, OrText
@@ -145,9 +145,7 @@ class Readout(Table):
         added += [self.converter.smallest_deviation] if self.converter else []
         return math.hypot(smallest, *added)
 
-    def noise(
-        self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def noise(self, reading: Complex, frequency: Real) -> Real:
         """Noise of each reading, see `ReadoutErrors`."""
         own = self._noise_without_electronics(reading, frequency)
         if self.multisine is not None:
@@ -156,18 +154,14 @@ class Readout(Table):
             own = np.hypot(own, self.converter.deviation(reading))
         return own
 
-    def _noise_without_electronics(
-        self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def _noise_without_electronics(self, reading: Complex, frequency: Real) -> Real:
         if self.spread is not None:
             return self.spread.deviations(reading, frequency)
         if self.data_sheet is not None:
             return self.data_sheet.noise * self.data_sheet.deviations(reading, frequency)
         return spread_over((self.magnitude_noise, self.phase_noise), reading)
 
-    def accuracy(
-        self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def accuracy(self, reading: Complex, frequency: Real) -> Real:
         """Fixed error of each reading in a session, see `ReadoutErrors`."""
         if self.data_sheet is not None:
             return self.data_sheet.deviations(reading, frequency)
@@ -265,17 +259,13 @@ class Leads(Table):
         """True if the leads do not change the readings."""
         return not (self.resistance or self.inductance or self.unguarded)
 
-    def at_meter(
-        self, Z: NDArray[np.complex128], frequency: NDArray[np.float64]
-    ) -> NDArray[np.complex128]:
+    def at_meter(self, Z: Complex, frequency: Real) -> Complex:
         """Z in ohm at the meter's end: R + j omega L + 1/(1/Z + j omega C); frequency [Hz] last."""
         omega = 2j * np.pi * frequency
         series = self.resistance + omega * self.inductance
         return series + Z / (1 + omega * self.unguarded * Z)
 
-    def slopes(
-        self, Z: NDArray[np.complex128], frequency: NDArray[np.float64]
-    ) -> tuple[NDArray[np.complex128], dict[str, NDArray[np.complex128]]]:
+    def slopes(self, Z: Complex, frequency: Real) -> tuple[Complex, dict[str, Complex]]:
         """Derivatives of `at_meter` by Z, and by resistance, inductance and stray capacitance."""
         omega = np.broadcast_to((2j * np.pi * frequency).astype(np.complex128), Z.shape)
         by_skin = ((1 / (1 + omega * self.unguarded * Z)) ** 2).astype(np.complex128)

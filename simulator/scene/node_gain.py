@@ -19,14 +19,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Integer, Real
 from .contacts import Interface
 from .meter import Leads
 from .readers import Source, sources
-
-Complex = NDArray[np.complex128]
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -158,7 +155,7 @@ class DrivenTerminals:
 
     solved: tuple[Interface, ...]
     nodes: tuple[Nodes, ...] = ()
-    indices: tuple[NDArray[np.int64], ...] = ()
+    indices: tuple[Integer, ...] = ()
 
 
 def driven_terminals(interfaces: Sequence[Interface]) -> DrivenTerminals:

@@ -6,9 +6,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Points = NDArray[np.float64]
+from ..arrays import Mask, Real
+
+Points = Real
 
 
 class Circle(NamedTuple):
@@ -19,24 +21,24 @@ class Circle(NamedTuple):
     radius: float
 
     @property
-    def centre(self) -> NDArray[np.float64]:
+    def centre(self) -> Real:
         """(x, y) in m, shape (2,)."""
         return np.array([self.x, self.y])
 
-    def at(self, angle: NDArray[np.float64]) -> Points:
+    def at(self, angle: Real) -> Points:
         """Points at angles [rad] anticlockwise from x, shape (...) to (..., 2)."""
         return self.centre + self.radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
 
-    def angle(self, points: Points) -> NDArray[np.float64]:
+    def angle(self, points: Points) -> Real:
         """Polar angles of points (..., 2) around the centre, 0 to 2 pi rad, shape (...)."""
         x, y = np.moveaxis(points - self.centre, -1, 0)
         return np.arctan2(y, x) % (2 * np.pi)
 
-    def beyond(self, points: Points) -> NDArray[np.float64]:
+    def beyond(self, points: Points) -> Real:
         """Distances of points (..., 2) from the circle, negative inside, m, shape (...)."""
         return np.linalg.norm(points - self.centre, axis=-1) - self.radius
 
-    def holds(self, x: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def holds(self, x: Real) -> Mask:
         """True where positions x, shape (2, ...), lie within the circle, shape (...)."""
         return self.beyond(np.moveaxis(x, 0, -1)) < 0
 
@@ -83,7 +85,7 @@ def ring(polygon: Points) -> Points:
     return np.vstack([polygon, polygon[:1]])
 
 
-def inside(polygon: Points, x: NDArray[np.float64]) -> NDArray[np.bool_]:
+def inside(polygon: Points, x: Real) -> Mask:
     """True where positions x, shape (2, ...), lie within a simple polygon, shape (...)."""
     crossed = np.zeros(np.shape(x)[1:], dtype=bool)
     for (x0, y0), (x1, y1) in sides(polygon):
@@ -106,12 +108,12 @@ def nearest(points: Points, segments: Points) -> tuple[Points, Points]:
     return along, np.sqrt(x**2 + y**2)
 
 
-def distance(points: Points, segments: Points) -> NDArray[np.float64]:
+def distance(points: Points, segments: Points) -> Real:
     """Distance from each point to each segment, m, shape (point, segment)."""
     return nearest(points, segments)[1]
 
 
-def crossings(first: Points, second: Points) -> NDArray[np.float64]:
+def crossings(first: Points, second: Points) -> Real:
     """Position along each segment of `first`, 0..1, where each segment of `second` crosses it.
 
     Shape (first, second); NaN if they do not cross. Parallel segments do not cross.
@@ -126,7 +128,7 @@ def crossings(first: Points, second: Points) -> NDArray[np.float64]:
     return np.where(meet, t, np.nan)
 
 
-def gap(first: ArrayLike, second: ArrayLike) -> NDArray[np.float64]:
+def gap(first: ArrayLike, second: ArrayLike) -> Real:
     """Distances between segments, m, shape (first, second); 0 where they cross."""
     a, b = np.asarray(first, dtype=float), np.asarray(second, dtype=float)
     ends_of_a = [distance(a[:, end], b) for end in (0, 1)]
@@ -151,7 +153,7 @@ def reach_into(parts: Points, low: Points, high: Points) -> bool:
     return bool((~separated.any(axis=1)).any())
 
 
-def shared(spans: NDArray[np.float64], cells: NDArray[np.float64]) -> NDArray[np.float64]:
+def shared(spans: Real, cells: Real) -> Real:
     """Fraction of each interval of `cells` within each interval of `spans`, shape (span, cell).
 
     spans, cells: ascending limits of the intervals, m.
@@ -159,16 +161,14 @@ def shared(spans: NDArray[np.float64], cells: NDArray[np.float64]) -> NDArray[np
     return covered(spans[:-1], spans[1:], cells)
 
 
-def covered(start: ArrayLike, stop: ArrayLike, cells: NDArray[np.float64]) -> NDArray[np.float64]:
+def covered(start: ArrayLike, stop: ArrayLike, cells: Real) -> Real:
     """Fraction of each interval of `cells` from start to stop, shape (..., cell); all in m."""
     first = np.maximum(np.asarray(start)[..., None], cells[:-1])
     last = np.minimum(np.asarray(stop)[..., None], cells[1:])
     return np.maximum(last - first, 0.0) / np.diff(cells)
 
 
-def disc_fraction(
-    x: float, y: float, radius: float, columns: NDArray[np.float64], rows: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def disc_fraction(x: float, y: float, radius: float, columns: Real, rows: Real) -> Real:
     """Fraction of each cell within the disc around (x, y), shape (row, column); all in m.
 
     columns, rows: ascending limits of the cells. The areas are exact except for rounding errors of
@@ -179,7 +179,7 @@ def disc_fraction(
     return np.clip(areas / np.multiply.outer(np.diff(v), np.diff(u)), 0.0, 1.0)
 
 
-def _area_below(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+def _area_below(u: Real, v: Real) -> Real:
     """Area of the unit disc where its coordinates are <= u and <= v.
 
     It is the integral of w(t) + clip(v, -w, w) over t from -1 to u, w(t) = sqrt(1 - t²).
@@ -190,7 +190,7 @@ def _area_below(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.fl
     return _under_arc(u) + np.sign(v) * remainder + v * (np.clip(u, -w, w) + w)
 
 
-def _under_arc(u: NDArray[np.float64]) -> NDArray[np.float64]:
+def _under_arc(u: Real) -> Real:
     """Integral of sqrt(1 - t²) over t from -1 to u."""
     return (u * np.sqrt(1 - u**2) + np.arcsin(u)) / 2 + np.pi / 4
 
@@ -206,7 +206,7 @@ Lines = tuple[tuple[float, ...], tuple[float, ...]]
 NO_LINES: Lines = ((), ())
 
 
-def distinct(lines: Sequence[float], same: float = SAME_LINE) -> NDArray[np.float64]:
+def distinct(lines: Sequence[float], same: float = SAME_LINE) -> Real:
     """Positions in ascending order, without duplicates.
 
     A position no further than `same` times the largest one from its predecessor is a duplicate.

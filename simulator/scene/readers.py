@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, ValidationError
 
+from ..arrays import Complex, Real
 from .ranges import Capacitance
 from .validation import Number, Table, one_line, within
 
@@ -37,7 +37,7 @@ class Load(Table):
     resistance: LoadResistance | None = None
     capacitance: Capacitance = 0.0
 
-    def admittance(self, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+    def admittance(self, frequency: Real) -> Complex:
         """Admittance of the input, S. frequency: Hz."""
         conductance = 0.0 if self.resistance is None else 1 / self.resistance
         return (conductance + 2j * np.pi * frequency * self.capacitance).astype(np.complex128)

@@ -7,15 +7,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Mask, Real
 from ..sweeps.reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, ReadingKind
 from .contacts import Interface, taken
 from .meter import Leads
 from .node_gain import DrivenTerminals, NodeGain, driven_terminals, single_gain
 from .readers import own_source
-
-Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True)
@@ -42,7 +40,7 @@ class ReadingSlopes:
             return self.by_skin * change
         return (self.by_skin * change[..., None, :, :]).sum(axis=-2)
 
-    def bound(self, off: NDArray[np.float64]) -> NDArray[np.float64]:
+    def bound(self, off: Real) -> Real:
         """Bound on errors of readings from those of impedances, (..., solved, frequency)."""
         if self.one_to_one:
             return np.abs(self.by_skin) * off
@@ -64,10 +62,10 @@ class ReadingSetup:
     """
 
     interfaces: Sequence[Interface]
-    frequency: NDArray[np.float64]
+    frequency: Real
     leads: Leads = Leads()
 
-    def at(self, frequency: NDArray[np.float64]) -> ReadingSetup:
+    def at(self, frequency: Real) -> ReadingSetup:
         """The readings at other frequencies, Hz, ascending."""
         return replace(self, frequency=frequency)
 
@@ -153,17 +151,17 @@ class ReadingSetup:
         return ReadingSlopes(by_skin, by_leads, False)
 
     @property
-    def taken(self) -> NDArray[np.bool_] | None:
+    def taken(self) -> Mask | None:
         """Mask of the readings, or None if all are taken, see `contacts.taken`."""
         return taken(self.interfaces, self.frequency)
 
     @property
-    def read(self) -> NDArray[np.bool_]:
+    def read(self) -> Mask:
         """Mask of the readings, shape (interface, frequency); all True if all are taken."""
         taken = self.taken
         return np.ones(self.shape, dtype=bool) if taken is None else taken
 
-    def frequency_at(self, interface: str) -> NDArray[np.float64]:
+    def frequency_at(self, interface: str) -> Real:
         """Frequencies at which the interface of that name is read, Hz, ascending."""
         number = [each.name for each in self.interfaces].index(interface)
         return self.frequency[self.read[number]]

@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ..arrays import Complex, Real
 
 
 class ReadoutErrors(Protocol):
@@ -30,15 +31,11 @@ class ReadoutErrors(Protocol):
         """Smallest deviation of noise that a reading can have, of ln |reading| or phase."""
         ...
 
-    def noise(
-        self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def noise(self, reading: Complex, frequency: Real) -> Real:
         """Deviations of the error of each single reading; may be a read-only view."""
         ...
 
-    def accuracy(
-        self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def accuracy(self, reading: Complex, frequency: Real) -> Real:
         """Deviations of the error that is fixed during a session; may be a read-only view.
 
         One draw for each interface is multiplied by them, so that errors of one interface are fully
@@ -47,9 +44,7 @@ class ReadoutErrors(Protocol):
         ...
 
 
-def spread_over(
-    values: tuple[float, float], reading: NDArray[np.complex128]
-) -> NDArray[np.float64]:
+def spread_over(values: tuple[float, float], reading: Complex) -> Real:
     """Deviations that are equal for all readings, as a read-only view."""
     both = np.array(values, dtype=np.float64).reshape(2, *(1,) * reading.ndim)
     return np.broadcast_to(both, (2, *reading.shape))

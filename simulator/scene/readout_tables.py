@@ -6,16 +6,14 @@ import tomllib
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
+from ..arrays import Complex, Integer, Real
 from ..meters.accuracy_table import ACCURACY_TABLES, AccuracyTable
 from ..meters.offset_accuracy import OffsetAccuracy
 from .keys.key_paths import OrText
 from .ranges import Frequency, Resistance
 from .validation import Number, Table, one_line, within
-
-Array = NDArray[np.float64]
 
 OF_UNIFORM = 1 / np.sqrt(3)
 """Standard deviation over the bound of an error that is uniform between its bounds. Where nothing
@@ -69,7 +67,7 @@ class DataSheet(Table):
             )
         return self
 
-    def deviations(self, reading: NDArray[np.complex128], frequency: Array) -> Array:
+    def deviations(self, reading: Complex, frequency: Real) -> Real:
         """Standard deviations of ln |Z| and of phase by the accuracy, shape (2, ...)."""
         size = np.abs(reading)
         if isinstance(self.accuracy, OffsetAccuracy):
@@ -116,7 +114,7 @@ class SpreadTable(Table):
                 raise ValueError(f"`{name}` must be > 0 and <= 1 throughout")
         return self
 
-    def deviations(self, reading: NDArray[np.complex128], frequency: Array) -> Array:
+    def deviations(self, reading: Complex, frequency: Real) -> Real:
         """Standard deviations of ln |Z| and of phase, shape (2, ...)."""
         row, up = _between(self.impedance, np.abs(reading))
         column, right = _between(self.frequency, np.broadcast_to(frequency, reading.shape))
@@ -133,7 +131,7 @@ class SpreadTable(Table):
         return min(min(map(min, self.magnitude)), min(map(min, self.phase)))
 
 
-def _between(nodes: tuple[float, ...], x: Array) -> tuple[NDArray[np.int64], Array]:
+def _between(nodes: tuple[float, ...], x: Real) -> tuple[Integer, Real]:
     """Index of the node below each x, and its share of the way to the next, in logarithms."""
     if len(nodes) == 1:
         return np.zeros(x.shape, dtype=np.int64), np.zeros(x.shape)

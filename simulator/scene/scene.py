@@ -7,7 +7,6 @@ from copy import deepcopy
 from typing import Annotated, Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import (
     AfterValidator,
     Field,
@@ -17,6 +16,7 @@ from pydantic import (
     model_validator,
 )
 
+from ..arrays import Mask, Real
 from ..sweeps import InputError
 from .contacts import (
     MAX_CONTACTS,
@@ -118,7 +118,7 @@ class Scene(Table):
         return np.array(self.sweep.frequencies)
 
     @property
-    def taken(self) -> NDArray[np.bool_] | None:
+    def taken(self) -> Mask | None:
         """Mask of the readings, or None if all are taken, see `contacts.taken`."""
         return taken(self.interfaces, self.frequencies)
 
@@ -212,11 +212,11 @@ class Scene(Table):
             )
         return float(self.pressed_factors(np.array(depth)))
 
-    def pressed_factors(self, depth: NDArray[np.float64]) -> NDArray[np.float64]:
+    def pressed_factors(self, depth: Real) -> Real:
         """Capacitance factors under applicators at depths in m within the foam's range."""
         return self._mechanics.factor(depth / self._thickness)
 
-    def pressed_depths(self, factor: NDArray[np.float64]) -> NDArray[np.float64]:
+    def pressed_depths(self, factor: Real) -> Real:
         """Depths of applicators at capacitance factors, m; 0 for factors up to 1."""
         return self._mechanics.strain_at(factor) * self._thickness
 

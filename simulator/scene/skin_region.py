@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Mask, Real
 from .form.outline import Curve
 from .planar import Circle, Points, inside, reach_into, sides
 from .skin import Skin
@@ -20,7 +20,7 @@ def curves(skin: Skin) -> list[Curve]:
     return [Curve(points=((0.0, 0.0), (x, 0.0), (x, y), (0.0, y)))]
 
 
-def on_skin(skin: Skin, x: NDArray[np.float64]) -> NDArray[np.bool_]:
+def on_skin(skin: Skin, x: Real) -> Mask:
     """True where positions x in m, shape (2, ...), are on a skin without mesh, shape (...)."""
     around, *holes = curves(skin)
     found = around.holds(x)
@@ -29,7 +29,7 @@ def on_skin(skin: Skin, x: NDArray[np.float64]) -> NDArray[np.bool_]:
     return found
 
 
-def covers(skin: Skin, x: NDArray[np.float64]) -> NDArray[np.bool_]:
+def covers(skin: Skin, x: Real) -> Mask:
     """True where positions x in m, shape (2, ...), are on the skin seen along z, shape (...)."""
     if skin.mesh is None:
         return on_skin(skin, x)

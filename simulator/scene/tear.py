@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BeforeValidator, Field
 
+from ..arrays import Real
 from .maps import AnyMap, Constant, FactorMap, Gradient, Grid, Random, Sides, refuse_file
 from .planar import Lines
 from .ranges import Length
@@ -46,7 +46,7 @@ class Tear(FactorMap):
     def uniform(self) -> float | None:
         return None
 
-    def factors(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
+    def factors(self, x: Real, sides: Sides) -> Real:
         (left, right), (low, high) = self._gap(sides)
         torn = (x[0] > left) & (x[0] < right) & (x[1] > low) & (x[1] < high)
         return np.where(torn, TORN, 1.0)
@@ -58,7 +58,7 @@ class Tear(FactorMap):
         )
         return along, across
 
-    def details(self, sides: Sides) -> NDArray[np.float64]:
+    def details(self, sides: Sides) -> Real:
         """Points on both sides of the four corners of the gap."""
         corners = np.stack([each.ravel() for each in np.meshgrid(*self._gap(sides))])
         middle = corners.mean(axis=1, keepdims=True)

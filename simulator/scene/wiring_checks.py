@@ -8,8 +8,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Mask, Real
 from .contacts import check_edge, curve_section
 from .form.mesh_file import foil_lines
 from .readers import check_readers
@@ -218,7 +218,7 @@ ACROSS = {"left": 0, "right": 0, "bottom": 1, "top": 1}
 """Axis of a rectangle along which a foil's width is measured, by the edge of the foil."""
 
 
-def strip(contact: Contact, skin: Skin) -> NDArray[np.float64]:
+def strip(contact: Contact, skin: Skin) -> Real:
     """Part of a rectangle that a foil covers: its lowest and highest corner (x, y), m."""
     axis = ACROSS[contact.edge]
     inwards = contact.width if contact.edge in ("left", "bottom") else -contact.width
@@ -227,7 +227,7 @@ def strip(contact: Contact, skin: Skin) -> NDArray[np.float64]:
     return np.sort(ends, axis=0)
 
 
-def under_foil(contact: Contact, skin: Skin, x: NDArray[np.float64]) -> NDArray[np.bool_]:
+def under_foil(contact: Contact, skin: Skin, x: Real) -> Mask:
     """True where a wide foil covers positions x of a rectangle, m, shape (2, ...) to (...)."""
     if not contact.width:
         return np.zeros(x.shape[1:], dtype=bool)

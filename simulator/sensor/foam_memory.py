@@ -12,9 +12,10 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..measure.foam_state import NEGLIGIBLE
 from ..press.batch import PressBatch
-from ..press.foam_creep import Array, Creep, unloading_strain
+from ..press.foam_creep import Creep, unloading_strain
 from ..scene.scene import Scene
 from ..sweeps import InputError
 
@@ -79,7 +80,7 @@ class FoamMemory:
         on_foam = PressBatch(self._cells[cell], rises[skin, cell], starts)
         return on_foam.and_(self._elsewhere)
 
-    def _y_at(self, now: float) -> Array:
+    def _y_at(self, now: float) -> Real:
         """Internal strains at a time, s."""
         seconds = now - self._since
         y = self._creep.loaded(self._y, self._at_once, self._creep.decay(seconds))
@@ -96,7 +97,7 @@ class FoamMemory:
             return
         at = np.searchsorted(every, self._cells)
 
-        def widened(values: Array, empty: float = 0.0) -> Array:
+        def widened(values: Real, empty: float = 0.0) -> Real:
             wide = np.full((*values.shape[:-1], len(every)), empty)
             wide[..., at] = values
             return wide
@@ -105,7 +106,7 @@ class FoamMemory:
         self._strain, self._largest = widened(self._strain), widened(self._largest)
         self._at_once, self._y = widened(self._at_once), widened(self._y)
 
-    def _check_far(self, strain: Array, y: Array) -> None:
+    def _check_far(self, strain: Real, y: Real) -> None:
         reached = float(self._creep.greatest(y, strain).max(initial=0.0))
         allowed = self._foam.greatest_strain
         if reached > allowed:

@@ -13,13 +13,14 @@ from pathlib import Path
 
 import numpy as np
 import platformdirs
-from numpy.typing import NDArray
+
+from ..arrays import Real
 
 VERSION = 1
 """Version of the computation: a higher one ignores everything cached before."""
 
 
-def read(key: str) -> NDArray[np.float64] | None:
+def read(key: str) -> Real | None:
     """Cached array of a key; None if there is none with finite numbers."""
     try:
         with _path(key).open("rb") as opened, np.load(opened, allow_pickle=False) as file:
@@ -29,7 +30,7 @@ def read(key: str) -> NDArray[np.float64] | None:
     return found if found is not None and np.isfinite(found).all() else None
 
 
-def write(key: str, values: NDArray[np.float64]) -> None:
+def write(key: str, values: Real) -> None:
     """Caches an array for a key, whole or not at all."""
     path = _path(key)
     with suppress(OSError):

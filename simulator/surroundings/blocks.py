@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Mask
 from ..mesh.domain import Domain
 from ..mesh.edge_numbering import edges_of
 from ..mesh.refining.refinement import refined
@@ -132,7 +132,7 @@ def _around(mesh: Domain, p: Points) -> Points:
     return ends
 
 
-def layered(triangles: Points, rim: NDArray[np.bool_], layers: int) -> Points:
+def layered(triangles: Points, rim: Mask, layers: int) -> Points:
     """Panels of triangles, those at an outline cut along it, shape (panel, 4, 2).
 
     They become thinner towards the outline. triangles: m, shape (triangle, 3, 2). rim: True for
@@ -156,7 +156,7 @@ def layered(triangles: Points, rim: NDArray[np.bool_], layers: int) -> Points:
     return np.concatenate(found)
 
 
-def _cut_in_three(triangles: Points, rim: NDArray[np.bool_]) -> tuple[Points, NDArray[np.bool_]]:
+def _cut_in_three(triangles: Points, rim: Mask) -> tuple[Points, Mask]:
     """Triangles, those with all corners on an outline cut in three about their middle.
 
     Also returns which corners of each are on the outline.

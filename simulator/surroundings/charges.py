@@ -19,18 +19,16 @@ permittivity.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solve
 
+from ..arrays import Real
 from ..scene.foam import VACUUM_PERMITTIVITY
 from .influence_kernel import fill_influence
 from .panels import PanelBlock
 from .reflections import Layer, images
 
-Array = NDArray[np.float64]
 
-
-def capacitances(block: PanelBlock, layer: Layer | None, permittivity: float) -> Array:
+def capacitances(block: PanelBlock, layer: Layer | None, permittivity: float) -> Real:
     """Charges of the sheets by their potentials, F, shape (2, 2), bottom sheet first.
 
     layer: that towards a plane below. permittivity: relative, of the foam.
@@ -44,7 +42,7 @@ def capacitances(block: PanelBlock, layer: Layer | None, permittivity: float) ->
     return VACUUM_PERMITTIVITY * (whole + whole.T) / 2
 
 
-def sigma(block: PanelBlock, influence: Array, permittivity: float, potentials: Array) -> Array:
+def sigma(block: PanelBlock, influence: Real, permittivity: float, potentials: Real) -> Real:
     """Sigma of all panels, V/m, shape (panel, k).
 
     potentials: those of all panels, V; only those of sheets are used. influence: that of all
@@ -59,7 +57,7 @@ def sigma(block: PanelBlock, influence: Array, permittivity: float, potentials: 
     return solve(system, driven, overwrite_a=True, overwrite_b=True)
 
 
-def influence(block: PanelBlock, layer: Layer | None) -> Array:
+def influence(block: PanelBlock, layer: Layer | None) -> Real:
     """Potentials, m, and fields out of the foam by sigma of each panel.
 
     Shape (2, part, panel, panel): at the middles of the panels of the bottom sheet, of the top one

@@ -6,9 +6,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-Points = NDArray[np.float64]
+from ..arrays import Real
+
+Points = Real
 SIGNS = 1.0, -1.0
 ITSELF = np.array([[1.0, 1.0, 0.0, 0.0]])
 
@@ -50,7 +51,7 @@ class PanelBlock:
         return np.concatenate([self._sheet(0.0), self._sheet(self.thickness), self._sides])
 
     @cached_property
-    def areas(self) -> NDArray[np.float64]:
+    def areas(self) -> Real:
         """Areas of all panels, m², shape (panel,)."""
         return self._halves[0].sum(axis=0)
 
@@ -66,7 +67,7 @@ class PanelBlock:
         return self.points[:, :2].T
 
     @property
-    def _halves(self) -> tuple[NDArray[np.float64], Points]:
+    def _halves(self) -> tuple[Real, Points]:
         """Areas and middles of the triangles on both sides of a diagonal.
 
         Shapes (2, panel) and (2, panel, 3).
@@ -120,9 +121,7 @@ def quarter(
     )
 
 
-def lines(
-    side: float, thickness: float, count: int, equidistant: float = 0.0
-) -> NDArray[np.float64]:
+def lines(side: float, thickness: float, count: int, equidistant: float = 0.0) -> Real:
     """Ends of the panels along a side, m, shape (2 * count + 1,), symmetric.
 
     Within the foam's thickness of an end they grow with the square of their number, to suit a

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial.legendre import legder, legval
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ..arrays import Integer, Mask, Real
+
 SMOOTH = 1
 DEGREE, MIN_DEGREE = 8, 3
 """Degrees along the longer side of a skin, and minimum along any.
@@ -36,7 +36,7 @@ class Polynomials:
         return (self.degrees[0] + 1) * (self.degrees[1] + 1)
 
     @property
-    def odd(self) -> NDArray[np.bool_]:
+    def odd(self) -> Mask:
         """True for polynomials that are odd about the middle in x, and in y.
 
         Shape (2, polynomial).
@@ -44,31 +44,31 @@ class Polynomials:
         return self._degrees % 2 == 1
 
     @property
-    def squared(self) -> Array:
+    def squared(self) -> Real:
         """Integrals of their squares, m², shape (polynomial,)."""
         i, j = self._degrees
         return np.prod(self.sides) / ((2 * i + 1) * (2 * j + 1))
 
     @property
-    def smooth(self) -> NDArray[np.bool_]:
+    def smooth(self) -> Mask:
         """True for polynomials of degree SMOOTH at most along either side, shape (polynomial,)."""
         return self._degrees.max(axis=0) <= SMOOTH
 
     @property
-    def _degrees(self) -> NDArray[np.int64]:
+    def _degrees(self) -> Integer:
         """Degrees along x and y, shape (2, polynomial)."""
         i, j = np.meshgrid(*(np.arange(degree + 1) for degree in self.degrees), indexing="ij")
         return np.stack([i.ravel(), j.ravel()])
 
-    def at(self, x: Array) -> Array:
+    def at(self, x: Real) -> Real:
         """Values at positions in m, shape (2, ...) to (polynomial, ...)."""
         return self._product(x, (0, 0))
 
-    def slopes_at(self, x: Array) -> Array:
+    def slopes_at(self, x: Real) -> Real:
         """Gradients in 1/m, shape (2, ...) to (2, polynomial, ...)."""
         return np.stack([self._product(x, (1, 0)), self._product(x, (0, 1))])
 
-    def _product(self, x: Array, derivatives: tuple[int, int]) -> Array:
+    def _product(self, x: Real, derivatives: tuple[int, int]) -> Real:
         along, across = (
             legval(2 * at / side - 1, legder(np.eye(degree + 1), order, axis=0))
             * (2 / side) ** order

@@ -10,8 +10,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..scene.foam import VACUUM_PERMITTIVITY
 from ..scene.surroundings import Body
 
@@ -39,7 +39,7 @@ def layer(body: Body) -> Layer:
     return Layer(VACUUM_PERMITTIVITY / body.per_area, 1.0)
 
 
-def images(layer: Layer | None) -> NDArray[np.float64]:
+def images(layer: Layer | None) -> Real:
     """Images of charges along z: sign, shift in m and weight, shape (image, 3).
 
     The charges themselves come first. They are used as in `influence_kernel.fill_influence`; the

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..scene.foam import VACUUM_PERMITTIVITY
 from ..scene.scene import Scene
 from ..scene.surroundings import Rim
@@ -98,7 +98,7 @@ def _solved(shape: Shape, plane: Layer | None) -> tuple[float, float, float, flo
     return *kept.tolist(), float(error.max())
 
 
-def _densities(block: PanelBlock, plane: Layer | None, permittivity: float) -> NDArray[np.float64]:
+def _densities(block: PanelBlock, plane: Layer | None, permittivity: float) -> Real:
     """Mutual density, of the sheet away from the plane and of the facing one, F/m.
 
     Shape (3,).

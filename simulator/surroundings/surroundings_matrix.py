@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..scene.foam import VACUUM_PERMITTIVITY
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -23,7 +23,6 @@ from .panels import PanelBlock, quarter
 from .polynomials import Polynomials, polynomials
 from .reflections import Layer, layer
 
-Array = NDArray[np.float64]
 CACHED = 16
 PANELS, EQUIDISTANT = (15, 22), 0.5
 """Panels from a skin's edge to its middle, of a coarse and of a fine block.
@@ -50,11 +49,11 @@ class SurroundingsMatrix:
     """
 
     basis: Polynomials
-    matrix: Array
+    matrix: Real
     error: float
 
     @cached_property
-    def factor(self) -> Array:
+    def factor(self) -> Real:
         """C with D = C C', shape (2, polynomial, rank)."""
         size = 2 * self.basis.count
         power, modes = np.linalg.eigh(self.matrix.reshape(size, size))
@@ -88,7 +87,7 @@ def surroundings_matrix(scene: Scene) -> SurroundingsMatrix:
 
 
 @lru_cache(maxsize=CACHED)
-def _solved(shape: Shape, plane: Layer | None, basis: Polynomials) -> tuple[Array, float]:
+def _solved(shape: Shape, plane: Layer | None, basis: Polynomials) -> tuple[Real, float]:
     """Matrix, F, sheet that faces a plane first, and its error; from disk if cached."""
     key = repr((shape, plane, basis, PANELS, EQUIDISTANT))
     found = array_cache.read(key)
@@ -106,7 +105,7 @@ def _solved(shape: Shape, plane: Layer | None, basis: Polynomials) -> tuple[Arra
     return fine + added, MARGIN * _relative(added, shape, basis)
 
 
-def _relative(change: Array, shape: Shape, basis: Polynomials) -> float:
+def _relative(change: Real, shape: Shape, basis: Polynomials) -> float:
     """Largest change of charges of the smoothest potentials.
 
     It is over those of straight fields.
@@ -119,9 +118,7 @@ def _relative(change: Array, shape: Shape, basis: Polynomials) -> float:
     return float(np.abs(np.linalg.eigvalsh(scaled)).max()) / straight
 
 
-def excess(
-    block: PanelBlock, layer: Layer | None, permittivity: float, basis: Polynomials
-) -> Array:
+def excess(block: PanelBlock, layer: Layer | None, permittivity: float, basis: Polynomials) -> Real:
     """Matrix of one block, F, shape (2, polynomial, 2, polynomial).
 
     The bottom sheet is first. Polynomials are those of the whole skin. If the block is a part of it
@@ -145,7 +142,7 @@ def excess(
     return VACUUM_PERMITTIVITY * len(block.mirrors) * found
 
 
-def _local(block: PanelBlock, layer: Layer | None, values: Array, slopes: Array) -> Array:
+def _local(block: PanelBlock, layer: Layer | None, values: Real, slopes: Real) -> Real:
     """Local charges of sheets with vacuum between, over eps0, m, shape (2 k, 2 k).
 
     values, slopes: those of k potentials and of their gradients at the middles of all panels.

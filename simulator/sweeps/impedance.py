@@ -1,8 +1,9 @@
 """Impedance Z = Rs + jX and the quantities derived from it: Cp, Cs, and X from Rs and Cp."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ..arrays import Mask, Real
 from .errors import InputError
 
 NOISE = 0.05
@@ -12,7 +13,7 @@ UNRELATED = 0.05
 digits explains: a wrong unit, a typing error, a truncated cell."""
 
 
-def parallel_capacitance(Z: ArrayLike, frequency: ArrayLike) -> NDArray[np.float64]:
+def parallel_capacitance(Z: ArrayLike, frequency: ArrayLike) -> Real:
     """Cp = Im(1/Z) / omega, in F.
 
     Z: ohm, shape (..., frequency). frequency: Hz, shape (frequency,).
@@ -22,7 +23,7 @@ def parallel_capacitance(Z: ArrayLike, frequency: ArrayLike) -> NDArray[np.float
     return -(Z.imag / magnitude) / magnitude / omega
 
 
-def series_capacitance(Z: ArrayLike, frequency: ArrayLike) -> NDArray[np.float64]:
+def series_capacitance(Z: ArrayLike, frequency: ArrayLike) -> Real:
     """Cs = -1 / (omega X), in F.
 
     Z: ohm, shape (..., frequency). frequency: Hz, shape (frequency,).
@@ -33,7 +34,7 @@ def series_capacitance(Z: ArrayLike, frequency: ArrayLike) -> NDArray[np.float64
 
 def contradicting(
     Rs: ArrayLike, X: ArrayLike, Cp: ArrayLike, frequency: ArrayLike, tolerance: ArrayLike
-) -> NDArray[np.bool_]:
+) -> Mask:
     """True where Cp deviates from Im(1/Z) / omega by more than a fraction of |1/Z| / omega.
 
     Rs, X: ohm, Cp: F, shapes (..., frequency). frequency: Hz. tolerance: the fraction, a number
@@ -54,7 +55,7 @@ def contradiction_text(Cp: float, found: float) -> str:
     )
 
 
-def branch_reactance(Rs: ArrayLike, Cp: ArrayLike, frequency: ArrayLike) -> NDArray[np.float64]:
+def branch_reactance(Rs: ArrayLike, Cp: ArrayLike, frequency: ArrayLike) -> Real:
     """X from (Rs, Cp) alone, on the branch with a phase between -90 and -45 degrees.
 
     Cp = -X / (omega (Rs² + X²)) has two roots with X1 X2 = Rs². This returns the one with |X| >=

@@ -6,12 +6,9 @@ from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Real
 from .impedance import parallel_capacitance
-
-Complex = NDArray[np.complex128]
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

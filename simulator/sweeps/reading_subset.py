@@ -13,17 +13,18 @@ from .sweep_table import DIMENSIONS
 
 if TYPE_CHECKING:
     import xarray as xr
-    from numpy.typing import NDArray
+
+    from ..arrays import Mask
 
 
-def read_mask(sweeps: xr.Dataset) -> NDArray[np.bool_]:
+def read_mask(sweeps: xr.Dataset) -> Mask:
     """Mask of the readings that were taken, shape (interface, frequency)."""
     taken = taken_of(sweeps)
     whole = np.ones((sweeps.sizes["interface"], sweeps.sizes["frequency"]), dtype=bool)
     return whole if taken is None else taken
 
 
-def restricted(sweeps: xr.Dataset, read: NDArray[np.bool_]) -> xr.Dataset:
+def restricted(sweeps: xr.Dataset, read: Mask) -> xr.Dataset:
     """The sweeps with these readings only; interfaces and frequencies without any are dropped.
 
     read: mask of shape (interface, frequency), a non-empty subset of the readings taken.

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from ..arrays import Mask, Real
 
 SAME_FREQUENCY = 1e-6
 """Relative difference below which two frequencies are always the same."""
@@ -11,7 +13,7 @@ DIGITS = (4, 5, 6)
 """Numbers of digits at which a file was rounded; with fewer, frequencies are round numbers."""
 
 
-def tolerance(frequency: ArrayLike) -> NDArray[np.float64]:
+def tolerance(frequency: ArrayLike) -> Real:
     """Relative difference at which another frequency may be the same as each of these.
 
     It is SAME_FREQUENCY, or half of the last digit if they are written with 4 to 6 digits.
@@ -27,7 +29,7 @@ def tolerance(frequency: ArrayLike) -> NDArray[np.float64]:
     return np.full(f.shape, SAME_FREQUENCY)
 
 
-def same_frequencies(one: ArrayLike, other: ArrayLike) -> NDArray[np.bool_]:
+def same_frequencies(one: ArrayLike, other: ArrayLike) -> Mask:
     """True where two arrays of frequencies in Hz, of one shape, have the same one."""
     f, g = np.asarray(one, dtype=np.float64), np.asarray(other, dtype=np.float64)
     return np.abs(f - g) <= np.maximum(tolerance(f), tolerance(g)) * np.minimum(f, g)

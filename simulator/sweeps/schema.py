@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import ArrayLike, NDArray
 
+    from ..arrays import Complex, Mask, Real
+
 P = ParamSpec("P")
 UNPRESSED = "none"
 UNKNOWN_PRESS = "unknown"
@@ -63,7 +65,7 @@ def tabled(
     shown: Mapping[str, ArrayLike] | None = None,
     errors: Mapping[str, ArrayLike] | None = None,
     attributes: Mapping[str, str | int | float] | None = None,
-    taken: NDArray[np.bool_] | None = None,
+    taken: Mask | None = None,
     kind: ReadingKind = IMPEDANCE,
 ) -> SweepTable:
     """Sweeps from complex readings as plain arrays, without importing xarray.
@@ -149,9 +151,7 @@ def _checked(sweeps: SweepTable) -> SweepTable:
     return sweeps
 
 
-def _check_readings(
-    name: str, values: NDArray[np.float64], taken: NDArray[np.bool_] | None
-) -> None:
+def _check_readings(name: str, values: Real, taken: Mask | None) -> None:
     """values: shape (sweep, interface, frequency)."""
     if taken is None:
         return _check_finite(name, values)
@@ -160,7 +160,7 @@ def _check_readings(
         raise InputError(f"`{name}` must be NaN where `{TAKEN}` says that nothing was read")
 
 
-def taken_of(sweeps: xr.Dataset) -> NDArray[np.bool_] | None:
+def taken_of(sweeps: xr.Dataset) -> Mask | None:
     """The mask TAKEN of sweeps, shape (interface, frequency); None if all readings were taken.
 
     Raises InputError if the mask has other dimensions.
@@ -172,7 +172,7 @@ def taken_of(sweeps: xr.Dataset) -> NDArray[np.bool_] | None:
     return sweeps[TAKEN].transpose(*DIMENSIONS[1:]).values.astype(bool)
 
 
-def _check_finite(name: str, values: NDArray[np.float64]) -> None:
+def _check_finite(name: str, values: Real) -> None:
     if not np.isfinite(values).all():
         raise InputError(f"`{name}` must be finite everywhere")
 
@@ -220,7 +220,7 @@ def _check_pixels(row: NDArray, column: NDArray) -> None:
         )
 
 
-def _checked_frequency(frequency: NDArray[np.float64]) -> NDArray[np.float64]:
+def _checked_frequency(frequency: Real) -> Real:
     if not (np.isfinite(frequency).all() and (frequency > 0).all()):
         raise InputError("`frequency` must be finite and > 0 Hz")
     if not (np.diff(frequency) > 0).all():
@@ -237,7 +237,7 @@ def session_names(sweeps: xr.Dataset) -> dict[int, str]:
         raise InputError(f"attribute `{SESSIONS}` must be names by number: {error}") from error
 
 
-def complex_readings(sweeps: xr.Dataset) -> NDArray[np.complex128]:
+def complex_readings(sweeps: xr.Dataset) -> Complex:
     """Complex readings of the sweeps' own kind, shape (sweep, interface, frequency).
 
     They are impedances in ohm or gains; where only magnitudes of gains are known, their phases are
@@ -250,7 +250,7 @@ def complex_readings(sweeps: xr.Dataset) -> NDArray[np.complex128]:
     return kind.reading(values)
 
 
-def impedance(sweeps: xr.Dataset) -> NDArray[np.complex128]:
+def impedance(sweeps: xr.Dataset) -> Complex:
     """Z = Rs + jX in ohm, shape (sweep, interface, frequency).
 
     Raises InputError for sweeps of another kind of readings.

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from .painting import HALO, SHADE
 
 if TYPE_CHECKING:
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from .marks import Marks
     from .skin_surface import SkinSurface
 
-Real = NDArray[np.float64]
 MILLI = 1e3
 ROUND_LENGTHS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 """Lengths of a scale bar, mm."""

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ..arrays import Real
 
 if TYPE_CHECKING:
     import pyvista as pv
 
-Real = NDArray[np.float64]
 TILT, TURN = np.radians(26), np.radians(-24)
 """Angles of a view from the side: above the horizon, and about the vertical, rad."""
 

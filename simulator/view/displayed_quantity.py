@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Real
 from .marks import Arrows, arrows
 from .quantities import (
     COLOUR_MAPS,
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from ..models.solution_fields import SolutionFields
     from .skin_surface import SkinSurface
 
-Real = NDArray[np.float64]
 CONTOUR_STEPS = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0)
 """Degrees between lines of equal phase, to choose from."""
 MAX_CONTOURS = 9
@@ -171,7 +170,7 @@ def _in_ohm(value: float) -> tuple[str, str]:
     return f"{factor * value:.4g}".replace("-", "−"), unit
 
 
-def phase_contours(skin: SkinSurface, V: NDArray[np.complex128]) -> tuple[tuple[Real, ...], float]:
+def phase_contours(skin: SkinSurface, V: Complex) -> tuple[tuple[Real, ...], float]:
     """Lines (3, n) of equal phase of V (point,), and the degrees between them.
 
     Where the phase is a, V exp(-ja) is real and positive, so that nothing jumps at 180 degrees.
@@ -185,7 +184,7 @@ def phase_contours(skin: SkinSurface, V: NDArray[np.complex128]) -> tuple[tuple[
     return tuple(lines), step
 
 
-def _isophase(skin: SkinSurface, V: NDArray[np.complex128], level: float) -> list[Real]:
+def _isophase(skin: SkinSurface, V: Complex, level: float) -> list[Real]:
     from .skin_surface import polygons
 
     turned = V * np.exp(-1j * np.radians(level)) / np.maximum(np.abs(V), np.finfo(float).tiny)

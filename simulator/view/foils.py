@@ -8,8 +8,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Real
 from ..scene.contacts import path
 
 if TYPE_CHECKING:
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from ..scene.scene import Scene
     from .skin_surface import SkinSurface
 
-Real = NDArray[np.float64]
 
 Role = Literal["high", "low", "floating"]
 
@@ -101,7 +100,7 @@ class SkinMesh:
         self._p = p if len(p) == 3 else skin.carry(p)[0]
 
     @cached_property
-    def _edges(self) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    def _edges(self) -> tuple[Integer, Integer, Integer]:
         """Edges (2, edge), and the triangle and the opposite point on both sides of each.
 
         Both are of shape (2, edge); -1 where there is no triangle.
@@ -119,7 +118,7 @@ class SkinMesh:
         return edges, found[0], found[1]
 
     @property
-    def _pixels(self) -> NDArray[np.int64]:
+    def _pixels(self) -> Integer:
         """Pixels on both sides of each edge, (2, edge); -1 off pixels and skin."""
         _, triangle, _ = self._edges
         return np.where(triangle < 0, -1, self._domain.pixel[triangle])
@@ -148,7 +147,7 @@ class SkinMesh:
         sums = [np.bincount(pixel[inside], each, count) for each in weighed]
         return np.stack(sums) / total
 
-    def _lines(self, edges: NDArray[np.int64]) -> Iterator[Real]:
+    def _lines(self, edges: Integer) -> Iterator[Real]:
         yield from self._p[:, edges].transpose(2, 0, 1)
 
     def foil(self, name: str) -> tuple[Real, Real]:

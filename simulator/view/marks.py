@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..mesh.drawing import polygon_of, polygonal
 from ..press.pixels import cell_centres, pixel_lines
 from ..press.touch import Disc, Touch, place_of
@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     from ..scene.scene import Scene
     from .skin_surface import SkinSurface
 
-Real = NDArray[np.float64]
 Point = Real | tuple[float, float]
 
 STEPS = 60

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..chart_style import COLOURS, UNPRESSED_COLOUR
 from ..sweeps import InputError
 from .skin_surface import polygons
@@ -144,8 +145,6 @@ def _theme() -> Theme:
     theme.multi_samples = 8
     return theme
 
-
-Real = NDArray[np.float64]
 
 Image = NDArray[np.uint8]
 

@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..sweeps import whole_file
 
 if TYPE_CHECKING:
@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from ..models.solution_fields import SolutionFields
     from .skin_surface import SkinSurface
 
-Array = NDArray[np.float64]
 SHEETS = ("top", "bottom")
 CELLS = {3: "triangle", 4: "quad"}
 
@@ -33,7 +32,7 @@ def write_dataset(
             _write_xdmf(unfinished, fields, skin)
 
 
-def constant_fields(fields: SolutionFields) -> Iterator[tuple[str, Array]]:
+def constant_fields(fields: SolutionFields) -> Iterator[tuple[str, Real]]:
     """Fields that are the same at all frequencies: name with unit, values by point."""
     yield "capacitance_F_per_m2", fields.capacitance
     yield "capacitance_factor", fields.factor
@@ -41,7 +40,7 @@ def constant_fields(fields: SolutionFields) -> Iterator[tuple[str, Array]]:
     yield "flat_position_m", _in_space(fields.x)
 
 
-def fields_at(fields: SolutionFields, at: int) -> Iterator[tuple[str, Array]]:
+def fields_at(fields: SolutionFields, at: int) -> Iterator[tuple[str, Real]]:
     """Fields at a frequency by number: name with unit, values by point."""
     for number, sheet in enumerate(SHEETS):
         V, J = fields.potential[number, at], fields.current[number, at]
@@ -56,7 +55,7 @@ def fields_at(fields: SolutionFields, at: int) -> Iterator[tuple[str, Array]]:
     yield "sensitivity_ln_Cp_per_m2", fields.by_rise_Cp[at]
 
 
-def _in_space(vectors: Array) -> Array:
+def _in_space(vectors: Real) -> Real:
     """Flat vectors (2, point) as rows of three."""
     return np.vstack([vectors, np.zeros_like(vectors[:1])]).T
 

@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Real
 from ..sweeps import InputError
 
 if TYPE_CHECKING:
     from ..models.solution_fields import SolutionFields
 
-Real = NDArray[np.float64]
 Scale = Literal["magnitude", "signed", "cyclic"]
 
 COLOUR_MAPS: dict[Scale, str] = {"magnitude": "viridis", "signed": "RdBu_r", "cyclic": "twilight"}
@@ -87,7 +86,7 @@ def prefix(highest: float, unit: str) -> tuple[float, str]:
     return 1e3**-power, f"{PREFIXES[power + 5]}{unit}"
 
 
-def difference(fields: SolutionFields, at: int) -> NDArray[np.complex128]:
+def difference(fields: SolutionFields, at: int) -> Complex:
     """V_t - V_b at a frequency by number, V, (point,)."""
     return fields.potential[0, at] - fields.potential[1, at]
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..models.heterogeneous.materials import position
 from ..press.press import label_of
 from .camera import Camera, from_above, from_the_side, obliquely
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from .displayed_quantity import DisplayedQuantity
     from .quantities import ViewedQuantity
 
-Real = NDArray[np.float64]
 MARGIN = 0.012
 """Margin around all that is in the picture, over the skin's size."""
 BODY_RADIUS = 0.985

@@ -8,7 +8,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ..arrays import Integer, Mask, Real
 
 if TYPE_CHECKING:
     import pyvista as pv
@@ -16,7 +17,6 @@ if TYPE_CHECKING:
 
     from ..models.solution_fields import SolutionFields
 
-Real = NDArray[np.float64]
 SAME_PLACE = 1.234e-7
 """Distance over the skin's extent up to which points are at one place."""
 EDGE_STEP = 1e-3
@@ -39,8 +39,8 @@ class SkinSurface:
     x: Real
     points: Real
     normals: Real
-    cells: NDArray[np.int64]
-    same: NDArray[np.int64]
+    cells: Integer
+    same: Integer
     exaggeration: float
 
     @property
@@ -60,7 +60,7 @@ class SkinSurface:
         flat.point_data["normals"] = self.normals.T
         return flat
 
-    def carry(self, x: Real) -> tuple[Real, Real, NDArray[np.bool_]]:
+    def carry(self, x: Real) -> tuple[Real, Real, Mask]:
         """Places (3, n) in space of flat places x (2, n), and normals there.
 
         The third result is True for places on the skin, (n,). Off it, values of the nearest point
@@ -87,7 +87,7 @@ class SkinSurface:
         found = probe.sample(flat, tolerance=1e-6 * self.size)
         return np.asarray(found.point_data["values"]).T
 
-    def covers(self, x: Real) -> NDArray[np.bool_]:
+    def covers(self, x: Real) -> Mask:
         """True for flat places (2, n) that lie on the skin."""
         from pyvista import PolyData
 
@@ -95,7 +95,7 @@ class SkinSurface:
         found = probe.sample(self._flat, tolerance=1e-6 * self.size)
         return found.point_data["vtkValidPointMask"].astype(bool)
 
-    def nearest(self, places: Real) -> NDArray[np.int64]:
+    def nearest(self, places: Real) -> Integer:
         """Numbers of the points that are nearest to places (3, n) in space."""
         return np.asarray(self._tree.query(places.T)[1])
 
@@ -112,7 +112,7 @@ class SkinSurface:
         return KDTree(self.points.T)
 
     @cached_property
-    def rim(self) -> NDArray[np.int64]:
+    def rim(self) -> Integer:
         """Edges (2, edge) that only one cell has, in the direction of that cell."""
         corners = self.same[self.cells]
         edges = np.stack([corners, np.roll(corners, -1, axis=0)]).reshape(2, -1)
@@ -129,7 +129,7 @@ class SkinSurface:
         return across * (1.0 if within.mean() < 0.5 else -1.0)
 
 
-def polygons(points: Real, cells: NDArray[np.int64]) -> pv.PolyData:
+def polygons(points: Real, cells: Integer) -> pv.PolyData:
     """Surface of points (3, point) and cells (corner, cell) for pyvista."""
     from pyvista import PolyData
 
@@ -137,7 +137,7 @@ def polygons(points: Real, cells: NDArray[np.int64]) -> pv.PolyData:
     return PolyData(np.ascontiguousarray(points.T), faces=np.vstack([corners, cells]).T.ravel())
 
 
-def triangles(cells: NDArray[np.int64]) -> NDArray[np.int64]:
+def triangles(cells: Integer) -> Integer:
     """Cells (corner, cell) as triangles (3, n)."""
     return np.hstack([cells[[0, k, k + 1]] for k in range(1, len(cells) - 1)])
 
@@ -156,7 +156,7 @@ def surface(
     return SkinSurface(fields.x, points, normals, cells, same, exaggeration)
 
 
-def _first_at_place(places: Real) -> NDArray[np.int64]:
+def _first_at_place(places: Real) -> Integer:
     """Number of the first place that each place (k, point) equals, up to rounding."""
     grid = np.round(places / (SAME_PLACE * np.ptp(places[:2])))
     _, first, back = np.unique(grid, axis=1, return_index=True, return_inverse=True)
@@ -178,7 +178,7 @@ def readable_exaggeration(fields: SolutionFields) -> float:
     return max(1.0, max(step * power for step in (1, 2, 5) if step * power <= wanted))
 
 
-def _counter_clockwise(fields: SolutionFields) -> NDArray[np.int64]:
+def _counter_clockwise(fields: SolutionFields) -> Integer:
     """Cells; those that go clockwise on the flat skin are reversed."""
     x, y = fields.x[:, fields.cells]
     area = (x * np.roll(y, -1, axis=0) - y * np.roll(x, -1, axis=0)).sum(axis=0)

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Integer, Real
 from ..chart_style import UNPRESSED_COLOUR
 from ..safe_text import plotly_text
 from ..sweeps import whole_file
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from .figure import Panel
     from .skin_surface import SkinSurface
 
-Real = NDArray[np.float64]
 COLOURS = 33
 """Number of colours of a colour map in the page."""
 MILLI = 1e3
@@ -261,7 +260,7 @@ def _colour_scale(name: str) -> list[list[float | str]]:
     return [[float(at), to_hex(colormaps[name](at))] for at in np.linspace(0, 1, COLOURS)]
 
 
-def _corners(points: Real, cells: NDArray[np.int64]) -> dict[str, Any]:
+def _corners(points: Real, cells: Integer) -> dict[str, Any]:
     places = dict(zip("xyz", (MILLI * points).astype(np.float32), strict=True))
     return {**places, **dict(zip("ijk", cells.astype(np.int32), strict=True))}
 

@@ -14,8 +14,7 @@ from ..distance import UNITS, Distance
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from numpy.typing import NDArray
-
+    from ....simulator.arrays import Real
     from ...evaluation.confusion import Confusion
     from ..comparison import PreparedComparison
     from ..gap_findings import CalibrationStage, GapFindings
@@ -151,7 +150,7 @@ def _tables(quantity: str, distance: Distance) -> dict[str, Any]:
     return found | {"in_separations": _known(distance.separations)}
 
 
-def _known(table: NDArray[np.float64]) -> list[list[float | None]]:
+def _known(table: Real) -> list[list[float | None]]:
     """The table with None for numbers that are unknown."""
     return [[each if math.isfinite(each) else None for each in line] for line in table.tolist()]
 

@@ -14,11 +14,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Mask, Real
 from ...press.parts import Parts
 
-Array = NDArray[np.float64]
 STRENGTH = "strength"
 """Name of the rise under a touch among the quantities that change a map."""
 SAME = 1e-9
@@ -34,13 +33,13 @@ class EdgeWalls:
     """
 
     parts: Parts
-    cover: Array
+    cover: Real
     rise: float
     grid: tuple[int, int]
 
     @classmethod
     def of_touch(
-        cls, parts: Parts, foam: Array, by: Mapping[str, Array], grid: tuple[int, int]
+        cls, parts: Parts, foam: Real, by: Mapping[str, Real], grid: tuple[int, int]
     ) -> EdgeWalls | None:
         """Walls around one touch; None if there are none.
 
@@ -53,11 +52,11 @@ class EdgeWalls:
         return cls(parts, cover, float((foam[most] - 1) / cover[most]), grid)
 
     @property
-    def walls(self) -> Array:
+    def walls(self) -> Real:
         """Amount of each wall, shape (wall,); see `Parts`."""
         return float(self.parts.wall(*self._sides)) * np.abs(self._steps(self.cover))
 
-    def change_by(self, name: str, change: Array) -> Array:
+    def change_by(self, name: str, change: Real) -> Real:
         """Derivative of `walls` by the quantity of this name.
 
         change: derivative of the foam by it, shape (part,).
@@ -68,7 +67,7 @@ class EdgeWalls:
         grown = np.where(np.abs(steps) > SAME, np.sign(steps) * by_name, np.abs(by_name))
         return float(self.parts.wall(*self._sides)) * grown
 
-    def with_foam(self, share: Array) -> Array:
+    def with_foam(self, share: Real) -> Real:
         """Derivative of `walls` by the foam's permittivity.
 
         share: its relative change, shape (part,).
@@ -76,10 +75,10 @@ class EdgeWalls:
         return self.walls * share[self.parts.walls.pairs].mean(axis=1)
 
     @property
-    def _sides(self) -> tuple[Array, Array]:
+    def _sides(self) -> tuple[Real, Real]:
         return np.array(1 + self.rise), np.array(1.0)
 
-    def _steps(self, of_parts: Array) -> Array:
+    def _steps(self, of_parts: Real) -> Real:
         sides = of_parts[self.parts.walls.pairs]
         less, size = self._less(self.cover), np.abs(sides)
         equal = np.abs(self.cover[self.parts.walls.pairs] @ [1.0, -1.0]) <= SAME
@@ -87,13 +86,13 @@ class EdgeWalls:
         one, other = np.where(self._outermost & less, 0.0, sides).T
         return other - one
 
-    def _less(self, of_parts: Array) -> NDArray[np.bool_]:
+    def _less(self, of_parts: Real) -> Mask:
         """True for a side of a wall that is covered less than the other, shape (wall, 2)."""
         sides = of_parts[self.parts.walls.pairs]
         return sides < sides[:, ::-1] - SAME
 
     @cached_property
-    def _outermost(self) -> NDArray[np.bool_]:
+    def _outermost(self) -> Mask:
         """True for sides of walls that are outermost cells, shape (wall, 2)."""
         row, column = np.divmod(self.parts.walls.pairs, self.grid[1])
         along = row[:, :1] == row[:, 1:]

@@ -13,9 +13,9 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
+from ...arrays import Complex, Real
 from ...fem.error_estimate import ROUNDING
 from ...fem.excitation import Combination, Excitation, combination
 from ...fem.factors import one_blas_thread
@@ -33,7 +33,7 @@ from ...scene.scene import Scene
 from ...sweeps import InputError
 from .part_maps import PartMaps
 
-Maps = Mapping[str, NDArray[np.float64]]
+Maps = Mapping[str, Real]
 """Maps of c over the unpressed c, or of its changes, by name."""
 RTOL = 1e-3
 CELLS_PER_PIXEL = 4
@@ -50,7 +50,7 @@ class _Pressed(NamedTuple):
     weights: Weights
     mass: Mass
     masses: Mapping[str, csc_matrix]
-    gauges: Mapping[str, NDArray[np.float64] | None]
+    gauges: Mapping[str, Real | None]
     skin_unknown: bool
 
 
@@ -65,11 +65,7 @@ class FullFields:
         self._family = unreduced(divided, self._circuit, RTOL, highest)
 
     def respond(
-        self,
-        factors: NDArray[np.float64],
-        directions: Maps,
-        frequency: NDArray[np.float64],
-        of_foam: Maps | None = None,
+        self, factors: Real, directions: Maps, frequency: Real, of_foam: Maps | None = None
     ) -> Response:
         """Response of one map of c over the unpressed c, shape (row, column) of cells.
 
@@ -129,9 +125,7 @@ class FullFields:
         own.eliminate_zeros()
         return own
 
-    def _gauged(
-        self, foam: NDArray[np.float64], change: NDArray[np.float64]
-    ) -> NDArray[np.float64] | None:
+    def _gauged(self, foam: Real, change: Real) -> Real | None:
         """Change of the weights of the sheet terms of K; None where no press changes them."""
         scene = self._family.scene
         if not gauged(scene.skin):
@@ -140,12 +134,8 @@ class FullFields:
         return (by_factor * self._maps.of_foam(change, 0.0)).ravel()
 
     def _excitation_response(
-        self,
-        excitation: Excitation,
-        on: _Pressed,
-        s: NDArray[np.complex128],
-        frequency: NDArray[np.float64],
-    ) -> tuple[NDArray[np.complex128], dict[str, NDArray[np.complex128]]]:
+        self, excitation: Excitation, on: _Pressed, s: Complex, frequency: Real
+    ) -> tuple[Complex, dict[str, Complex]]:
         pencil = on.space.pencil(on.mass, excitation, 0.0)
         Y, _ = respond(pencil, s, KRYLOV_RTOL)
         u = self._potentials(excitation, pencil, on, s, Y)
@@ -168,13 +158,8 @@ class FullFields:
         )
 
     def _potentials(
-        self,
-        excitation: Excitation,
-        pencil: Pencil,
-        on: _Pressed,
-        s: NDArray[np.complex128],
-        Y: NDArray[np.complex128],
-    ) -> NDArray[np.complex128]:
+        self, excitation: Excitation, pencil: Pencil, on: _Pressed, s: Complex, Y: Complex
+    ) -> Complex:
         """Potentials u at 1 V, shape (unknown, s). Raises InputError where they do not match Y.
 
         For an excitation with nearly no charge, such as against an earth without coupling, Y is the
@@ -194,9 +179,7 @@ class FullFields:
             raise InputError(f"frequencies up to {highest:.4g} Hz are too far above cut-off")
         return u.astype(np.complex128)
 
-    def _by_resistance(
-        self, u: NDArray[np.complex128], sheets: NDArray[np.complex128]
-    ) -> dict[str, NDArray[np.complex128]]:
+    def _by_resistance(self, u: Complex, sheets: Complex) -> dict[str, Complex]:
         """Derivatives of `by_sheets`, and by contact resistance."""
         family, found = self._family, by_sheets(sheets, *self.scene.skin.sheet_resistances)
         if any(not contact.ideal for contact in self.scene.contacts):
@@ -205,7 +188,7 @@ class FullFields:
         return found
 
 
-def _energy(parts: NDArray[np.float64], matrix: Mass) -> NDArray[np.complex128]:
+def _energy(parts: Real, matrix: Mass) -> Complex:
     """u'Mu in W of a symmetric M. parts: real, then imaginary parts of u, (unknown, 2 s)."""
     Mu, count = matrix @ parts, parts.shape[1] // 2
     own = np.einsum("ik,ik->k", parts, Mu)

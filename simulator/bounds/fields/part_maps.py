@@ -6,15 +6,13 @@ from collections.abc import Mapping
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Real
 from ...models.parameters import of_parts
 from ...models.reduced.indentation.indentation_draws import scene_spreads_presses
 from ...press.parts import SOLVED, Parts, parts_of
 from ...scene.scene import Scene
 from .edge_walls import EdgeWalls
-
-Array = NDArray[np.float64]
 
 
 class PartMaps:
@@ -37,12 +35,12 @@ class PartMaps:
         """Indices of the parts of the foam."""
         return self.parts.kind[0]
 
-    def of_foam(self, map_of: Array, outside: float) -> Array:
+    def of_foam(self, map_of: Real, outside: float) -> Real:
         """Value of each part of the foam. outside: value of parts outside all cells."""
         own = map_of if map_of.ndim == 2 else map_of[0]
         return of_parts(self._scene, own, outside)
 
-    def edges(self, factors: Array, directions: Mapping[str, Array]) -> EdgeWalls | None:
+    def edges(self, factors: Real, directions: Mapping[str, Real]) -> EdgeWalls | None:
         """Walls around one touch; None if there are none, or if a tension spreads the press.
 
         factors: map of the touch. directions: its derivatives by name.
@@ -54,7 +52,7 @@ class PartMaps:
             self.parts, self.of_foam(factors, 1.0), by, self._scene.pixels.shape
         )
 
-    def pressed(self, factors: Array, edges: EdgeWalls | None = None) -> Array:
+    def pressed(self, factors: Real, edges: EdgeWalls | None = None) -> Real:
         """Amount of each part under a map, shape (part,). edges: of the touch."""
         found, kind = self._with_fingers(self.parts.resting, factors), self.parts.kind
         foam, _, across, walls = kind
@@ -65,9 +63,7 @@ class PartMaps:
             found[walls] = edges.walls
         return found
 
-    def by_press(
-        self, name: str, change: Array, foam: Array, edges: EdgeWalls | None = None
-    ) -> Array:
+    def by_press(self, name: str, change: Real, foam: Real, edges: EdgeWalls | None = None) -> Real:
         """Derivative of `pressed` by a quantity of a press.
 
         name: of the quantity. change: derivative of the map by it. foam: pressed, shape (foam
@@ -78,7 +74,7 @@ class PartMaps:
             found[self.parts.kind[3]] = edges.change_by(name, self.of_foam(change, 0.0))
         return found
 
-    def by_foam(self, change: Array, foam: Array, edges: EdgeWalls | None = None) -> Array:
+    def by_foam(self, change: Real, foam: Real, edges: EdgeWalls | None = None) -> Real:
         """Derivative of `pressed` by the foam's own capacitance.
 
         It also scales the field along the foam and the walls. Arguments as in `by_press`.
@@ -88,13 +84,13 @@ class PartMaps:
             found[self.parts.kind[3]] = edges.with_foam(self.of_foam(change, 0.0) / foam)
         return found
 
-    def by_skin(self, pressed: Array) -> dict[str, Array]:
+    def by_skin(self, pressed: Real) -> dict[str, Real]:
         """Change of the factors by logarithms of bodies and the rim, which no press changes.
 
         Where there is more than the foam, also by the logarithm of the foam's capacitance.
         """
         fixed = enumerate(self.parts.fixed, self.parts.touched)
-        found = dict[str, Array]()
+        found = dict[str, Real]()
         for number, name in fixed:
             if name != SOLVED:
                 found.setdefault(name, np.zeros(self.parts.count))[number] = 1.0
@@ -104,14 +100,14 @@ class PartMaps:
             found["capacitance"][of_foam] = pressed[of_foam]
         return found
 
-    def _change(self, change: Array, across: Array) -> Array:
+    def _change(self, change: Real, across: Real) -> Real:
         found, kind = self._with_fingers(np.zeros(self.parts.count), change), self.parts.kind
         found[kind[0]] = self.of_foam(change, 0.0)
         if self.parts.thickness:
             found[kind[2]] = across * found[kind[0]]
         return found
 
-    def _with_fingers(self, each: Array, map_of: Array) -> Array:
+    def _with_fingers(self, each: Real, map_of: Real) -> Real:
         found = each.copy()
         if map_of.ndim == 3:
             found[self.parts.kind[1]] = map_of[1].ravel()

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Complex, Real
 from ...fem.excitation import Combination
 from ...models.network.network_skin import wiring_of
 from ...models.reduced.dense import added, between_terminals, mass_of, own_axes
@@ -28,12 +28,12 @@ class Potentials:
     excitations to readings.
     """
 
-    of_terminals: NDArray[np.complex128]
-    at: NDArray[np.complex128]
-    Y: NDArray[np.complex128]
+    of_terminals: Complex
+    at: Complex
+    Y: Complex
     combination: Combination
 
-    def energy(self, form: NDArray[np.float64]) -> NDArray[np.complex128]:
+    def energy(self, form: Real) -> Complex:
         """u'(form)u of each reading, shape (reading, s); form: shape (N + n, N + n)."""
         T, count = self.of_terminals, len(form)
         turned = (form @ T.reshape(count, -1)).reshape(T.shape)
@@ -49,11 +49,11 @@ class PressedSkin:
         self._skin = skin
 
     @cached_property
-    def unpressed(self) -> NDArray[np.float64]:
+    def unpressed(self) -> Real:
         """M of the unpressed skin in F, shape (N + n, N + n)."""
         return mass_of(self._skin.unpressed_mass, np.zeros(0, dtype=np.int64), np.zeros(0))
 
-    def mass(self, change: NDArray[np.float64]) -> NDArray[np.float64]:
+    def mass(self, change: Real) -> Real:
         """Change of M in F by changes of the parts over the scene's own, shape (part,)."""
         skin, weights = self._skin, change * self._skin.unpressed_factors
         factors = skin.unpressed_mass.factors
@@ -64,7 +64,7 @@ class PressedSkin:
             found += skin.turn.T @ fixed @ skin.turn
         return found
 
-    def solved(self, M: NDArray[np.float64], s: NDArray[np.complex128]) -> Potentials:
+    def solved(self, M: Real, s: Complex) -> Potentials:
         """Potentials of a press with this M, at s in rad/s."""
         skin = self._skin
         N = len(skin.conductance)

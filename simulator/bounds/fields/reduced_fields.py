@@ -8,8 +8,8 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Complex, Real
 from ...fem.circuit import two_fields
 from ...fem.factors import one_blas_thread
 from ...models.network.terminals import chain, read
@@ -47,11 +47,7 @@ class ReducedFields:
         self._maps = PartMaps(skin.reduced.scene)
 
     def respond(
-        self,
-        factors: NDArray[np.float64],
-        directions: Maps,
-        frequency: NDArray[np.float64],
-        of_foam: Maps | None = None,
+        self, factors: Real, directions: Maps, frequency: Real, of_foam: Maps | None = None
     ) -> Response:
         """Response of one map of c; see `FullFields.respond`."""
         s, maps_of, skin = laplace_variable(frequency, self._skin.loss), self._maps, self._pressed
@@ -72,9 +68,7 @@ class ReducedFields:
                 by = self._by_skin(u, M, frequency) | by
         return at_meter(1 / u.Y, by, self._reading.at(frequency))
 
-    def _by_skin(
-        self, u: Potentials, M: NDArray[np.float64], frequency: NDArray[np.float64]
-    ) -> dict[str, NDArray[np.complex128]]:
+    def _by_skin(self, u: Potentials, M: Real, frequency: Real) -> dict[str, Complex]:
         skin = self.scene.skin
         by_s, of_s = u.energy(M), slopes_of_s(frequency, self._skin.loss)
         by_K = np.stack([u.energy(term) for term in self._stiffness])
@@ -83,7 +77,7 @@ class ReducedFields:
         return by | ({"contact_resistance": -by_K[2:].sum(axis=0)} if len(by_K) > 2 else {})
 
     @cached_property
-    def _stiffness(self) -> NDArray[np.float64]:
+    def _stiffness(self) -> Real:
         """K of each sheet, then of each film, in S."""
         turn = self._skin.turn
         return turn.T @ self._skin.reduced.stiffness @ turn

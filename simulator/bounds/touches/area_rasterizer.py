@@ -9,12 +9,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Real
 from ...press.batch import TouchedCells
 from ...scene.planar import SAME_LINE, covered
 
-Array = NDArray[np.float64]
 Point = tuple[float, float]
 RISE_SPREAD = 0.2
 """Largest relative deviation of the rise of a random touch."""
@@ -40,23 +39,23 @@ class RasterizedTouch(NamedTuple):
     then the F in each cell, and there is also the derivative by its capacitance ("finger", 1/F).
     """
 
-    factors: Array
-    changes: dict[str, Array]
+    factors: Real
+    changes: dict[str, Real]
 
 
 @dataclass(frozen=True)
 class AreaRasterizer:
     """Grid of cells by its lines across x and y, m."""
 
-    x: Array
-    y: Array
+    x: Real
+    y: Real
 
     @classmethod
     def of(cls, length: float, width: float, grid: tuple[int, int]) -> AreaRasterizer:
         """A uniform grid of rows and columns over a skin."""
         return cls(np.linspace(0, length, grid[1] + 1), np.linspace(0, width, grid[0] + 1))
 
-    def raised(self, place: Point, touch: TouchSize) -> dict[str, Array]:
+    def raised(self, place: Point, touch: TouchSize) -> dict[str, Real]:
         """Derivatives of c over the unpressed c by x, y [1/m] and rise, shape (row, column)."""
         along, by_x = covered_about(self.x, place[0], touch.width)
         across, by_y = covered_about(self.y, place[1], touch.height)
@@ -100,7 +99,7 @@ class AreaRasterizer:
         )
 
 
-def covered_about(lines: Array, middle: float, size: float) -> tuple[Array, Array]:
+def covered_about(lines: Real, middle: float, size: float) -> tuple[Real, Real]:
     """Covered fraction of each interval, and its derivative by the middle of the span, 1/m.
 
     An end of the span at an end of the skin, or beyond it, has the derivative 0.
@@ -109,7 +108,7 @@ def covered_about(lines: Array, middle: float, size: float) -> tuple[Array, Arra
     return covered(start, stop, lines), _at(lines, stop) - _at(lines, start)
 
 
-def _at(lines: Array, end: float) -> Array:
+def _at(lines: Real, end: float) -> Real:
     rounding, slope = SAME_LINE * lines[-1], np.zeros(len(lines) - 1)
     if rounding < end < lines[-1] - rounding:
         cell = int(np.searchsorted(lines, end, side="right")) - 1

@@ -15,6 +15,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from ...arrays import Real
 from ...models.mechanics.deformation import check_plane
 from ...models.mechanics.lattice.relaxed_presses import (
     LatticeApplicators,
@@ -27,7 +28,7 @@ from ...models.mechanics.lattice.relaxed_presses import (
 from ...models.mechanics.lattice.skin_lattice import Lattice, lattice_of
 from ...models.reduced.indentation.indentation_draws import scene_spreads_presses
 from ...scene.scene import Scene
-from .area_rasterizer import AreaRasterizer, Array, Point, RasterizedTouch, TouchSize
+from .area_rasterizer import AreaRasterizer, Point, RasterizedTouch, TouchSize
 from .node_sharing import distributed_to_cells
 
 STRIDE = 1
@@ -55,7 +56,7 @@ class DepthRasterizer:
         check_plane(scene.skin)
         self._scene, self._sides, self._stride = scene, sides, stride
         self.lattice: Lattice = lattice_of(scene, grid, min(sides))
-        self._cache: dict[tuple[object, ...], Array] = {}
+        self._cache: dict[tuple[object, ...], Real] = {}
 
     def rasterized(self, place: Point, touch: TouchSize) -> RasterizedTouch:
         """Map of a touch around a point, m.
@@ -68,7 +69,7 @@ class DepthRasterizer:
         corners = [(x + i * step_x, y + j * step_y) for i in (-1, 1) for j in (-1, 1)]
         here = enclosing_window([self.window(corner, rise) for corner in corners])
 
-        def found() -> Array:
+        def found() -> Real:
             ends = rise * (1 - RISE_STEP), min(rise * (1 + RISE_STEP), self._scene.max_factor - 1)
             own = self._at_nodes(place, rise, here)
             each = [in_cells(self.lattice, own, here)]
@@ -104,7 +105,7 @@ class DepthRasterizer:
         """The cells that a touch changes."""
         return window(self.lattice, self.applied(place, rise))
 
-    def rises(self, place: Point, rise: float, here: Window) -> Array:
+    def rises(self, place: Point, rise: float, here: Window) -> Real:
         """Rises of c in the cells of a window by a touch, shape (row, column)."""
         applied = self.applied(place, rise)
         if not rise:
@@ -113,12 +114,12 @@ class DepthRasterizer:
             "rises", applied, here, lambda: rises_within(self.lattice, applied, here)
         )
 
-    def _at_nodes(self, place: Point, rise: float, here: Window) -> Array:
+    def _at_nodes(self, place: Point, rise: float, here: Window) -> Real:
         return rises_at_nodes(self.lattice, self.applied(place, rise), here, DEFLECTION_RTOL)
 
     def _cached(
-        self, what: str, applied: LatticeApplicators, here: Window, found: Callable[[], Array]
-    ) -> Array:
+        self, what: str, applied: LatticeApplicators, here: Window, found: Callable[[], Real]
+    ) -> Real:
         """Cached result of `found` for a touch in a window.
 
         On a rectangle, touches at the same position relative to their windows share it.
@@ -135,7 +136,7 @@ class DepthRasterizer:
             self._cache[key] = found()
         return self._cache[key]
 
-    def _everywhere(self, found: Array, here: Window) -> Array:
+    def _everywhere(self, found: Real, here: Window) -> Real:
         """Values in a window placed among all cells, shape (..., row, column)."""
         every = np.zeros((*found.shape[:-2], *self.lattice.grid))
         every[..., *here] = found

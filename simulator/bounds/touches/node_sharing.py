@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Real
 from ...models.mechanics.lattice.relaxed_presses import Window, in_cells
 from ...models.mechanics.lattice.skin_lattice import Lattice
 
-Array = NDArray[np.float64]
 
-
-def distributed_to_cells(lattice: Lattice, values: Array, here: Window) -> Array:
+def distributed_to_cells(lattice: Lattice, values: Real, here: Window) -> Real:
     """Cell values in a window that weight linear functions as the nodes do.
 
     A function that is linear between the middles of cells has the same weighted sum with the cell
@@ -30,12 +28,12 @@ def distributed_to_cells(lattice: Lattice, values: Array, here: Window) -> Array
     return shared + in_cells(lattice, np.where(amid, 0.0, values), here)
 
 
-def _own(cells: int, within: int) -> Array:
+def _own(cells: int, within: int) -> Real:
     """Cell of each node as a 0/1 matrix, shape (node, cell)."""
     return np.repeat(np.eye(cells), within, axis=0)
 
 
-def _weights(cells: int, within: int) -> Array:
+def _weights(cells: int, within: int) -> Real:
     """Weights of linear interpolation from the cells' middles to each node, shape (node, cell).
 
     They extrapolate beyond the first and the last middle.

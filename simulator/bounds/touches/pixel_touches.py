@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer, Real
 from ...chebyshev import Interpolant, refined
 from ...mesh.finger_cells import with_fingers_at
 from ...mesh.pixel_coverage import pixel_coverage
@@ -27,7 +27,7 @@ from ...press.parts import parts_of
 from ...press.rasterized import Footprints, rasterized
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
-from .area_rasterizer import Array, Point
+from .area_rasterizer import Point
 from .depth_rasterizer import DepthRasterizer, enclosing_window
 
 COUNTS = (5, 129)
@@ -35,7 +35,6 @@ COUNTS = (5, 129)
 RTOL = 1e-4
 """Largest error of interpolation, over the largest rise of a cell."""
 NO_APPLICATOR = LatticeApplicators(np.zeros((0, 4)), np.zeros(0), np.zeros(0))
-Index = NDArray[np.int64]
 
 
 class PixelTouches(Protocol):
@@ -77,7 +76,7 @@ def rasterized_with_fingers(
     return with_fingers_at(scene, on_cells, np.diff(own.starts), squares, grid)
 
 
-def by_touch(batch: PressBatch) -> tuple[Index, Array]:
+def by_touch(batch: PressBatch) -> tuple[Integer, Real]:
     """Cells and rises of each press as rows, shape (press, touch), padded with rises of 0."""
     touches = np.diff(batch.starts)
     there = np.arange(touches.max(initial=0)) < touches[:, None]
@@ -154,7 +153,7 @@ class DepthPixelTouches:
         """Lattice on which the touches are solved."""
         return self._deep.lattice
 
-    def applied(self, pixels: Index, rises: Array) -> LatticeApplicators:
+    def applied(self, pixels: Integer, rises: Real) -> LatticeApplicators:
         """Touches of pixels as applicators."""
         each = [
             self._deep.applied(self._middles[pixel], rise, beyond=0.0)
@@ -174,7 +173,7 @@ class DepthPixelTouches:
         """Rises over depth with twice as many nodes as RTOL needs."""
         here, deepest = self._window(place), self._scene.pressed_depth(1 + self._strongest)
 
-        def close(found: Array, truth: Array) -> bool:
+        def close(found: Real, truth: Real) -> bool:
             return np.abs(found - truth).max() <= RTOL * max(np.abs(truth).max(), RTOL)
 
         rises = refined(lambda depth: self._at(place, here, depth), (0.0, deepest), COUNTS, close)
@@ -190,7 +189,7 @@ class DepthPixelTouches:
         rises = np.linspace(0.0, self._strongest, COUNTS[0])[1:].tolist()
         return enclosing_window([self._deep.window(place, rise) for rise in rises])
 
-    def _at(self, place: Point, here: Window, depth: Array) -> Array:
+    def _at(self, place: Point, here: Window, depth: Real) -> Real:
         """Rises of the cells of a window at depths in m, shape (depth, row, column)."""
         rise = (self._scene.pressed_factors(depth) - 1).tolist()
         return np.stack([self._deep.rises(place, own, here) for own in rise])

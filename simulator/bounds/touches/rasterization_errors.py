@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Complex
 from ...fem.safety_factors import SAMPLED
 from ...models.mechanics.lattice.relaxed_presses import LatticeApplicators
 from ...models.mechanics.lattice.skin_lattice import Lattice
@@ -23,7 +23,7 @@ SAMPLE = 8
 """Largest number of compared touches; all have one size and similar depths."""
 RTOL = 1e-4
 
-Impedances = Callable[[PressBatch], NDArray[np.complex128]]
+Impedances = Callable[[PressBatch], Complex]
 
 
 class RasterizationErrors(NamedTuple):
@@ -76,7 +76,7 @@ def rasterization_errors(
 
 
 def error_against_solver(
-    scene: Scene, presses: Iterable[Press], found: NDArray[np.complex128], rtol: float
+    scene: Scene, presses: Iterable[Press], found: Complex, rtol: float
 ) -> float:
     """Largest relative error of given readings, for some presses.
 

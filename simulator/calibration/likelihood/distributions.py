@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Real
 from ...scene.scene import Scene
 from ..fit import Fit
 from ..identifiability import Information
@@ -72,7 +72,7 @@ class Distributions:
             own[names.index(name)] = slope * priors[name].deviation
             level += slope * priors[name].center
 
-        def read(u: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
+        def read(u: Real) -> tuple[float, Real]:
             return float(level + own @ u), own
 
         pivot = COMMON if COMMON in slopes else next(iter(slopes))
@@ -82,7 +82,7 @@ class Distributions:
         """The logarithm of the resistance of both sheets in series."""
         spec, scene = self._fit.spec, self._scene
 
-        def read(u: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
+        def read(u: Real) -> tuple[float, Real]:
             both = next(each for each in sheets(scene, spec.values(u)) if each.name == SUM)
             slopes = np.zeros(len(u))
             for k, (name, prior) in enumerate(spec.fitted.items()):

@@ -13,14 +13,14 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from ...arrays import Real
 from ...fem.factors import one_blas_thread
 from ..fit import INSIDE, Fit
 from .profile_distribution import Interval, ProfileDistribution
 
-Gradient = Callable[[NDArray[np.float64]], tuple[float, NDArray[np.float64]]]
+Gradient = Callable[[Real], tuple[float, Real]]
 STEP, MAX_STEPS, MAX_SOLVER_STEPS = 0.8, 14, 60
 """Linear deviations between points; largest number of points on each side; evaluations a point."""
 MIN_SHARE, MAX_GAIN = 0.1, 2.5
@@ -50,7 +50,7 @@ class ProfilePoint:
     """A value of the quantity (`at`), the best unknowns there, and their J (`misfit`)."""
 
     at: float
-    u: NDArray[np.float64]
+    u: Real
     misfit: float
 
 
@@ -65,17 +65,17 @@ class Profile:
         self._moved = scale > 1
 
     @cached_property
-    def best(self) -> NDArray[np.float64]:
+    def best(self) -> Real:
         """Unknowns at the minimum of J: those of the fit, unless the scale moves it."""
         return self._minimum(self._begin, None, 0.0) if self._moved else self._begin
 
     @cached_property
-    def _covariance(self) -> NDArray[np.float64]:
+    def _covariance(self) -> Real:
         _, J = self._at(self.best)
         return np.linalg.inv(J.T @ J).astype(np.float64)
 
     @cached_property
-    def _spread(self) -> NDArray[np.float64]:
+    def _spread(self) -> Real:
         """Linear standard deviation of each unknown at the fit."""
         J = self._at(self._begin)[1]
         return np.sqrt(np.linalg.inv(J.T @ J).diagonal()).astype(np.float64)
@@ -161,25 +161,21 @@ class Profile:
             last, step = point, step * float(np.clip(STEP / max(gone, 1e-3), 1.0, MAX_GAIN))
         return found
 
-    def _solved(
-        self, quantity: ProfiledQuantity, at: float, begin: NDArray[np.float64]
-    ) -> ProfilePoint:
+    def _solved(self, quantity: ProfiledQuantity, at: float, begin: Real) -> ProfilePoint:
         return self._place(at, self._constrained(quantity, at, self._minimum(begin, quantity, at)))
 
-    def _minimum(
-        self, begin: NDArray[np.float64], quantity: ProfiledQuantity | None, at: float
-    ) -> NDArray[np.float64]:
+    def _minimum(self, begin: Real, quantity: ProfiledQuantity | None, at: float) -> Real:
         """Unknowns of minimal J among those at which the quantity has the value `at`."""
         rest = np.arange(len(begin)) != (-1 if quantity is None else quantity.pivot)
         low, high = self._low[rest], self._high[rest]
         inside = np.minimum(INSIDE * self._spread[rest], (high - low) / 4)
         u = np.array(begin)
 
-        def full(own: NDArray[np.float64]) -> NDArray[np.float64]:
+        def full(own: Real) -> Real:
             u[rest] = own
             return u.copy() if quantity is None else self._constrained(quantity, at, u)
 
-        def by_rest(own: NDArray[np.float64]) -> NDArray[np.float64]:
+        def by_rest(own: Real) -> Real:
             return (
                 self._at(full(own))[1] if quantity is None else self._reduced(quantity, full(own))
             )
@@ -198,40 +194,38 @@ class Profile:
         )
         return full(np.asarray(found.x, dtype=np.float64))
 
-    def _constrained(
-        self, quantity: ProfiledQuantity, at: float, u: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def _constrained(self, quantity: ProfiledQuantity, at: float, u: Real) -> Real:
         """The unknowns with the pivot changed such that the quantity has the value `at`."""
         value, slopes = quantity.read(u)
         moved = u.copy()
         moved[quantity.pivot] += (at - value) / slopes[quantity.pivot]
         return moved
 
-    def _beyond_reach(self, quantity: ProfiledQuantity, u: NDArray[np.float64]) -> bool:
+    def _beyond_reach(self, quantity: ProfiledQuantity, u: Real) -> bool:
         """True if the pivot, which the minimization does not bound, leaves the model's reach."""
         pivot = quantity.pivot
         over = OVER * self._spread[pivot]
         return not self._low[pivot] - over <= u[pivot] <= self._high[pivot] + over
 
-    def _inside(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _inside(self, u: Real) -> Real:
         return np.clip(u, self._low, self._high)
 
-    def _at(self, u: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def _at(self, u: Real) -> tuple[Real, Real]:
         return self._problem.reduced_system(u, self._scale)
 
-    def _reduced(self, quantity: ProfiledQuantity, u: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _reduced(self, quantity: ProfiledQuantity, u: Real) -> Real:
         """Jacobian by all unknowns but the pivot, which follows from them."""
         J, slopes = self._at(u)[1], quantity.read(u)[1]
         rest = J - np.outer(J[:, quantity.pivot], slopes / slopes[quantity.pivot])
         return np.asarray(np.delete(rest, quantity.pivot, axis=1), dtype=np.float64)
 
-    def _remaining_drop(self, quantity: ProfiledQuantity, u: NDArray[np.float64]) -> float:
+    def _remaining_drop(self, quantity: ProfiledQuantity, u: Real) -> float:
         """Further decrease of J at this value that its slopes predict."""
         J, r = self._reduced(quantity, u), self._at(u)[0]
         downhill = J.T @ r
         return float(downhill @ np.linalg.solve(J.T @ J, downhill))
 
-    def _place(self, at: float, u: NDArray[np.float64]) -> ProfilePoint:
+    def _place(self, at: float, u: Real) -> ProfilePoint:
         r = self._at(u)[0]
         return ProfilePoint(at, u, float(r @ r))
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import PchipInterpolator
+
+from ...arrays import Real
 
 Interval = tuple[float, float]
 
@@ -22,11 +23,11 @@ class ProfileDistribution:
     of the misfit above its minimum at each value, ascending. limits: of the quantity.
     """
 
-    values: NDArray[np.float64]
-    deviations: NDArray[np.float64]
+    values: Real
+    deviations: Real
     limits: Interval
 
-    def at(self, deviations: NDArray[np.float64]) -> NDArray[np.float64]:
+    def at(self, deviations: Real) -> Real:
         """Values at these deviations, linearly extrapolated, within the limits."""
         own = np.clip(deviations, self.deviations[0], self.deviations[-1])
         found = PchipInterpolator(self.deviations, self.values)(own)

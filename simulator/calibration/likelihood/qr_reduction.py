@@ -12,9 +12,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-ReducedSystem = tuple[NDArray[np.float64], NDArray[np.float64]]
+from ...arrays import Complex, Integer, Real
+
+ReducedSystem = tuple[Real, Real]
 
 
 @dataclass(frozen=True)
@@ -27,16 +28,16 @@ class ResidualBlock:
     derivatives of the residuals, shape (sweep, residual, unknown).
     """
 
-    readings: NDArray[np.int64]
-    columns: NDArray[np.int64]
+    readings: Integer
+    columns: Integer
     touches: int
-    Z: NDArray[np.complex128]
-    residuals: NDArray[np.float64]
-    slopes: NDArray[np.float64]
+    Z: Complex
+    residuals: Real
+    slopes: Real
 
 
 def reduced_system(
-    blocks: Sequence[ResidualBlock], u: NDArray[np.float64], parameters: int, scale: float
+    blocks: Sequence[ResidualBlock], u: Real, parameters: int, scale: float
 ) -> ReducedSystem:
     """Residuals r and Jacobian J of blocks and of the priors of all unknowns u, in fewer rows.
 
@@ -58,9 +59,7 @@ def reduced_system(
     return found[:, -1], found[:, :-1]
 
 
-def _priors(
-    blocks: Sequence[ResidualBlock], u: NDArray[np.float64], parameters: int, share: float
-) -> NDArray[np.float64]:
+def _priors(blocks: Sequence[ResidualBlock], u: Real, parameters: int, share: float) -> Real:
     """Rows of the priors of all unknowns but touches, shape (prior, unknown and residual)."""
     weights = np.where(np.arange(len(u)) < parameters, 1.0, share)
     whole = np.column_stack([np.diag(weights), weights * u])
@@ -68,9 +67,7 @@ def _priors(
     return np.delete(whole, np.concatenate(touches), axis=0)
 
 
-def _eliminated(
-    block: ResidualBlock, u: NDArray[np.float64], share: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _eliminated(block: ResidualBlock, u: Real, share: float) -> tuple[Real, Real]:
     """Rows of touches, and all other rows: each of shape (sweep, row, unknown and residual)."""
     count, unknowns = block.columns.shape
     priors = np.zeros((count, block.touches, unknowns + 1))
@@ -82,9 +79,7 @@ def _eliminated(
     return R[:, : block.touches], R[:, block.touches :, block.touches :]
 
 
-def _spread(
-    rows: NDArray[np.float64], columns: NDArray[np.int64], size: int
-) -> NDArray[np.float64]:
+def _spread(rows: Real, columns: Integer, size: int) -> Real:
     """Rows of each sweep, placed among all columns, shape (row, size)."""
     found = np.zeros((*rows.shape[:2], size))
     found[np.arange(len(rows))[:, None], :, columns] = rows.transpose(0, 2, 1)

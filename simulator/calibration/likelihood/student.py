@@ -14,8 +14,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Real
 from .qr_reduction import ResidualBlock
 
 SERIES_BELOW = 1e-6
@@ -39,7 +39,7 @@ class StudentT:
     scale: float = 1.0
     parts: int = 2
 
-    def weights(self, squares: NDArray[np.float64]) -> NDArray[np.float64]:
+    def weights(self, squares: Real) -> Real:
         """Weight of each reading in the fit, d rho / dq. squares: r'r of each, not over kappa²."""
         return (self.freedom + self.parts) / (self.freedom + squares / self.scale**2)
 
@@ -66,7 +66,7 @@ class StudentT:
         )
 
 
-def likeliest(squares: NDArray[np.float64], freedom: float, parts: int = 2) -> StudentT | None:
+def likeliest(squares: Real, freedom: float, parts: int = 2) -> StudentT | None:
     """The likeliest t distribution of residuals; None where normal errors explain them as well.
 
     squares: r'r of each reading over the noise, shape (reading,). freedom: of the residuals.
@@ -78,9 +78,7 @@ def likeliest(squares: NDArray[np.float64], freedom: float, parts: int = 2) -> S
     return tail if gain - math.log(parts * len(squares)) > CLEAR_GAIN else None
 
 
-def fitted_tail(
-    squares: NDArray[np.float64], freedom: float, min_scale: float = 0.0, parts: int = 2
-) -> StudentT:
+def fitted_tail(squares: Real, freedom: float, min_scale: float = 0.0, parts: int = 2) -> StudentT:
     """The likeliest t distribution of residuals. See `likeliest`."""
     from scipy.optimize import minimize_scalar
 
@@ -98,9 +96,7 @@ def fitted_tail(
     return tail(float(found.x))
 
 
-def _scaled(
-    tail: StudentT, squares: NDArray[np.float64], freedom: float, min_scale: float
-) -> StudentT:
+def _scaled(tail: StudentT, squares: Real, freedom: float, min_scale: float) -> StudentT:
     """The distribution with the likeliest kappa, at which the weighted squares are `freedom`."""
     scale = math.sqrt(max(float(np.median(squares)), 1e-12))
     for _ in range(SCALE_ROUNDS):
@@ -109,7 +105,7 @@ def _scaled(
     return replace(tail, scale=max(scale, min_scale))
 
 
-def _misfit(tail: StudentT, squares: NDArray[np.float64], freedom: float) -> float:
+def _misfit(tail: StudentT, squares: Real, freedom: float) -> float:
     q = squares / tail.scale**2
     rho = (tail.freedom + tail.parts) * np.log1p(q / tail.freedom)
     constant = len(squares) * _normalization(tail.freedom, tail.parts)

@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer, Real
 from ...models.reduced.indentation.indentation_draws import spreading
 from ...press.batch import PressBatch
 from ...press.rasterized import Footprints, rasterized
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 
 def cell_presses(
-    scene: Scene, touches: NDArray[np.int64], placed: Footprints, grid: tuple[int, int]
+    scene: Scene, touches: Integer, placed: Footprints, grid: tuple[int, int]
 ) -> PressBatch:
     """Presses rasterized on cells; by the deflection if a tension spreads the scene's presses."""
     if not spreading(scene):
@@ -35,7 +35,7 @@ def cell_presses(
     return PressBatch.of(raised(lattice, own) for own in each)
 
 
-def written_strengths(scene: Scene, placed: Footprints) -> tuple[NDArray[np.float64], str]:
+def written_strengths(scene: Scene, placed: Footprints) -> tuple[Real, str]:
     """Strengths of touches as written in their texts, and the unit."""
     return written_strength(scene, placed.factor) if spreading(scene) else (placed.factor, "")
 
@@ -53,7 +53,7 @@ def lattice_for(scene: Scene, grid: tuple[int, int]) -> Lattice:
 
 
 def cell_presses_by_triangles(
-    scene: Scene, touches: NDArray[np.int64], placed: Footprints, grid: tuple[int, int]
+    scene: Scene, touches: Integer, placed: Footprints, grid: tuple[int, int]
 ) -> PressBatch:
     """As `cell_presses`, by the membrane on triangles."""
     from ...models.mechanics.lattice.traced_deformation import traced

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer, Mask, Real
 from ...mesh.pixel_coverage import pixel_coverage
 from ...models.reduced.indentation.indentation_draws import spreading
 from ...press.rasterized import Footprints
@@ -21,9 +21,9 @@ HALF = 0.5
 
 def drawn_places(
     scene: Scene,
-    touches: NDArray[np.int64],
-    chances: NDArray[np.float64],
-    factor: NDArray[np.float64],
+    touches: Integer,
+    chances: Real,
+    factor: Real,
     grid: tuple[int, int],
     fingers: DrawnFingers,
 ) -> Footprints:
@@ -48,11 +48,7 @@ def drawn_places(
 
 
 def place_texts(
-    touches: NDArray[np.int64],
-    placed: Footprints,
-    strength: NDArray[np.float64],
-    unit: str,
-    rod: str = "",
+    touches: Integer, placed: Footprints, strength: Real, unit: str, rod: str = ""
 ) -> list[str]:
     """The text of each press, in the format of `label_of`.
 
@@ -71,9 +67,7 @@ def place_texts(
     return joined_texts(touches, map("".join, parts))
 
 
-def _first_on_skin(
-    scene: Scene, x: NDArray[np.float64], y: NDArray[np.float64], grid: tuple[int, int]
-) -> NDArray[np.int64]:
+def _first_on_skin(scene: Scene, x: Real, y: Real, grid: tuple[int, int]) -> Integer:
     """Index of the first place on the skin for each touch; the last place if none is.
 
     If a tension spreads presses, the applicator must meet the skin; otherwise a place counts if its
@@ -92,13 +86,13 @@ def _first_on_skin(
     return on_skin.argmax(axis=0)
 
 
-def _in_order(placed: Footprints, touches: NDArray[np.int64]) -> Footprints:
+def _in_order(placed: Footprints, touches: Integer) -> Footprints:
     """Sorts touches as in the texts of presses: rectangles before discs, each by its numbers."""
     swapped = _after(placed) & (touches > 1)
     return Footprints(*(np.where(swapped[:, None], each[:, ::-1], each) for each in placed))
 
 
-def _after(placed: Footprints) -> NDArray[np.bool_]:
+def _after(placed: Footprints) -> Mask:
     """True if the first of two touches of a press sorts after the second, shape (press,)."""
     after, same = np.zeros(len(placed.x), dtype=bool), np.ones(len(placed.x), dtype=bool)
     for each in placed:
@@ -108,11 +102,9 @@ def _after(placed: Footprints) -> NDArray[np.bool_]:
     return after
 
 
-def _inside(
-    chance: NDArray[np.float64], extent: NDArray[np.float64], length: float
-) -> NDArray[np.float64]:
+def _inside(chance: Real, extent: Real, length: float) -> Real:
     return _length(extent / 2 + chance * (length - extent))
 
 
-def _length(value: NDArray[np.float64]) -> NDArray[np.float64]:
+def _length(value: Real) -> Real:
     return np.round(value, LENGTH_DECIMALS)

@@ -5,15 +5,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer
 from ...scene.planar import Points
 from .dividing import divided
 from .filling import filled
 from .sizing import Sizing
 from .smoothing import smoothed
-
-Numbers = NDArray[np.int64]
 
 
 class MeshedDrawing(NamedTuple):
@@ -25,13 +23,13 @@ class MeshedDrawing(NamedTuple):
     """
 
     p: Points
-    t: Numbers
-    lines: Numbers
-    piece: Numbers
+    t: Integer
+    lines: Integer
+    piece: Integer
 
 
 def meshed(
-    points: Points, pieces: Numbers, curvature: Points, curve: Numbers, size: float
+    points: Points, pieces: Integer, curvature: Points, curve: Integer, size: float
 ) -> MeshedDrawing:
     """Triangles that conform to every piece of a drawing.
 

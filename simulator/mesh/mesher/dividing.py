@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer, Real
 from ...scene.planar import Points
 from ..arcs import on_arcs
 from .sizing import Sizing
 
-Numbers = NDArray[np.int64]
 PART = 0.25
 """Slice of a piece over the edge length there, which is constant in the slice."""
 ROUNDING = 0.01
 
 
 def divided(
-    points: Points, pieces: Numbers, curvature: NDArray[np.float64], sizing: Sizing
-) -> tuple[Points, Numbers, Numbers]:
+    points: Points, pieces: Integer, curvature: Real, sizing: Sizing
+) -> tuple[Points, Integer, Integer]:
     """Points, lines, and the piece of each line after division.
 
     Returns the points, m, those of the drawing first, shape (point, 2); the lines by numbers of
@@ -38,9 +37,7 @@ def divided(
     return np.concatenate([points, new]), lines, owner[:-1][within]
 
 
-def _cuts(
-    ends: Points, curvature: NDArray[np.float64], sizing: Sizing
-) -> tuple[NDArray[np.float64], Numbers]:
+def _cuts(ends: Points, curvature: Real, sizing: Sizing) -> tuple[Real, Integer]:
     """Cuts as fractions of the chords of pieces, in order, and the piece of each cut."""
     whole, start, width, count = _slices(ends, curvature, sizing)
     total = np.bincount(whole, count, minlength=len(ends))
@@ -54,9 +51,7 @@ def _cuts(
     return np.interp(before[piece] + part * total[piece], counted, along) - piece, piece
 
 
-def _slices(
-    ends: Points, curvature: NDArray[np.float64], sizing: Sizing
-) -> tuple[Numbers, NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+def _slices(ends: Points, curvature: Real, sizing: Sizing) -> tuple[Integer, Real, Real, Real]:
     """Slices of pieces in which edges are equally long, in order.
 
     Returns the piece of each slice, its start and its width as fractions of the chord, and how many

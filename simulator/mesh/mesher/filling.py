@@ -9,13 +9,12 @@ their place, and only where there is room: so the rounds end, and lines are neve
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer, Mask, Real
 from ...scene.planar import Points
 from .sizing import Sizing
 from .triangulation import triangulated
 
-Numbers = NDArray[np.int64]
 WIDEST = 1.05 / np.sqrt(3)
 """Largest circumradius of a triangle over the requested length.
 
@@ -30,8 +29,8 @@ NEAREST = 3
 
 
 def filled(
-    points: Points, lines: Numbers, curve: Numbers, sizing: Sizing
-) -> tuple[Points, Numbers]:
+    points: Points, lines: Integer, curve: Integer, sizing: Sizing
+) -> tuple[Points, Integer]:
     """Points, the given ones first, shape (point, 2), and their triangles.
 
     points, lines, curve and the triangles are as for `triangulated`. Some of the new points may be
@@ -50,7 +49,7 @@ def filled(
         points = np.concatenate([points, new])
 
 
-def _new_points(points: Points, t: Numbers, sizing: Sizing) -> tuple[Points, NDArray[np.float64]]:
+def _new_points(points: Points, t: Integer, sizing: Sizing) -> tuple[Points, Real]:
     """New place for each triangle that is too large, and its urgency."""
     centre, radius = _circles(points, t)
     urgency = radius / sizing(points[t].mean(axis=0))
@@ -58,7 +57,7 @@ def _new_points(points: Points, t: Numbers, sizing: Sizing) -> tuple[Points, NDA
     return _fronts(points, t[:, large], centre[large], sizing), urgency[large]
 
 
-def _circles(points: Points, t: Numbers) -> tuple[Points, NDArray[np.float64]]:
+def _circles(points: Points, t: Integer) -> tuple[Points, Real]:
     """Circumcentres, shape (triangle, 2), and circumradii of triangles, m."""
     origin, first, second = points[t]
     u, v = first - origin, second - origin
@@ -69,7 +68,7 @@ def _circles(points: Points, t: Numbers) -> tuple[Points, NDArray[np.float64]]:
         return origin + to_centre, np.linalg.norm(to_centre, axis=1)
 
 
-def _fronts(points: Points, t: Numbers, centre: Points, sizing: Sizing) -> Points:
+def _fronts(points: Points, t: Integer, centre: Points, sizing: Sizing) -> Points:
     """Apexes over the shortest edges of triangles, or circumcentres where nearer."""
     corners = points[t]
     sides = np.roll(corners, -1, axis=0) - corners
@@ -84,11 +83,11 @@ def _fronts(points: Points, t: Numbers, centre: Points, sizing: Sizing) -> Point
     return np.where(beyond[:, None], middle + height[:, None] * inward, centre)
 
 
-def _within_box(new: Points, points: Points) -> NDArray[np.bool_]:
+def _within_box(new: Points, points: Points) -> Mask:
     return ((new > points.min(axis=0)) & (new < points.max(axis=0))).all(axis=1)
 
 
-def _clear_of_lines(new: Points, points: Points, lines: Numbers) -> NDArray[np.bool_]:
+def _clear_of_lines(new: Points, points: Points, lines: Integer) -> Mask:
     """True for places that keep off the middles of lines."""
     from scipy.spatial import KDTree
 
@@ -98,14 +97,14 @@ def _clear_of_lines(new: Points, points: Points, lines: Numbers) -> NDArray[np.b
     return (off >= LINE_CLEARANCE * length[line]).all(axis=1)
 
 
-def _clear_of_points(new: Points, points: Points, reach: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _clear_of_points(new: Points, points: Points, reach: Real) -> Mask:
     """True for places that are at least `reach` away from all points."""
     from scipy.spatial import KDTree
 
     return KDTree(points).query(new)[0] >= reach
 
 
-def _chosen(new: Points, reach: NDArray[np.float64], urgency: NDArray[np.float64]) -> Points:
+def _chosen(new: Points, reach: Real, urgency: Real) -> Points:
     """The most urgent places among those within reach of each other."""
     from scipy.spatial import KDTree
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer, Real
 from ...scene.planar import Points
 from .spacing import spacings
 
@@ -20,7 +20,7 @@ class Sizing:
     It is size / 2^(k / STEPS) where pieces need that or less, and longer elsewhere.
     """
 
-    def __init__(self, points: Points, pieces: NDArray[np.int64], size: float) -> None:
+    def __init__(self, points: Points, pieces: Integer, size: float) -> None:
         """Collects the places of each step.
 
         points, pieces: an arrangement; size: the longest edge, m.
@@ -35,7 +35,7 @@ class Sizing:
             for k in np.unique(step[step > 0]).tolist()
         }
 
-    def __call__(self, places: Points) -> NDArray[np.float64]:
+    def __call__(self, places: Points) -> Real:
         """Lengths in m at places in m, shape (place, 2) to (place,)."""
         least = np.full(len(places), self._size)
         for short, near in self._near.items():

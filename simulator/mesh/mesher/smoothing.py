@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer, Real
 from ...scene.planar import Points
 from .triangulation import triangulated
 
-Numbers = NDArray[np.int64]
 ROUNDS = 8
 STEP = 0.5
 """Fraction of the way to the mean of places where triangles are equilateral."""
@@ -18,8 +17,8 @@ SAME = 1e-9
 
 
 def smoothed(
-    points: Points, t: Numbers, lines: Numbers, curve: Numbers, fixed: int
-) -> tuple[Points, Numbers]:
+    points: Points, t: Integer, lines: Integer, curve: Integer, fixed: int
+) -> tuple[Points, Integer]:
     """Points after moving, and the triangles between them.
 
     The number of points stays, and the first `fixed` do not move. points, lines, curve and the
@@ -31,7 +30,7 @@ def smoothed(
     return points, t
 
 
-def _moved(points: Points, t: Numbers, fixed: int) -> Points:
+def _moved(points: Points, t: Integer, fixed: int) -> Points:
     """Moves points where no triangle around them becomes worse than the worst was."""
     free = np.isin(np.arange(len(points)), t)
     free[:fixed] = False
@@ -45,7 +44,7 @@ def _moved(points: Points, t: Numbers, fixed: int) -> Points:
         free &= ~worse
 
 
-def _better(points: Points, t: Numbers) -> Points:
+def _better(points: Points, t: Integer) -> Points:
     """Mean of the apexes of equilateral triangles over the edges opposite each point.
 
     Badly shaped triangles weigh more; points without triangles stay.
@@ -62,7 +61,7 @@ def _better(points: Points, t: Numbers) -> Points:
     return np.where(none[:, None], points, towards / (total + none)[:, None])
 
 
-def _worst(points: Points, t: Numbers) -> NDArray[np.float64]:
+def _worst(points: Points, t: Integer) -> Real:
     """Smallest shape of the triangles around each point, shape (point,)."""
     shape, least = _shape(points, t), np.full(len(points), np.inf)
     for corner in t:
@@ -70,7 +69,7 @@ def _worst(points: Points, t: Numbers) -> NDArray[np.float64]:
     return least
 
 
-def _shape(points: Points, t: Numbers) -> NDArray[np.float64]:
+def _shape(points: Points, t: Integer) -> Real:
     """Shape of triangles: 1 if equilateral, 0 if flat, negative if clockwise.
 
     Shape (triangle,).

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer, Real
 from ...scene.planar import Points, distance
 
 ASPECT = 2.0
@@ -13,7 +13,7 @@ DEEPEST = 40
 """Largest number of times that a piece is halved."""
 
 
-def spacings(points: Points, pieces: NDArray[np.int64]) -> tuple[Points, NDArray[np.float64]]:
+def spacings(points: Points, pieces: Integer) -> tuple[Points, Real]:
     """Places in m, shape (place, 2), and the requested edge length there, m.
 
     points, pieces: an arrangement. At an end of pieces the length is that of the shortest piece
@@ -41,9 +41,7 @@ def spacings(points: Points, pieces: NDArray[np.int64]) -> tuple[Points, NDArray
     return np.concatenate(places), np.concatenate(sizes)
 
 
-def _to_others(
-    middle: Points, whole: NDArray[np.int64], ends: Points, pieces: NDArray[np.int64]
-) -> NDArray[np.float64]:
+def _to_others(middle: Points, whole: Integer, ends: Points, pieces: Integer) -> Real:
     """Distance from places on pieces to the nearest piece that theirs does not meet."""
     found = distance(middle, ends)
     for end in pieces[whole].T:

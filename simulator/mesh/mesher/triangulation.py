@@ -5,17 +5,16 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer, Mask
 from ...scene.planar import Points
 from ...sweeps import InputError, ToleranceError
 from ..edge_numbering import edge_numbers, edges_of
 
-Numbers = NDArray[np.int64]
 TOO_NEAR = "lines of the skin or of the press are too near to others to mesh"
 
 
-def triangulated(points: Points, lines: Numbers, curve: Numbers) -> Numbers:
+def triangulated(points: Points, lines: Integer, curve: Integer) -> Integer:
     """Triangles within a drawing by numbers of points, shape (3, triangle).
 
     They run anticlockwise. points: m, shape (point, 2). lines: numbers of their ends, shape (2,
@@ -32,7 +31,7 @@ def triangulated(points: Points, lines: Numbers, curve: Numbers) -> Numbers:
     return t[:, _within(of_triangle, line[curve >= 0], line[curve == 0])]
 
 
-def _between(points: Points, lines: Numbers) -> Numbers:
+def _between(points: Points, lines: Integer) -> Integer:
     """Triangles of the points' convex hull."""
     try:
         import pythoncdt as cdt
@@ -53,7 +52,7 @@ def _between(points: Points, lines: Numbers) -> Numbers:
     return found.triangles_array()["vertices"].T.astype(np.int64)
 
 
-def _within(of_triangle: Numbers, walls: Numbers, outline: Numbers) -> NDArray[np.bool_]:
+def _within(of_triangle: Integer, walls: Integer, outline: Integer) -> Mask:
     """True for triangles inside the outline and in none of its holes, (triangle,).
 
     of_triangle: edges of triangles, as from `edges_of`. walls, outline: numbers of the edges along
@@ -67,7 +66,7 @@ def _within(of_triangle: Numbers, walls: Numbers, outline: Numbers) -> NDArray[n
     return np.isin(part, np.setdiff1d(bordering, outside))
 
 
-def _parts(of_triangle: Numbers, walls: Numbers) -> Numbers:
+def _parts(of_triangle: Integer, walls: Integer) -> Integer:
     """Number of the part of each triangle, shape (triangle,); walls separate parts."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components

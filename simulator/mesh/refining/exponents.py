@@ -10,10 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer, Real
 from ..arcs import EDGES
-from ..domain import Domain, Numbers, Points
+from ..domain import Domain, Points
 from ..edge_numbering import edge_numbers, edges_of
 from .wedges import around, between
 
@@ -37,11 +37,11 @@ class SheetAtCorners:
 
     foils: Sequence[str]
     films: Sequence[str] = ()
-    angle: NDArray[np.float64] | None = None
-    conductance: NDArray[np.float64] | None = None
+    angle: Real | None = None
+    conductance: Real | None = None
 
 
-def corner_exponents(mesh: Domain, sheets: Sequence[SheetAtCorners]) -> NDArray[np.float64]:
+def corner_exponents(mesh: Domain, sheets: Sequence[SheetAtCorners]) -> Real:
     """Exponents of the distance with which fields vary at points, shape (point,).
 
     inf where fields are smooth; the minimum over several sheets.
@@ -52,9 +52,7 @@ def corner_exponents(mesh: Domain, sheets: Sequence[SheetAtCorners]) -> NDArray[
     return np.min(powers, axis=0)
 
 
-def _powers(
-    mesh: Domain, sheet: SheetAtCorners, rim: Numbers, of_triangle: Numbers
-) -> NDArray[np.float64]:
+def _powers(mesh: Domain, sheet: SheetAtCorners, rim: Integer, of_triangle: Integer) -> Real:
     """Exponents of one sheet, shape (point,). rim: edges of the boundary, (2, edge)."""
     points, at = mesh.p.shape[1], np.unique(rim)
     angle = _angles(mesh) if sheet.angle is None else sheet.angle
@@ -77,7 +75,7 @@ def _powers(
     return found
 
 
-def _numbered(mesh: Domain, foils: Sequence[str], rim: Numbers) -> Numbers:
+def _numbered(mesh: Domain, foils: Sequence[str], rim: Integer) -> Integer:
     """Number of the foil on each edge of the rim from 1 on; 0 where there is none."""
     found = np.zeros(rim.shape[1], dtype=np.int64)
     for number, name in enumerate(foils, 1):
@@ -86,7 +84,7 @@ def _numbered(mesh: Domain, foils: Sequence[str], rim: Numbers) -> Numbers:
     return found
 
 
-def _extremes(numbers: Numbers, rim: Numbers, points: int) -> tuple[Numbers, Numbers]:
+def _extremes(numbers: Integer, rim: Integer, points: int) -> tuple[Integer, Integer]:
     """Smallest and largest of the numbers of the rim's edges at each point."""
     least, most = np.full(points, numbers.max() + 1), np.zeros(points, dtype=np.int64)
     for ends in rim:
@@ -95,7 +93,7 @@ def _extremes(numbers: Numbers, rim: Numbers, points: int) -> tuple[Numbers, Num
     return least, most
 
 
-def _jumps(t: Numbers, of_triangle: Numbers, conductance: NDArray[np.float64]) -> Numbers:
+def _jumps(t: Integer, of_triangle: Integer, conductance: Real) -> Integer:
     """Number of edges at each point across which the conductance jumps, (point,)."""
     edge = of_triangle.ravel()
     order = np.argsort(edge, kind="stable")
@@ -109,13 +107,7 @@ def _jumps(t: Numbers, of_triangle: Numbers, conductance: NDArray[np.float64]) -
     return found
 
 
-def _crossed(
-    t: Numbers,
-    angle: NDArray[np.float64],
-    conductance: NDArray[np.float64],
-    jumps: Numbers,
-    rim: Numbers,
-) -> list[int]:
+def _crossed(t: Integer, angle: Real, conductance: Real, jumps: Integer, rim: Integer) -> list[int]:
     """Points at which the conductance jumps, except across a smooth line."""
     on_rim = np.zeros(len(jumps), dtype=bool)
     on_rim[rim] = True
@@ -130,13 +122,7 @@ def _crossed(
     return np.flatnonzero((jumps > 0) & (on_rim | (jumps != 2) | ~line)).tolist()
 
 
-def _power_at(
-    point: int,
-    t: Numbers,
-    angle: NDArray[np.float64],
-    conductance: NDArray[np.float64],
-    foil_edges: Numbers,
-) -> float:
+def _power_at(point: int, t: Integer, angle: Real, conductance: Real, foil_edges: Integer) -> float:
     """Exponent at a point by the wedges around it.
 
     foil_edges: edges of foils, which fix the field, shape (2, edge).
@@ -171,7 +157,7 @@ def _in_turn(sides: list[set[int]]) -> tuple[list[int], int, int]:
     return turn, first, last
 
 
-def _angles(mesh: Domain) -> NDArray[np.float64]:
+def _angles(mesh: Domain) -> Real:
     """Angles of triangles at their corners, rad, shape (3, triangle)."""
     corners = mesh.p[:, mesh.t]
     at = _between(*(np.roll(corners, -turn, axis=1) - corners for turn in (1, 2)))
@@ -188,7 +174,7 @@ def _angles(mesh: Domain) -> NDArray[np.float64]:
     return at
 
 
-def _between(u: Points, v: Points) -> NDArray[np.float64]:
+def _between(u: Points, v: Points) -> Real:
     shared = (u * v).sum(axis=0)
     area = np.sqrt(np.maximum((u**2).sum(axis=0) * (v**2).sum(axis=0) - shared**2, 0.0))
     return np.arctan2(area, shared)

@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer, Real
 from ..domain import Domain, areas
 from .exponents import WHOLE
 from .inverted_triangles import finer
@@ -29,12 +29,8 @@ MAX_GROWTH = 8.0
 
 
 def graded(
-    mesh: Domain,
-    parts: NDArray[np.float64],
-    enough: float,
-    order: int,
-    exponents: NDArray[np.float64],
-) -> tuple[Domain, NDArray[np.float64]]:
+    mesh: Domain, parts: Real, enough: float, order: int, exponents: Real
+) -> tuple[Domain, Real]:
     """Mesh with triangles halved until about `enough` is left of each error.
 
     Also returns the predicted parts of its triangles. parts: those of each triangle in some errors,
@@ -55,7 +51,7 @@ def graded(
     return found, parts
 
 
-def corner_parts(mesh: Domain, exponents: NDArray[np.float64]) -> NDArray[np.float64]:
+def corner_parts(mesh: Domain, exponents: Real) -> Real:
     """Approximate part of each corner in Rs and Cp on a coarse mesh.
 
     It needs no solution. Shape (corner, triangle): the part is spread over the triangles at the
@@ -71,7 +67,7 @@ def corner_parts(mesh: Domain, exponents: NDArray[np.float64]) -> NDArray[np.flo
     return parts
 
 
-def fewest(parts: NDArray[np.float64], target: float) -> NDArray[np.int64]:
+def fewest(parts: Real, target: float) -> Integer:
     """Fewest triangles whose parts sum to `target`, by number, ascending.
 
     There is at least one.
@@ -80,9 +76,7 @@ def fewest(parts: NDArray[np.float64], target: float) -> NDArray[np.int64]:
     return np.sort(order[: int(np.searchsorted(np.cumsum(parts[order]), target)) + 1])
 
 
-def _kept(
-    before: Domain, after: Domain, order: int, exponents: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _kept(before: Domain, after: Domain, order: int, exponents: Real) -> Real:
     """Predicted fraction that each triangle keeps of its parent's part, (triangle,)."""
     area, whole = areas(after.p, after.t), areas(before.p, before.t)
     of_corners = np.append(exponents, np.inf)[np.minimum(after.t, len(exponents))].min(axis=0)

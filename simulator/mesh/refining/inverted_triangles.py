@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ...arrays import Integer, Real
 from ...sweeps import ToleranceError
 from ..arcs import mapped
-from ..domain import Domain, Numbers
+from ..domain import Domain
 from ..edge_numbering import edge_numbers, edges_of
 from .refinement import arcs_halved, refined
 
@@ -47,7 +48,7 @@ def without_inversions(mesh: Domain) -> Domain:
     raise ToleranceError("circles of the skin or of the press are too near to other lines to mesh")
 
 
-def _inverted(mesh: Domain) -> Numbers:
+def _inverted(mesh: Domain) -> Integer:
     """Triangles that their arcs turn over, and those that lie upon a neighbour."""
     curvature = mesh.curvature
     bent = np.flatnonzero(curvature.any(axis=0))
@@ -55,7 +56,7 @@ def _inverted(mesh: Domain) -> Numbers:
     return np.union1d(turned, _folded(mesh))
 
 
-def _folded(mesh: Domain) -> Numbers:
+def _folded(mesh: Domain) -> Integer:
     """Smaller one of each two triangles on the same side of their common edge."""
     edges, of_triangle = edges_of(mesh.t)
     order = np.argsort(of_triangle.ravel(), kind="stable")
@@ -69,7 +70,7 @@ def _folded(mesh: Domain) -> Numbers:
     return np.unique(pair[np.abs(side[:, same]).argmin(axis=0), same])
 
 
-def _upright(mesh: Domain, t: Numbers, curvature: NDArray[np.float64]) -> NDArray[np.float64]:
+def _upright(mesh: Domain, t: Integer, curvature: Real) -> Real:
     """Smallest area ratio of a bent and the straight triangle, shape (triangle,).
 
     t: of ascending points. At corners, where the ratio may be 0, MIN_AREA_RATIO is added. It is -1
@@ -106,7 +107,7 @@ def _turned(mesh: Domain) -> Domain:
     return mesh
 
 
-def _gain(mesh: Domain, other: Domain, pair: Numbers) -> float:
+def _gain(mesh: Domain, other: Domain, pair: Integer) -> float:
     """Improvement of the worst of a pair of triangles in another mesh.
 
     Infinite if they no longer lie upon each other, minus infinity if they then do or one is flat.
@@ -120,18 +121,18 @@ def _gain(mesh: Domain, other: Domain, pair: Numbers) -> float:
     return float(worst[0] - worst[1])
 
 
-def _with_diagonal(mesh: Domain, pair: Numbers, edge: Numbers, beyond: Numbers) -> Domain:
+def _with_diagonal(mesh: Domain, pair: Integer, edge: Integer, beyond: Integer) -> Domain:
     """Mesh with the edge between `beyond` in place of the edge between two triangles."""
     t = mesh.t.copy()
     t[:, pair] = np.sort([edge, np.full(2, beyond[0]), np.full(2, beyond[1])], axis=0)
     return replace(mesh, t=t)
 
 
-def _area(mesh: Domain, t: Numbers) -> NDArray[np.float64]:
+def _area(mesh: Domain, t: Integer) -> Real:
     """Twice the area of straight triangles, negative where they run clockwise, m²."""
     origin, first, second = (mesh.p[:, each] for each in t)
     return _cross(first - origin, second - origin)
 
 
-def _cross(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
+def _cross(u: Real, v: Real) -> Real:
     return u[0] * v[1] - u[1] * v[0]

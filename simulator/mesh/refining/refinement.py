@@ -11,10 +11,11 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ...arrays import Integer, Mask
 from ..arcs import on_arcs
-from ..domain import Domain, Numbers, Points
+from ..domain import Domain, Points
 from ..edge_numbering import edges_of, halves
 
 
@@ -37,7 +38,7 @@ def arcs_halved(domain: Domain, marked: ArrayLike) -> Domain:
     return _cut(domain, own[domain.curvature[:, some] != 0])
 
 
-def _cut(domain: Domain, marked: Numbers) -> Domain:
+def _cut(domain: Domain, marked: Integer) -> Domain:
     """Domain with these edges halved, by number, and the longest of cut triangles."""
     edges, of_triangle = edges_of(domain.t)
     turn = _longest_first(domain.p, domain.t)
@@ -65,14 +66,14 @@ def _cut(domain: Domain, marked: Numbers) -> Domain:
     )
 
 
-def _longest_first(p: Points, t: Numbers) -> Numbers:
+def _longest_first(p: Points, t: Integer) -> Integer:
     """Order of corners, shape (3, cell): the longest edge joins the first two."""
     a, b, c = (p[:, corner] for corner in t)
     squared = np.array([((u - v) ** 2).sum(axis=0) for u, v in ((a, b), (b, c), (c, a))])
     return (np.arange(3)[:, None] + squared.argmax(axis=0)) % 3
 
 
-def _halved(of_triangle: Numbers, marked: Numbers) -> NDArray[np.bool_]:
+def _halved(of_triangle: Integer, marked: Integer) -> Mask:
     """True for edges to halve, shape (edge,).
 
     These are the marked ones, and the longest edge of every triangle with a halved edge.
@@ -87,7 +88,7 @@ def _halved(of_triangle: Numbers, marked: Numbers) -> NDArray[np.bool_]:
         halved[of_triangle[0, lacking]] = True
 
 
-def _split(t: Numbers, middle: Numbers) -> tuple[Numbers, Numbers]:
+def _split(t: Integer, middle: Integer) -> tuple[Integer, Integer]:
     """Triangles after cuts, shape (3, child), and the number of the parent of each.
 
     middle: points in the middle of the edges 0-1, 1-2, 2-0, -1 where there is none.

@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ...arrays import Real
 
 MIN_EXPONENT, MAX_EXPONENT, STEP = 0.01, 5.0, 0.02
 """Range and step of the exponents searched.
@@ -36,7 +37,7 @@ def between(wedges: Wedges, begins: bool, stops: bool) -> float:
     return _first(lambda p: sign * _transfer(wedges, p)[0 if stops else 1, 1 if begins else 0])
 
 
-def _transfer(wedges: Wedges, powers: NDArray[np.float64]) -> NDArray[np.float64]:
+def _transfer(wedges: Wedges, powers: Real) -> Real:
     """Matrices from potential and current over p at the first edge to the last.
 
     They are given for all powers, shape (2, 2, power).
@@ -49,9 +50,7 @@ def _transfer(wedges: Wedges, powers: NDArray[np.float64]) -> NDArray[np.float64
     return M
 
 
-def _first(
-    values_at: Callable[[NDArray[np.float64]], NDArray[np.float64]], most: float = MAX_EXPONENT
-) -> float:
+def _first(values_at: Callable[[Real], Real], most: float = MAX_EXPONENT) -> float:
     """First power at which values that begin above 0 no longer are; inf if none."""
     low, high, count = MIN_EXPONENT, most, round((most - MIN_EXPONENT) / STEP) + 1
     for _ in range(ZOOMS + 1):
@@ -63,9 +62,7 @@ def _first(
     return float(low + high) / 2
 
 
-def stretched(
-    along: NDArray[np.float64], across: NDArray[np.float64], S: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def stretched(along: Real, across: Real, S: Real) -> tuple[Real, Real]:
     """Angles between edges after a stretch that makes S isotropic, and S then.
 
     along, across: shape (2, ...). S: its xx, yy and xy, shape (3, ...). Both results are of shape

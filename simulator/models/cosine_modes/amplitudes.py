@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Real
 from ...scene.maps import Grid
 from ...scene.scene import Scene
 from ..parameters import FOAM_MODES, HALF_WAVES, SHEET_MODES, mode_values
@@ -39,7 +40,7 @@ class FittedModes(NamedTuple):
 NO_MODES = FittedModes()
 
 
-def amplitudes(values: Mapping[str, float], names: Iterable[str]) -> NDArray[np.float64]:
+def amplitudes(values: Mapping[str, float], names: Iterable[str]) -> Real:
     """Amplitude of the mean, 1, and of each mode over it, shape (mode,)."""
     return np.array([1.0, *(values.get(name, 0.0) for name in names)])
 
@@ -57,15 +58,13 @@ def fitted_map(scene: Scene, of_place: Callable[[NDArray], NDArray]) -> Grid:
     return Grid(values=tuple(tuple(row) for row in rows.tolist()))
 
 
-def modes_at(
-    scene: Scene, values: Mapping[str, float], names: Iterable[str], x: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def modes_at(scene: Scene, values: Mapping[str, float], names: Iterable[str], x: Real) -> Real:
     """1 plus the modes among the values at positions x in m, shape (2, ...), over the mean."""
     modes = mode_values(scene, x, len(HALF_WAVES))
     return np.asarray(np.tensordot(amplitudes(values, names), modes, axes=1), dtype=np.float64)
 
 
-def _onto_nodes(at: NDArray[np.float64]) -> NDArray[np.float64]:
+def _onto_nodes(at: Real) -> Real:
     """Matrix from values at positions within 0 to 1 to nodes of the nearest polygon."""
     nodes = np.linspace(0.0, 1.0, NODES)
     hats = np.stack([np.interp(at, nodes, hat) for hat in np.eye(NODES)], axis=1)

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Complex, Real
 from ...scene.maps import Grid
 from ...scene.scene import Scene
 from ...scene.skin import Electrode
@@ -47,11 +48,8 @@ class StiffnessTerms:
         return sheets.reshape(*of_terms.shape[:-1], *shape), films
 
     def by_amplitudes(
-        self,
-        by_weight: NDArray[np.complex128],
-        weights: NDArray[np.float64],
-        values: Mapping[str, float],
-    ) -> dict[str, NDArray[np.complex128]]:
+        self, by_weight: Complex, weights: Real, values: Mapping[str, float]
+    ) -> dict[str, Complex]:
         """Slopes by the amplitudes among the values, from those by the weight of each term.
 
         by_weight: shape (..., term). weights: of the terms, shape (term,).

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Mask, Real
 from ...mesh.domain import Domain
 from ...mesh.drawing import sharp_touches
 from ...press.press import Press
@@ -20,9 +21,9 @@ from .materials import Materials, gauged, strain_of
 if TYPE_CHECKING:
     from ..mechanics.deformation import Deformation
 
-Located = tuple[NDArray[np.float64], NDArray[np.float64]]
+Located = tuple[Real, Real]
 """Positions in m and the strain there."""
-Fingers = tuple[tuple[float, NDArray[np.float64]], ...]
+Fingers = tuple[tuple[float, Real], ...]
 ELECTRODES: tuple[Electrode, Electrode] = ("top", "bottom")
 
 
@@ -37,18 +38,18 @@ class PressCoefficients:
     """
 
     materials: Materials
-    factors: NDArray[np.float64]
+    factors: Real
     pressed: Deformation | None
     fields: int
     fingers: Fingers = ()
     _spread: dict[int, Located] = field(default_factory=dict, compare=False, repr=False)
 
-    def conductance(self, field: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def conductance(self, field: int, x: Real) -> Real:
         """Components xx, yy and xy of the sheet conductance S in S, shape (3, cell, point)."""
         S = self.conductance_of(ELECTRODES[field], x)
         return S * self._share if self.fields == 1 else S
 
-    def conductance_of(self, electrode: Electrode, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def conductance_of(self, electrode: Electrode, x: Real) -> Real:
         """Conductance of one sheet, with the components and shape of `conductance`."""
         if not self.materials.scene.skin.sheet(electrode).piezoresistance:
             return self.materials.conductance(electrode, x)
@@ -64,11 +65,11 @@ class PressCoefficients:
             return potential
         return np.concatenate([self._share * potential, (self._share - 1) * potential])
 
-    def capacitance(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def capacitance(self, x: Real) -> Real:
         """c in F/m², shape (cell, point)."""
         return self.materials.capacitance(x) * self.factor(x)
 
-    def along(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def along(self, x: Real) -> Real:
         """eps d of the foam in F, shape (cell, point): c d².
 
         Without mechanics a factor means compression at constant permittivity.
@@ -78,19 +79,19 @@ class PressCoefficients:
         return self.capacitance(x) / materials.area(x) * (materials.depth(x) * thinned) ** 2
 
     @property
-    def thinned(self) -> NDArray[np.float64]:
+    def thinned(self) -> Real:
         """Thickness of the foam under touches with sharp edges over the unpressed one, shape
         (cell,)."""
         mechanics = self.materials.scene.skin.foam.mechanics
         return 1 / self.factors if mechanics is None else 1 - mechanics.strain_at(self.factors)
 
-    def factor(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def factor(self, x: Real) -> Real:
         """c over its unpressed value, shape (cell, point)."""
         whole = self.factors[:, None] * np.ones(x.shape[1:])
         mechanics = self.pressed.mechanics if self.pressed else None
         return whole * mechanics.factor(self._spread_strain(x)) if mechanics else whole
 
-    def strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def strain(self, x: Real) -> Real:
         """Compression of the foam over its unpressed thickness, shape (cell, point).
 
         Where only a factor is given, it is the strain that causes this factor. Without mechanics
@@ -100,17 +101,15 @@ class PressCoefficients:
         sharp = (mechanics.strain_at if mechanics else strain_of)(self.factors)[:, None]
         return np.maximum(sharp, self._spread_strain(x))
 
-    def deflection(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def deflection(self, x: Real) -> Real:
         """Deflection of the skin by mechanics, m, shape (cell, point)."""
         return self.pressed.deflection(x) if self.pressed else np.zeros(x.shape[1:])
 
-    def line_stretch(
-        self, x: NDArray[np.float64], direction: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def line_stretch(self, x: Real, direction: Real) -> Real:
         """Length along an edge over that on the flat, unpressed skin."""
         return self.materials.line_stretch(x, direction)
 
-    def _spread_strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _spread_strain(self, x: Real) -> Real:
         """Strain by mechanics, cached for positions that are requested again."""
         known = self._spread.get(id(x))
         if known is None or known[0] is not x:
@@ -131,7 +130,7 @@ class PressCoefficients:
         return float(bottom / (top + bottom))
 
 
-def sharp_factors(press: Press, mesh: Domain, columns: int) -> NDArray[np.float64]:
+def sharp_factors(press: Press, mesh: Domain, columns: int) -> Real:
     """c over its unpressed value in each triangle by touches with a factor, shape (triangle,).
 
     Raises InputError for a touch outside the skin.
@@ -144,7 +143,7 @@ def sharp_factors(press: Press, mesh: Domain, columns: int) -> NDArray[np.float6
     return factors
 
 
-def covering(press: Press, mesh: Domain, columns: int) -> Iterator[tuple[Place, NDArray[np.bool_]]]:
+def covering(press: Press, mesh: Domain, columns: int) -> Iterator[tuple[Place, Mask]]:
     """Touches with a factor, and the triangles that each covers, shape (triangle,)."""
     pixels = [touch for touch in press.touches if isinstance(touch, Touch)]
     covered = [mesh.pixel == (each.row - 1) * columns + each.column - 1 for each in pixels]

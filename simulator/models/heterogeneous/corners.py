@@ -12,8 +12,8 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Mask, Real
 from ...mesh.refining.wedges import around, between
 from ...mesh.rings import RATIO
 from ...press.capacitance import Patch, patch
@@ -66,7 +66,7 @@ def power_at(
     away = BESIDE * np.array(scene.skin.sides)
     around_corner = at[:, None] + away[:, None] * QUADRANTS
     sides = np.array(scene.skin.sides)[:, None]
-    within: NDArray[np.bool_] = np.all((around_corner > 0) & (around_corner < sides), axis=0)
+    within: Mask = np.all((around_corner > 0) & (around_corner < sides), axis=0)
     found = gauges(scene.skin, _factors([patch(scene, t) for t in press.touches], around_corner))
     powers = [1.0]
     for sheet, conductances in zip(ELECTRODES, found, strict=True):
@@ -101,7 +101,7 @@ def _places(scene: Scene, press: Press) -> list[tuple[float, float]]:
     return [(a, b) for a in x for b in y]
 
 
-def _factors(patches: Sequence[Patch], x: NDArray[np.float64]) -> NDArray[np.float64]:
+def _factors(patches: Sequence[Patch], x: Real) -> Real:
     """c over its unpressed value at positions in m, shape (2, place)."""
     found = np.ones(x.shape[1])
     for each in patches:
@@ -111,7 +111,7 @@ def _factors(patches: Sequence[Patch], x: NDArray[np.float64]) -> NDArray[np.flo
 
 
 def _foil_fixes_potential(
-    contacts: Sequence[Contact], sheet: Electrode, place: NDArray[np.float64], scene: Scene
+    contacts: Sequence[Contact], sheet: Electrode, place: Real, scene: Scene
 ) -> bool:
     """True if a foil without contact resistance fixes that sheet's potential at a position of the
     edge, m."""

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Real
 from ...fem.quadrature import CellGeometry, Rule
 from .coefficients import PressCoefficients
 from .elements import Elements
@@ -33,23 +33,23 @@ class Raised(PressCoefficients):
     """
 
     least: Deformation | None = None
-    share: NDArray[np.float64] | None = None
+    share: Real | None = None
 
-    def capacitance(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def capacitance(self, x: Real) -> Real:
         """Raised capacitance; see `PressCoefficients`."""
         return super().capacitance(x) * self._raise
 
-    def conductance(self, field: int, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def conductance(self, field: int, x: Real) -> Real:
         """Raised conductance; see `PressCoefficients`."""
         S = super().conductance(field, x)
         return S * self._raise if self.gauged else S
 
-    def strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def strain(self, x: Real) -> Real:
         """Smallest strain; see `PressCoefficients`."""
         return PressCoefficients(self.materials, self.factors, self.least, self.fields).strain(x)
 
     @property
-    def _raise(self) -> NDArray[np.float64] | float:
+    def _raise(self) -> Real | float:
         return 1.0 if self.share is None else 1 + self.share[:, None]
 
 
@@ -68,7 +68,7 @@ def raised_by_deflection(known: PressCoefficients) -> Raised | None:
     )
 
 
-def raised_by_rule(known: PressCoefficients, missed: NDArray[np.float64]) -> Raised:
+def raised_by_rule(known: PressCoefficients, missed: Real) -> Raised:
     """Coefficients raised by the quadrature error of each cell, shape (cell,)."""
     return Raised(
         known.materials,
@@ -81,7 +81,7 @@ def raised_by_rule(known: PressCoefficients, missed: NDArray[np.float64]) -> Rai
     )
 
 
-def missed(elements: Elements, known: PressCoefficients) -> NDArray[np.float64]:
+def missed(elements: Elements, known: PressCoefficients) -> Real:
     """Relative quadrature error of each cell's capacitance, shape (cell,), from a finer rule.
 
     Only where mechanics spreads a press: other coefficients vary slowly within cells.
@@ -92,6 +92,6 @@ def missed(elements: Elements, known: PressCoefficients) -> NDArray[np.float64]:
     return TWICE * np.abs(own / _integrated(*elements.divided, known) - 1)
 
 
-def _integrated(rule: Rule, at: CellGeometry, known: PressCoefficients) -> NDArray[np.float64]:
+def _integrated(rule: Rule, at: CellGeometry, known: PressCoefficients) -> Real:
     """Capacitance of each cell in F by a rule, shape (cell,). at: geometry at its points."""
     return (known.capacitance(at.x) * at.area) @ rule.weights

@@ -11,6 +11,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Integer, Real
 from ...fem.circuit import Circuit
 from ...fem.error_estimate import (
     KRYLOV_SHARE,
@@ -77,9 +78,9 @@ class Discretised:
     error: float = 0.0
     lower: tuple[SolvedLevel, ...] = ()
     history: ErrorHistory = dataclasses.field(default_factory=ErrorHistory)
-    deflection_error: NDArray[np.float64] | float = 0.0
+    deflection_error: Real | float = 0.0
 
-    def result(self, frequency: NDArray[np.float64], rtol: float) -> ModelResult:
+    def result(self, frequency: Real, rtol: float) -> ModelResult:
         """Impedance at these frequencies in Hz, and its estimated error."""
         around = frequencies_around(frequency)
         (Q, change), (finer, _), *lower = self._swept(around, KRYLOV_SHARE * rtol)
@@ -104,7 +105,7 @@ class Discretised:
             error,
         )
 
-    def _swept(self, frequency: NDArray[np.float64], rtol: float) -> list[Swept]:
+    def _swept(self, frequency: Real, rtol: float) -> list[Swept]:
         s, excitations = laplace_variable(frequency, self.loss), self.circuit.excitations
         with one_blas_thread():
             return [
@@ -112,9 +113,7 @@ class Discretised:
                 for each in (self.coarse, self.fine, *self.lower)
             ]
 
-    def changes(
-        self, raised: Raised, frequency: NDArray[np.float64], rtol: float
-    ) -> NDArray[np.float64]:
+    def changes(self, raised: Raised, frequency: Real, rtol: float) -> Real:
         """Relative changes of Rs and Cp by raised coefficients, shape (2, interface, frequency)."""
         own = self.coarse
         s, excitations = laplace_variable(frequency, self.loss), self.circuit.excitations
@@ -127,7 +126,7 @@ class Discretised:
         return both(self.circuit.combination.relative_change(Q, moved))
 
     @cached_property
-    def missed(self) -> NDArray[np.float64]:
+    def missed(self) -> Real:
         """Relative error of each cell's capacitance by the quadrature rule, shape (cell,)."""
         return missed(self.coarse.elements, self.coefficients)
 
@@ -138,9 +137,7 @@ class Discretised:
             v = solved.space.potentials(solved.system.mass, self.circuit.excitations[excitation], s)
         return on_cells(solved.system.unknowns, solved.elements.trial, v)
 
-    def coefficients_at(
-        self, solved: SolvedLevel, excitation: int, s: NDArray[np.float64]
-    ) -> list[NDArray[np.float64]]:
+    def coefficients_at(self, solved: SolvedLevel, excitation: int, s: Real) -> list[Real]:
         """Potentials at real s >= 0, from the Lanczos steps of a sweep if they are accurate there.
 
         Otherwise each s is solved.
@@ -160,7 +157,7 @@ KEPT = 0.7
 """Share of the whole error in the marked cells."""
 
 
-def indicators(discretised: Discretised, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
+def indicators(discretised: Discretised, frequency: Real) -> Real:
     """Share of each cell in the error of Rs and Cp at frequencies in Hz, shape (frequency, cell).
 
     Potentials are computed at s = omega instead of j omega: they are real and decay over the same
@@ -180,11 +177,8 @@ def indicators(discretised: Discretised, frequency: NDArray[np.float64]) -> NDAr
 
 
 def _of_interface(
-    discretised: Discretised,
-    s: float,
-    weights: NDArray[np.float64],
-    of_drives: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]],
-) -> NDArray[np.float64]:
+    discretised: Discretised, s: float, weights: Real, of_drives: Sequence[tuple[Real, Real]]
+) -> Real:
     """Share of each cell in the error of one interface; the errors of its excitations add."""
     added = [np.add(*_energies(discretised, s, added_w)) for _, added_w in of_drives]
     heat, stored = zip(*(_energies(discretised, s, w) for w, _ in of_drives), strict=True)
@@ -192,11 +186,7 @@ def _of_interface(
     return _over_all(weights, added, heat) + _over_all(weights, missed, stored)
 
 
-def _over_all(
-    weights: NDArray[np.float64],
-    part: Sequence[NDArray[np.float64]],
-    whole: Sequence[NDArray[np.float64]],
-) -> NDArray[np.float64]:
+def _over_all(weights: Real, part: Sequence[Real], whole: Sequence[Real]) -> Real:
     """Parts over the sum of the whole; 0 if that sum is 0.
 
     The sum is 0 behind foils that insulate, where heat in the sheet is below double precision. The
@@ -211,7 +201,7 @@ def _over_all(
     return parts / total if total > 0 else np.zeros_like(parts)
 
 
-def marked_cells(parts: NDArray[np.float64]) -> NDArray[np.int64]:
+def marked_cells(parts: Real) -> Integer:
     """Smallest set of cells with the share KEPT of the error (Doerfler marking).
 
     Source: W. Doerfler, SINUM 33 (1996) 1106.
@@ -219,9 +209,7 @@ def marked_cells(parts: NDArray[np.float64]) -> NDArray[np.int64]:
     return fewest(parts, KEPT * float(parts.sum()))
 
 
-def _potentials(
-    discretised: Discretised, excitation: int, s: NDArray[np.float64]
-) -> list[tuple[NDArray[np.float64], NDArray[np.float64]]]:
+def _potentials(discretised: Discretised, excitation: int, s: Real) -> list[tuple[Real, Real]]:
     """Potentials of the finer order, and the part that it adds, at each s.
 
     As coefficients, shape (field, function, cell).
@@ -234,9 +222,7 @@ def _potentials(
     return [(w, w - raised @ v) for v, w in zip(coarse, fine, strict=True)]
 
 
-def _energies(
-    discretised: Discretised, s: float, of_fields: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _energies(discretised: Discretised, s: float, of_fields: Real) -> tuple[Real, Real]:
     """Energies of potentials at s in the sheets and in the foam, W, both of shape (cell,).
 
     of_fields: coefficients of the finer order, shape (field, function, cell).

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from skfem import Element, MeshTri
 from skfem.mesh import Mesh2D
 
+from ...arrays import Integer, Real
 from ...fem.assembly import quadrilateral
 from ...fem.quadrature import (
     CellGeometry,
@@ -54,13 +55,13 @@ class Elements:
     order: int
     trial: TrialSpace
     rule: Rule
-    surface_at: Callable[[Rule, NDArray[np.int64] | slice], CellGeometry]
-    cells_at_facets: Callable[[NDArray[np.int64]], tuple[NDArray[np.int64], NDArray[np.int64]]]
-    facets: Callable[[Contact], NDArray[np.int64]]
-    inside: Callable[[Contact], NDArray[np.int64]]
+    surface_at: Callable[[Rule, Integer | slice], CellGeometry]
+    cells_at_facets: Callable[[Integer], tuple[Integer, Integer]]
+    facets: Callable[[Contact], Integer]
+    inside: Callable[[Contact], Integer]
     mesh: Mesh2D
-    groups: Sequence[NDArray[np.int64] | slice] = (slice(None),)
-    in_space: tuple[NDArray[np.float64], ...] | None = None
+    groups: Sequence[Integer | slice] = (slice(None),)
+    in_space: tuple[Real, ...] | None = None
 
     @property
     def cells(self) -> int:
@@ -68,11 +69,11 @@ class Elements:
         return self.trial.dofs.element_dofs.shape[1]
 
     @property
-    def outline(self) -> NDArray[np.int64]:
+    def outline(self) -> Integer:
         """Facets along the skin's edges, holes included."""
         return self.mesh.boundary_facets()
 
-    def across(self, of_cell: NDArray) -> tuple[NDArray[np.int64], NDArray, NDArray]:
+    def across(self, of_cell: NDArray) -> tuple[Integer, NDArray, NDArray]:
         """Facets at which a value per cell jumps, and its values on either side.
 
         of_cell: shape (cell,). Returns three arrays of shape (facet,).
@@ -92,7 +93,7 @@ class Elements:
         rule = divided(self.element, self.rule)
         return rule, self.surface_at(rule, slice(None))
 
-    def edge_rule(self, edge: int) -> tuple[Rule, NDArray[np.float64]]:
+    def edge_rule(self, edge: int) -> tuple[Rule, Real]:
         """Rule along one edge of the reference cell, and the direction of that edge."""
         return edge_rule(self.element, edge, self.order + 1 + MORE_ON_TRIANGLES // 2)
 
@@ -102,7 +103,7 @@ def squares(pixels: PixelMesh, order: int) -> Elements:
     element = quadrilateral(order)
     middles = pixels.cells.p[:, pixels.cells.t].mean(axis=1)
 
-    def at_facets(facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def at_facets(facets: Integer) -> tuple[Integer, Integer]:
         return _cells_at_facets(pixels.mesh, facets)
 
     return Elements(
@@ -118,9 +119,7 @@ def squares(pixels: PixelMesh, order: int) -> Elements:
     )
 
 
-def _covered(
-    contact: Contact, skin: Skin | None, middles: NDArray[np.float64]
-) -> NDArray[np.int64]:
+def _covered(contact: Contact, skin: Skin | None, middles: Real) -> Integer:
     """Cells with these middles that a foil with a width covers."""
     if not contact.width:
         return np.empty(0, dtype=np.int64)
@@ -141,7 +140,7 @@ def triangles(domain: Domain, order: int, skin: Skin | None = None) -> Elements:
     element, rule = _triangle(order)
     mesh = domain.flat
 
-    def at_facets(facets: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def at_facets(facets: Integer) -> tuple[Integer, Integer]:
         return _cells_at_facets(mesh, facets)
 
     return Elements(
@@ -166,7 +165,7 @@ def _triangle(order: int) -> tuple[Element, Rule]:
 
 
 @cache
-def raising(order: int) -> NDArray[np.float64]:
+def raising(order: int) -> Real:
     """Matrix from coefficients on triangles of an order to those of the next order.
 
     Shape (function of the next order, function).
@@ -175,11 +174,11 @@ def raising(order: int) -> NDArray[np.float64]:
     return rule_at(TRIANGLES[order - 1](), finer.doflocs.T, np.zeros(len(finer.doflocs))).values.T
 
 
-def on_triangles(domain: Domain) -> Callable[[Rule, NDArray[np.int64] | slice], CellGeometry]:
+def on_triangles(domain: Domain) -> Callable[[Rule, Integer | slice], CellGeometry]:
     """Function that gives the geometry at the points of a rule in some of the triangles."""
     curvature = domain.curvature
 
-    def surface_at(rule: Rule, some: NDArray[np.int64] | slice) -> CellGeometry:
+    def surface_at(rule: Rule, some: Integer | slice) -> CellGeometry:
         t = domain.t[:, some]
         if len(domain.p) == 3:
             return flat_triangles(domain.p, t, rule)
@@ -188,12 +187,12 @@ def on_triangles(domain: Domain) -> Callable[[Rule, NDArray[np.int64] | slice], 
     return surface_at
 
 
-def _straight_and_bent(domain: Domain) -> Sequence[NDArray[np.int64] | slice]:
+def _straight_and_bent(domain: Domain) -> Sequence[Integer | slice]:
     bent = domain.curvature.any(axis=0)
     return (np.flatnonzero(~bent), np.flatnonzero(bent)) if bent.any() else (slice(None),)
 
 
-def flat_triangles(p: NDArray[np.float64], t: NDArray[np.int64], rule: Rule) -> CellGeometry:
+def flat_triangles(p: Real, t: Integer, rule: Rule) -> CellGeometry:
     """Geometry of straight triangles, x = x0 + a along + b across; in space each has its own
     frame."""
     origin, along, across = _edges(p, t)
@@ -205,13 +204,13 @@ def flat_triangles(p: NDArray[np.float64], t: NDArray[np.int64], rule: Rule) -> 
     return CellGeometry(x, along * every, across * every)
 
 
-def _edges(p: NDArray[np.float64], t: NDArray[np.int64]) -> tuple[NDArray[np.float64], ...]:
+def _edges(p: Real, t: Integer) -> tuple[Real, ...]:
     """First corners and the edges from there to the other two, each of shape (dim, cell, 1)."""
     origin = p[:, t[0]][:, :, None]
     return origin, *(p[:, t[k]][:, :, None] - origin for k in (1, 2))
 
 
-def numbers_of(mesh: MeshTri, ends: NDArray[np.int64]) -> NDArray[np.int64]:
+def numbers_of(mesh: MeshTri, ends: Integer) -> Integer:
     """Numbers of facets given by their two points, ascending, shape (2, facet)."""
     count = mesh.p.shape[1]
     keys = np.asarray(mesh.facets, dtype=np.int64)
@@ -220,16 +219,12 @@ def numbers_of(mesh: MeshTri, ends: NDArray[np.int64]) -> NDArray[np.int64]:
     return order[np.searchsorted(known[order], ends[0] * count + ends[1])]
 
 
-def _cells_at_facets(
-    mesh: Mesh2D, facets: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _cells_at_facets(mesh: Mesh2D, facets: Integer) -> tuple[Integer, Integer]:
     cell = np.asarray(mesh.f2t, dtype=np.int64)[0, facets]
     return cell, np.argmax(np.asarray(mesh.t2f)[:, cell] == facets, axis=0)
 
 
-def _in_their_plane(
-    along: NDArray[np.float64], across: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _in_their_plane(along: Real, across: Real) -> tuple[Real, Real]:
     """Both edges in a frame of their plane whose first axis is the first edge."""
     length = np.linalg.norm(along, axis=0)
     shared = (along * across).sum(axis=0) / length

@@ -11,8 +11,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Complex, Real
 from ...fem.safety_factors import (
     FIRST_MESH,
     MAX_FACTOR,
@@ -24,10 +24,10 @@ from ...fem.safety_factors import (
     VARIED,
 )
 
-Admittances = NDArray[np.complex128]
+Admittances = Complex
 
 
-def smoothed(difference: NDArray[np.float64]) -> NDArray[np.float64]:
+def smoothed(difference: Real) -> Real:
     """Difference at the first third of `frequencies_around`, smoothed over its neighbours.
 
     difference: shape (..., 3 f). Returns (..., f). A difference that changes sign vanishes at one
@@ -51,11 +51,11 @@ class ErrorHistory:
         self._unseen, self._most = FIRST_MESH, MAX_FACTOR
         self._foreseen = np.ones(1), np.full(1, np.inf)
 
-    def predict(self, frequency: NDArray[np.float64], k: NDArray[np.float64]) -> None:
+    def predict(self, frequency: Real, k: Real) -> None:
         """Set the predicted k of the next mesh at some frequencies in Hz, ascending."""
         self._foreseen = frequency, k
 
-    def account_for_corners(self, exponents: NDArray[np.float64], order: int) -> None:
+    def account_for_corners(self, exponents: Real, order: int) -> None:
         """Raise the bounds of k for corners with these exponents."""
         slowest = float(at_corners(exponents.min(initial=np.inf), order))
         self._unseen, self._most = max(FIRST_MESH, slowest), max(MAX_FACTOR, slowest)
@@ -77,14 +77,14 @@ class ErrorHistory:
         other._largest, other._unseen, other._most = self._largest, self._unseen, self._most
         return other
 
-    def record(self, frequency: NDArray[np.float64], error: NDArray[np.float64]) -> None:
+    def record(self, frequency: Real, error: Real) -> None:
         """Add the relative error of the latest mesh, shape (..., frequency), at frequencies in
         Hz."""
         largest = error.reshape(-1, len(frequency)).max(axis=0)
         self._recorded = dict(zip(frequency.tolist(), largest.tolist(), strict=True))
         self._errors.append(float(largest.max()))
 
-    def expected_at(self, frequency: NDArray[np.float64], likely: float) -> NDArray[np.float64]:
+    def expected_at(self, frequency: Real, likely: float) -> Real:
         """Latest estimated error at the given frequencies; the maximum over all where one is
         missing.
 
@@ -98,9 +98,7 @@ class ErrorHistory:
             else error * np.clip(likely, MIN_FACTOR, self._unseen) / self._unseen
         )
 
-    def effect(
-        self, frequency: NDArray[np.float64], Z: Admittances, finer: Admittances
-    ) -> NDArray[np.float64]:
+    def effect(self, frequency: Real, Z: Admittances, finer: Admittances) -> Real:
         """k of this mesh, shape (frequency,).
 
         Z, finer: ohm, of two orders, at all `frequencies_around` the frequencies in Hz.
@@ -118,7 +116,7 @@ class ErrorHistory:
         return np.clip(np.minimum(self._largest, foreseen), MIN_FACTOR, self._most)
 
 
-def at_corners(exponents: NDArray[np.float64] | np.float64, order: int) -> NDArray[np.float64]:
+def at_corners(exponents: Real | np.float64, order: int) -> Real:
     """k where the field varies as a power of the distance: D falls as order^(-4 power)."""
     return 1 / (1 - (order / (order + 1)) ** (4 * exponents))
 
@@ -138,7 +136,7 @@ def _largest_ratio(
     return float(np.median(k, axis=1).max(initial=0.0))
 
 
-def by_orders(order: int, steps: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+def by_orders(order: int, steps: list[Real]) -> Real:
     """Relative errors of Rs and Cp, shape (2, interface, frequency), without safety factor.
 
     steps: differences between neighbouring orders on one mesh: of `order` and order + 1, of order -
@@ -156,6 +154,6 @@ def by_orders(order: int, steps: list[NDArray[np.float64]]) -> NDArray[np.float6
     return np.maximum(k * steps[0], odd * steps[1] / VARIED)
 
 
-def _ratio(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+def _ratio(a: Real, b: Real) -> Real:
     """a / b, at least 1; 1 where b is 0."""
     return np.maximum(np.divide(a, b, out=np.ones_like(a), where=b > 0), 1.0)

@@ -6,8 +6,8 @@ import math
 from collections.abc import Callable, Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer, Mask, Real
 from ...fem.assembly import add_terms
 from ...fem.dropped import DROPPED
 from ...fem.factors import one_blas_thread
@@ -15,18 +15,18 @@ from ...fem.quadrature import Terms, mass_terms, stiffness_terms
 from ...fem.unknowns import Unknowns
 from .elements import Elements
 
-Density = Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.float64]]
+Density = Callable[[Real, Real], Real]
 """Density per m of the flat skin, from positions on a line and its direction there, both (2, ...).
 """
 
 
 def add_sheet(
-    values: NDArray[np.float64],
-    alone: NDArray[np.float64],
+    values: Real,
+    alone: Real,
     elements: Elements,
     unknowns: Unknowns,
-    S: NDArray[np.float64],
-    within: NDArray[np.bool_] | None = None,
+    S: Real,
+    within: Mask | None = None,
 ) -> None:
     """Add K of one field. S: by its xx, yy and xy in S, shape (3, cell, point).
 
@@ -38,12 +38,12 @@ def add_sheet(
 
 
 def add_foam(
-    values: NDArray[np.float64],
-    coupling: NDArray[np.float64],
+    values: Real,
+    coupling: Real,
     elements: Elements,
     unknowns: Unknowns,
-    c: NDArray[np.float64],
-    within: NDArray[np.bool_] | None = None,
+    c: Real,
+    within: Mask | None = None,
 ) -> None:
     """Add M. c: F/m², shape (cell, point). within: restricts the form to these cells."""
     for cells in _groups(elements, within):
@@ -51,12 +51,7 @@ def add_foam(
         _add_between_fields(values, unknowns.slots[cells], coupling, terms)
 
 
-def _add_between_fields(
-    values: NDArray[np.float64],
-    slots: NDArray[np.int64],
-    fields: NDArray[np.float64],
-    terms: Iterable[Terms],
-) -> None:
+def _add_between_fields(values: Real, slots: Integer, fields: Real, terms: Iterable[Terms]) -> None:
     """Add matrices of cells in one field to all pairs of fields, times the entry of `fields`.
 
     slots: shape (cell, pair). fields: shape (field, field).
@@ -72,9 +67,7 @@ def _add_between_fields(
         values += fields[f, g] * added[-DROPPED:]
 
 
-def _groups(
-    elements: Elements, within: NDArray[np.bool_] | None
-) -> Iterable[NDArray[np.int64] | slice]:
+def _groups(elements: Elements, within: Mask | None) -> Iterable[Integer | slice]:
     """Straight cells, then curved ones; restricted to `within`."""
     if within is None:
         return elements.groups
@@ -84,11 +77,11 @@ def _groups(
 
 
 def add_along(
-    values: NDArray[np.float64],
-    fields: NDArray[np.float64],
+    values: Real,
+    fields: Real,
     elements: Elements,
     unknowns: Unknowns,
-    facets: NDArray[np.int64],
+    facets: Integer,
     density: Density,
 ) -> None:
     """Add the form density u v along facets, between `fields`, shape (field, field)."""
@@ -103,17 +96,13 @@ def add_along(
         add_terms(values, unknowns.slots[own], [_edge_terms(rule.values, weights, fields)])
 
 
-def add_at(
-    values: NDArray[np.float64], slots: NDArray[np.int64], added: NDArray[np.float64]
-) -> None:
+def add_at(values: Real, slots: Integer, added: Real) -> None:
     """Add numbers to the values at their slots; numbers of DROPPED slots are ignored."""
     found = np.bincount(slots.ravel() - DROPPED, added.ravel(), len(values) - DROPPED)
     values += found[-DROPPED:]
 
 
-def _edge_terms(
-    u: NDArray[np.float64], weights: NDArray[np.float64], fields: NDArray[np.float64]
-) -> Terms:
+def _edge_terms(u: Real, weights: Real, fields: Real) -> Terms:
     """Terms of the form u v along an edge. u: functions at its points; weights: (cell, point)."""
     matrices = np.einsum("fg,ip,jp->pfigj", fields, u, u)
     return weights, matrices.reshape(len(matrices), -1)

@@ -8,9 +8,9 @@ products of basis functions, B those with trial functions. The remainder has no 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
+from ...arrays import Real
 from ...fem.dropped import DROPPED
 from ...fem.unknowns import Unknowns
 from ...surroundings.surroundings_matrix import surroundings_matrix
@@ -18,9 +18,7 @@ from .elements import Elements
 from .materials import Materials
 
 
-def low_rank_charges(
-    elements: Elements, materials: Materials, unknowns: Unknowns
-) -> NDArray[np.float64] | None:
+def low_rank_charges(elements: Elements, materials: Materials, unknowns: Unknowns) -> Real | None:
     """F of `LowRankMass`, shape (unknown, rank); None if surroundings are not solved."""
     around = materials.scene.surroundings
     if around is None or not around.solved:

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ...arrays import Real
 from ...scene.foam_mechanics import strain_of
 from ...scene.form.shape import Stretch
 from ...scene.planar import SAME_EDGE, Lines, distinct
@@ -25,11 +26,11 @@ class Metric:
     area: J = sqrt(det G), area over that of the flat, unstretched skin, shape (...).
     """
 
-    G: NDArray[np.float64]
-    area: NDArray[np.float64]
+    G: Real
+    area: Real
 
 
-def position(scene: Scene, x: NDArray[np.float64]) -> NDArray[np.float64]:
+def position(scene: Scene, x: Real) -> Real:
     """Position in space, m, of points x in m of the flat, unstretched skin, shape (2, ...) to (3,
     ...)."""
     skin = scene.skin
@@ -39,7 +40,7 @@ def position(scene: Scene, x: NDArray[np.float64]) -> NDArray[np.float64]:
     return skin.shape.position(stretched, skin.stretched_sides)
 
 
-def tangents(scene: Scene, x: NDArray[np.float64]) -> NDArray[np.float64]:
+def tangents(scene: Scene, x: Real) -> Real:
     """Derivative of `position` by x, shape (3, 2, ...)."""
     skin, ratios = scene.skin, _ratios(scene.skin, x)
     if skin.shape is None:
@@ -48,7 +49,7 @@ def tangents(scene: Scene, x: NDArray[np.float64]) -> NDArray[np.float64]:
     return skin.shape.tangents(ratios * np.asarray(x), skin.stretched_sides) * ratios
 
 
-def metric(scene: Scene, x: NDArray[np.float64]) -> Metric:
+def metric(scene: Scene, x: Real) -> Metric:
     """Metric at points x in m of the flat, unstretched skin, shape (2, ...)."""
     F = tangents(scene, x)
     xx, yy, xy = (
@@ -63,12 +64,12 @@ def isometric(skin: Skin) -> bool:
     return unstretched and (skin.shape is None or skin.shape.developable)
 
 
-def _ratios(skin: Skin, x: NDArray[np.float64]) -> NDArray[np.float64]:
+def _ratios(skin: Skin, x: Real) -> Real:
     ratios = skin.stretch.ratios if skin.stretch else (1.0, 1.0)
     return np.reshape(ratios, (2,) + (1,) * (np.ndim(x) - 1))
 
 
-def directed(ratio: float, angle: float) -> NDArray[np.float64]:
+def directed(ratio: float, angle: float) -> Real:
     """Tensor of determinant 1, `ratio` times as large along `angle` [rad] from x as across, shape
     (3,)."""
     along, across = ratio**0.5, ratio**-0.5
@@ -77,20 +78,20 @@ def directed(ratio: float, angle: float) -> NDArray[np.float64]:
     return np.array([mean + part, mean - part, half * np.sin(turned)])
 
 
-def root(G: NDArray[np.float64], determinant: NDArray[np.float64]) -> NDArray[np.float64]:
+def root(G: Real, determinant: Real) -> Real:
     """U = sqrt(G) of that determinant: (G + det U) / sqrt(tr G + 2 det U), by Cayley-Hamilton."""
     xx, yy, xy = G
     scale = 1 / np.sqrt(xx + yy + 2 * determinant)
     return scale * np.stack([xx + determinant, yy + determinant, xy])
 
 
-def adjugate(U: NDArray[np.float64]) -> NDArray[np.float64]:
+def adjugate(U: Real) -> Real:
     """det(U) times the inverse of U."""
     xx, yy, xy = U
     return np.stack([yy, xx, -xy])
 
 
-def between(B: NDArray[np.float64], A: NDArray[np.float64]) -> NDArray[np.float64]:
+def between(B: Real, A: Real) -> Real:
     """B A B."""
     (bx, by, b), (ax, ay, a) = B, A
     return np.stack(
@@ -111,7 +112,7 @@ def gauged(skin: Skin) -> bool:
     return any(sheet.piezoresistance for sheet in (skin.top, skin.bottom))
 
 
-def gauges(skin: Skin, factors: NDArray[np.float64]) -> NDArray[np.float64]:
+def gauges(skin: Skin, factors: Real) -> Real:
     """Conductance of top and bottom over the unpressed one, under touches of these factors.
 
     factors: capacitance over the unpressed one, shape (...). Returns shape (2, ...).
@@ -121,7 +122,7 @@ def gauges(skin: Skin, factors: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack([1 / (1 + each.piezoresistance * strain) for each in (skin.top, skin.bottom)])
 
 
-def gauge_slopes(skin: Skin, factors: NDArray[np.float64]) -> NDArray[np.float64]:
+def gauge_slopes(skin: Skin, factors: Real) -> Real:
     """Derivative of `gauges` by the factors, to six digits; shape (2, ...)."""
     step = SLOPE_STEP * factors
     return (gauges(skin, factors + step) - gauges(skin, factors - step)) / (2 * step)
@@ -135,9 +136,7 @@ class Materials:
         self._isometric = isometric(scene.skin)
         self._sheet_power, self._foam_power = (scene.skin.stretch or Stretch()).thinning
 
-    def conductance(
-        self, electrode: Electrode, x: NDArray[np.float64], strain: ArrayLike = 0.0
-    ) -> NDArray[np.float64]:
+    def conductance(self, electrode: Electrode, x: Real, strain: ArrayLike = 0.0) -> Real:
         """Conductance of an electrode as (xx, yy, xy) in S, shape (3, ...), at x of shape (2, ...).
 
         strain: compressive strain of the foam there, which broadcasts with (...), see `strain_of`.
@@ -158,7 +157,7 @@ class Materials:
         """True if an electrode may conduct better along one direction than along another."""
         return not self._isometric or self.scene.skin.sheet(electrode).anisotropy is not None
 
-    def capacitance(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def capacitance(self, x: Real) -> Real:
         """c of the unpressed foam in F per flat m², shape (...), at x of shape (2, ...)."""
         foam = self.scene.skin.foam
         c = foam.unpressed_capacitance_per_area * self._factors(foam.map, x)
@@ -166,13 +165,13 @@ class Materials:
             return c
         return c * metric(self.scene, x).area ** (1 + self._foam_power)
 
-    def area(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def area(self, x: Real) -> Real:
         """Area over that of the flat, unstretched skin at x of shape (2, ...), shape (...)."""
         if self._isometric:
             return np.ones(np.shape(x)[1:])
         return metric(self.scene, x).area
 
-    def flattened(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def flattened(self, x: Real) -> Real:
         """J G^-1 as (xx, yy, xy), shape (3, ...), at x of shape (2, ...).
 
         It turns grad u . grad v on the skin into that on the flat, unstretched skin.
@@ -182,7 +181,7 @@ class Materials:
         found = metric(self.scene, x)
         return adjugate(found.G) / found.area
 
-    def depth(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def depth(self, x: Real) -> Real:
         """Thickness of the unpressed foam in m, shape (...).
 
         Maps and stretch make it thinner at constant permittivity.
@@ -194,9 +193,7 @@ class Materials:
             / self.area(x) ** self._foam_power
         )
 
-    def line_stretch(
-        self, x: NDArray[np.float64], direction: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def line_stretch(self, x: Real, direction: Real) -> Real:
         """Length of a line through x along a direction, over that on the flat, unstretched skin.
 
         x and direction are of shape (2, ...); the direction need not be of unit length. Shape
@@ -235,11 +232,11 @@ class Materials:
         maps = self.scene.skin.maps.values()
         return min((each.shortest(self.scene.skin.sides) for each in maps), default=np.inf)
 
-    def _resistance(self, sheet: Sheet, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _resistance(self, sheet: Sheet, x: Real) -> Real:
         """Resistance of the unpressed sheet, ohm/sq."""
         return sheet.sheet_resistance * self._factors(sheet.map, x)
 
-    def _factors(self, of_place, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _factors(self, of_place, x: Real) -> Real:
         if of_place is None:
             return np.ones(np.shape(x)[1:])
         return of_place.factors(np.asarray(x, dtype=np.float64), self.scene.skin.sides)
@@ -249,6 +246,6 @@ def _uniform(sheet: Sheet) -> float | None:
     return 1.0 if sheet.map is None else sheet.map.uniform
 
 
-def _direction(sheet: Sheet) -> NDArray[np.float64]:
+def _direction(sheet: Sheet) -> Real:
     own = sheet.anisotropy
     return directed(own.ratio, own.angle) if own else ISOTROPIC

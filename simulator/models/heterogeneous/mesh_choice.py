@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ...arrays import Real
 from ...fem.circuit import Circuit, one_field, two_fields
 from ...fem.system import check_grid_fits
 from ...press.press import Press
@@ -38,7 +36,7 @@ The error is that large at corners only."""
 class MeshSequence(Protocol):
     """Discretisations of one press, each finer than the one before."""
 
-    def finer(self, frequency: NDArray[np.float64]) -> Discretised:
+    def finer(self, frequency: Real) -> Discretised:
         """Next discretisation, for frequencies in Hz. Raises ToleranceError if there is none."""
         ...
 
@@ -49,7 +47,7 @@ class SquaresThenTriangles:
     def __init__(self, squares: Squares, triangles: Triangles) -> None:
         self._kinds: list[MeshSequence] = [squares, triangles]
 
-    def finer(self, frequency: NDArray[np.float64]) -> Discretised:
+    def finer(self, frequency: Real) -> Discretised:
         """Next discretisation; see `MeshSequence`."""
         try:
             return self._kinds[0].finer(frequency)
@@ -70,7 +68,7 @@ class DeflectedTriangles:
         self._place, self._rtol = place, rtol
         self._pressed, place.triangles = pressed, triangles
 
-    def finer(self, frequency: NDArray[np.float64]) -> Discretised:
+    def finer(self, frequency: Real) -> Discretised:
         """Next discretisation; see `MeshSequence`."""
         most, triangles = MECHANICS_SHARE * self._rtol, self._place.triangles
         assert triangles is not None

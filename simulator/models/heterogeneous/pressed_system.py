@@ -8,9 +8,9 @@ from functools import partial
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
+from ...arrays import Real
 from ...fem.circuit import Circuit, Terminal
 from ...fem.low_rank import LowRankMass, Mass
 from ...fem.system import System, films
@@ -32,7 +32,7 @@ class PressedSystem(System):
 
     fields_decoupled: ClassVar[bool] = True
     mass: Mass
-    far: NDArray[np.float64] | None
+    far: Real | None
 
 
 def pressed_system(
@@ -68,7 +68,7 @@ def mass_of(
     elements: Elements,
     coefficients: PressCoefficients,
     unknowns: Unknowns,
-    far: NDArray[np.float64] | None,
+    far: Real | None,
 ) -> Mass:
     """M in F of one press and of the surroundings. far: see `PressedSystem`."""
     values = np.zeros(len(unknowns.pattern.indices))
@@ -102,10 +102,7 @@ def film_of(
 
 
 def _conducting(
-    coefficients: PressCoefficients,
-    contact: Contact,
-    x: NDArray[np.float64],
-    direction: NDArray[np.float64],
-) -> NDArray[np.float64]:
+    coefficients: PressCoefficients, contact: Contact, x: Real, direction: Real
+) -> Real:
     """Conductance of a film per m of the flat skin, S/m."""
     return coefficients.line_stretch(x, direction) / contact.resistance

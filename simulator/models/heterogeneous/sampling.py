@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Integer, Real
 from ...fem.quadrature import interpolated, rule_at
 from ...scene.scene import Scene
 from .discretised import Discretised
@@ -43,7 +44,7 @@ class Sampler:
         self.parts = (parts[:, None, :] + first[:, None]).reshape(sides, -1)
 
     @property
-    def position(self) -> NDArray[np.float64]:
+    def position(self) -> Real:
         """Positions of the corners in space, m, shape (3, cell, corner)."""
         if self._elements.in_space is None:
             return position(self._scene, self.surface.x)
@@ -75,7 +76,7 @@ class Sampler:
         return np.stack([u.T @ self._at.values for u in fields]), np.stack(slopes)
 
 
-def lattice(sides: int, cut: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+def lattice(sides: int, cut: int) -> tuple[Real, Integer]:
     """A unit triangle or square with each side divided into `cut` parts: corners and parts.
 
     Corners (a, b) of shape (2, corner), parts of shape (sides, part), counter-clockwise.

@@ -6,8 +6,8 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Real
 from ...fem.circuit import Circuit
 from ...fem.galerkin import Galerkin
 from ...mesh.quadrilaterals import Resolution, pixel_mesh, tile_lines
@@ -52,7 +52,7 @@ class Squares:
         self._hierarchy = ResolutionHierarchy(scene, circuit, own=rtol)
         self._level = self.first
 
-    def finer(self, frequency: NDArray[np.float64]) -> Discretised:
+    def finer(self, frequency: Real) -> Discretised:
         """Next discretisation, for frequencies in Hz.
 
         Raises ToleranceError after the finest, and where the orders gain too little.

@@ -17,8 +17,8 @@ from __future__ import annotations
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer, Mask, Real
 from ...fem.circuit import Circuit
 from ...fem.unknowns import Unknowns
 from ...press.walls import step_capacitance
@@ -35,7 +35,6 @@ from .materials import Materials
 ALONG = np.array([[1 / 3, 1 / 6], [1 / 6, 1 / 3]])
 """Integrals over the foam's depth of the products of both sheets' linear shape functions."""
 BETWEEN = np.array([[1.0, -1.0], [-1.0, 1.0]])
-Values = NDArray[np.float64]
 
 
 def check_surroundings(scene: Scene) -> None:
@@ -64,9 +63,7 @@ def _check_rim(scene: Scene, around: Surroundings) -> None:
     rim_densities(scene)
 
 
-def energy_to_earth(
-    coefficients: PressCoefficients, x: NDArray[np.float64], u: NDArray[np.float64]
-) -> NDArray[np.float64] | float:
+def energy_to_earth(coefficients: PressCoefficients, x: Real, u: Real) -> Real | float:
     """c_e u² of earthed bodies in J/m² for sheets at u in V, shape (field, ...), at x, (2, ...)."""
     around, materials = coefficients.materials.scene.surroundings, coefficients.materials
     earthed = [body for body in around.body if around.at_earth(body)] if around else []
@@ -74,7 +71,7 @@ def energy_to_earth(
 
 
 def add_surroundings(
-    values: Values,
+    values: Real,
     circuit: Circuit,
     elements: Elements,
     coefficients: PressCoefficients,
@@ -100,13 +97,13 @@ def add_surroundings(
 
 
 def add_body(
-    values: Values,
+    values: Real,
     circuit: Circuit,
     body: Body,
     elements: Elements,
     unknowns: Unknowns,
     materials: Materials,
-    within: NDArray[np.bool_] | None = None,
+    within: Mask | None = None,
 ) -> None:
     """Add c_e (u - U)² of a body. within: restricts it to these cells."""
     at = elements.surface
@@ -124,10 +121,10 @@ def add_body(
 
 
 def add_finger(
-    values: Values,
-    alone: NDArray[np.float64],
+    values: Real,
+    alone: Real,
     farads: float,
-    share: NDArray[np.float64],
+    share: Real,
     elements: Elements,
     unknowns: Unknowns,
     materials: Materials,
@@ -141,11 +138,7 @@ def add_finger(
 
 
 def add_rim(
-    values: Values,
-    rim: RimDensities,
-    elements: Elements,
-    unknowns: Unknowns,
-    materials: Materials,
+    values: Real, rim: RimDensities, elements: Elements, unknowns: Unknowns, materials: Materials
 ) -> None:
     """Add the line integrals along all edges of the skin."""
     between = rim.mutual * BETWEEN + np.diag([rim.top, rim.bottom])
@@ -153,12 +146,12 @@ def add_rim(
 
 
 def add_thickness(
-    values: Values,
-    along: NDArray[np.float64],
+    values: Real,
+    along: Real,
     elements: Elements,
     unknowns: Unknowns,
     materials: Materials,
-    within: NDArray[np.bool_] | None = None,
+    within: Mask | None = None,
 ) -> None:
     """Add grad u . grad v of both sheets. along: eps d in F, shape (cell, point)."""
     tensor = along * materials.flattened(elements.surface.x)
@@ -166,11 +159,7 @@ def add_thickness(
 
 
 def add_edges(
-    values: Values,
-    thinned: NDArray[np.float64],
-    elements: Elements,
-    unknowns: Unknowns,
-    materials: Materials,
+    values: Real, thinned: Real, elements: Elements, unknowns: Unknowns, materials: Materials
 ) -> None:
     """Add the line integrals along jumps of the foam's thickness.
 
@@ -186,8 +175,8 @@ def add_edges(
 
 
 def add_wall(
-    values: Values,
-    facets: NDArray[np.int64],
+    values: Real,
+    facets: Integer,
     excess: float,
     elements: Elements,
     unknowns: Unknowns,
@@ -197,9 +186,7 @@ def add_wall(
     add_along(values, BETWEEN, elements, unknowns, facets, partial(_wall, materials, excess))
 
 
-def _wall(
-    materials: Materials, excess: float, x: NDArray[np.float64], direction: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _wall(materials: Materials, excess: float, x: Real, direction: Real) -> Real:
     """Capacitance of a wall, F per m of the flat skin."""
     permittivity = materials.capacitance(x) / materials.area(x) * materials.depth(x)
     return permittivity * excess * materials.line_stretch(x, direction)

@@ -7,8 +7,8 @@ from copy import copy
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Real
 from ...fem.circuit import Circuit
 from ...fem.galerkin import Galerkin
 from ...mesh.domain import Domain
@@ -97,7 +97,7 @@ class Triangles:
         )
         return other
 
-    def finer(self, frequency: NDArray[np.float64]) -> Discretised:
+    def finer(self, frequency: Real) -> Discretised:
         """Next discretisation, for frequencies in Hz.
 
         Raises ToleranceError if the tolerance needs more than MAX_TRIANGLES, triangles too small
@@ -133,9 +133,7 @@ class Triangles:
             )
         return self._before
 
-    def _halved(
-        self, mesh: Domain, parts: NDArray[np.float64], frequency: NDArray[np.float64]
-    ) -> Domain:
+    def _halved(self, mesh: Domain, parts: Real, frequency: Real) -> Domain:
         """Mesh refined to the error that the tolerance allows, at some frequencies in Hz.
 
         parts: share of each triangle in the error, shape (frequency, triangle).
@@ -154,10 +152,10 @@ class Triangles:
         self._history.predict(frequency, likely)
         return found
 
-    def _exponents(self, mesh: Domain, coefficients: PressCoefficients) -> NDArray[np.float64]:
+    def _exponents(self, mesh: Domain, coefficients: PressCoefficients) -> Real:
         return corner_exponents(mesh, sheets(self.circuit, mesh, coefficients))
 
-    def _first(self, ends: NDArray[np.float64]) -> Domain:
+    def _first(self, ends: Real) -> Domain:
         """First mesh: the coarsest one. After other depths of the same touches it is the latest
         mesh, if the first and last frequency, Hz, are the same."""
         known = self._domain if np.array_equal(ends, self._ends) else None
@@ -197,7 +195,7 @@ class Triangles:
         by_foam = self.pressed.out_of_round if self.pressed else 0.0
         return by_foam + mesh.out_of_round * (1 + FALLS * depths) * bool(radii)
 
-    def _kinks(self) -> list[NDArray[np.float64]]:
+    def _kinks(self) -> list[Real]:
         """Lines at which maps have kinks, m, each of shape (2, 2)."""
         x, y = self.materials.lines
         length, width = self.scene.skin.sides
@@ -247,7 +245,7 @@ class Triangles:
         return SolvedLevel(Galerkin(system, self.circuit, order), system, elements)
 
 
-def _shown(exponents: NDArray[np.float64], mesh: Domain, order: int) -> NDArray[np.float64]:
+def _shown(exponents: Real, mesh: Domain, order: int) -> Real:
     """k of each triangle, shape (triangle,). exponents: of the points of the coarser mesh."""
     known = np.append(exponents, np.inf)[np.minimum(mesh.t, len(exponents))]
     return at_corners(known.min(axis=0), order)

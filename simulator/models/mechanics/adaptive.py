@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer, Real
 from ...fem.safety_factors import DEFLECTION
 from ...press.press import Press
 from ...press.touch import Depth
@@ -56,9 +56,9 @@ class AdaptiveDeflection:
     surface: MembraneSurface
     solution: Equilibrium
     error: float
-    uncertainty: NDArray[np.float64]
+    uncertainty: Real
     membrane: Membrane
-    clamped: NDArray[np.int64]
+    clamped: Integer
 
 
 def _solved(level: DeflectionLevel, error: float) -> AdaptiveDeflection:
@@ -69,7 +69,7 @@ def _solved(level: DeflectionLevel, error: float) -> AdaptiveDeflection:
     )
 
 
-def deflection_uncertainty(membrane: Membrane, w: NDArray[np.float64]) -> NDArray[np.float64]:
+def deflection_uncertainty(membrane: Membrane, w: Real) -> Real:
     """Possible error of a deflection, m, averaged over each triangle, shape (triangle,)."""
     return OF_TAIL * tails(membrane, w)
 
@@ -118,7 +118,7 @@ def _least(rtol: float, level: DeflectionLevel) -> float:
     return 0.0 if level.refined else HALF_AGAIN * rtol
 
 
-def _check_within_reach(contact: ContactMesh, excess: NDArray[np.float64]) -> None:
+def _check_within_reach(contact: ContactMesh, excess: Real) -> None:
     """Raise ToleranceError if even smooth triangles would have to become too many.
 
     excess: error over its target. Away from corners it falls like h^FALLS at best; a triangle is
@@ -133,7 +133,7 @@ def _check_within_reach(contact: ContactMesh, excess: NDArray[np.float64]) -> No
     )
 
 
-def _refined(contact: ContactMesh, excess: NDArray[np.float64]) -> ContactMesh:
+def _refined(contact: ContactMesh, excess: Real) -> ContactMesh:
     """Mesh that is finer where the error exceeds its target; at corners as often as needed to
     reduce it."""
     worst = excess[contact.cornered].max(initial=0.0)
@@ -173,19 +173,17 @@ class _Pressing:
         clamped = self._clamped(level.membrane, most, no_deeper)
         return known.pressed(level, clamped, self.loads, start, rtol)
 
-    def _most(self, contact: ContactMesh, membrane: Membrane) -> NDArray[np.int64]:
+    def _most(self, contact: ContactMesh, membrane: Membrane) -> Integer:
         """Applicator that may clamp each node, -1 for none, shape (node,)."""
         under = above(membrane.nodes, len(membrane.places.T), contact.covered)
         return deepest(under, self.loads)
 
-    def _clamped(
-        self, membrane: Membrane, most: NDArray[np.int64], near: NDArray[np.float64]
-    ) -> NDArray[np.int64]:
+    def _clamped(self, membrane: Membrane, most: Integer, near: Real) -> Integer:
         """Applicator that clamps each node, shape (node,). near: deflections close to the solution,
         m."""
         return clamped_nodes(membrane, self.mechanics.tension, most, self.loads, near)
 
-    def relative(self, level: DeflectionLevel) -> NDArray[np.float64]:
+    def relative(self, level: DeflectionLevel) -> Real:
         """Tails as relative changes of the factor, shape (triangle,)."""
         strain = level.solution.w[level.membrane.nodes].max(axis=0) / self.thickness
         moved = tails(level.membrane, level.solution.w)

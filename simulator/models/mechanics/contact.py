@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_matrix
 from scipy.sparse.linalg import splu
 
+from ...arrays import Integer, Mask, Real
 from ...sweeps.errors import ToleranceError
 from .membrane import LumpedMembrane, Membrane
 
@@ -35,25 +35,25 @@ class ElasticBody(Protocol):
 
     thickness: float
 
-    def residual(self, w: NDArray[np.float64]) -> NDArray[np.float64]: ...
-    def tangent(self, w: NDArray[np.float64]) -> csr_matrix: ...
-    def energy(self, w: NDArray[np.float64]) -> float: ...
+    def residual(self, w: Real) -> Real: ...
+    def tangent(self, w: Real) -> csr_matrix: ...
+    def energy(self, w: Real) -> float: ...
 
 
 @dataclass(frozen=True)
 class ApplicatorLoads:
     """Depth [m] of each applicator, nan if its `force` [N] is given instead."""
 
-    depth: NDArray[np.float64]
-    force: NDArray[np.float64]
+    depth: Real
+    force: Real
 
     @property
-    def by_force(self) -> NDArray[np.int64]:
+    def by_force(self) -> Integer:
         """Numbers of the applicators of given force."""
         return np.flatnonzero(np.isnan(self.depth))
 
 
-Newton = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+Newton = Callable[[Real], Real]
 """Maps residual forces at free nodes to the Newton step."""
 
 
@@ -64,17 +64,14 @@ class Equilibrium:
     newton: solve with the last factors, None if none were made.
     """
 
-    w: NDArray[np.float64]
-    depth: NDArray[np.float64]
-    force: NDArray[np.float64]
+    w: Real
+    depth: Real
+    force: Real
     newton: Newton | None = None
 
 
 def equilibrium(
-    body: ElasticBody,
-    clamped: NDArray[np.int64],
-    loads: ApplicatorLoads,
-    start: NDArray[np.float64],
+    body: ElasticBody, clamped: Integer, loads: ApplicatorLoads, start: Real
 ) -> Equilibrium:
     """Equilibrium under loads: minimum of the energy less the work of given forces.
 
@@ -89,7 +86,7 @@ def equilibrium(
     work, count = np.zeros_like(q), len(loads.by_force)
     work[len(q) - count :] = loads.force[loads.by_force]
 
-    def pulled(q: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+    def pulled(q: Real) -> tuple[Real, ...]:
         w = turn @ q + fixed
         reaction = body.residual(w)
         return w, reaction, work - turn.T @ reaction
@@ -118,9 +115,9 @@ def equilibrium(
 
 def nearby_equilibrium(
     body: ElasticBody,
-    clamped: NDArray[np.int64],
+    clamped: Integer,
     loads: ApplicatorLoads,
-    start: NDArray[np.float64],
+    start: Real,
     newton: Newton,
     left: float,
 ) -> Equilibrium | None:
@@ -134,7 +131,7 @@ def nearby_equilibrium(
     q, count = _first(start, clamped, loads), len(loads.by_force)
     work = np.zeros_like(q)
     work[len(q) - count :] = loads.force[loads.by_force]
-    tried: list[tuple[NDArray[np.float64], NDArray[np.float64]]] = []
+    tried: list[tuple[Real, Real]] = []
     before = np.inf
     for _ in range(MAX_MIXED_TRIALS):
         step = newton(work - turn.T @ body.residual(turn @ q + fixed))
@@ -150,11 +147,7 @@ def nearby_equilibrium(
     return None
 
 
-def _mixed(
-    q: NDArray[np.float64],
-    step: NDArray[np.float64],
-    tried: list[tuple[NDArray[np.float64], NDArray[np.float64]]],
-) -> NDArray[np.float64]:
+def _mixed(q: Real, step: Real, tried: list[tuple[Real, Real]]) -> Real:
     """Step from q with the smallest residual by a linear model of the tried points and their
     steps."""
     if not tried:
@@ -164,15 +157,13 @@ def _mixed(
     return step - (q[:, None] - moved + step[:, None] - steps) @ shares
 
 
-def _factors(body: ElasticBody, turn: csr_matrix, w: NDArray[np.float64]) -> Newton:
+def _factors(body: ElasticBody, turn: csr_matrix, w: Real) -> Newton:
     """Newton solve with factors at a deflection w."""
     stiffness = (turn.T @ body.tangent(w) @ turn).tocsc()
     return splu(stiffness, options={"SymmetricMode": True}, **SYMMETRIC).solve
 
 
-def _degrees_of_freedom(
-    clamped: NDArray[np.int64], loads: ApplicatorLoads
-) -> tuple[csr_matrix, NDArray[np.float64]]:
+def _degrees_of_freedom(clamped: Integer, loads: ApplicatorLoads) -> tuple[csr_matrix, Real]:
     """Matrix and offset of w = turn q + fixed.
 
     q: deflections of free nodes, then depths of applicators of given force.
@@ -189,9 +180,7 @@ def _degrees_of_freedom(
     return csr_matrix(turn), fixed
 
 
-def _first(
-    start: NDArray[np.float64], clamped: NDArray[np.int64], loads: ApplicatorLoads
-) -> NDArray[np.float64]:
+def _first(start: Real, clamped: Integer, loads: ApplicatorLoads) -> Real:
     depths = [start[clamped == each].max(initial=0.0) for each in loads.by_force]
     return np.concatenate([start[clamped < 0], depths])
 
@@ -199,15 +188,15 @@ def _first(
 def _damped(
     body: ElasticBody,
     turn: csr_matrix,
-    fixed: NDArray[np.float64],
-    work: NDArray[np.float64],
-    q: NDArray[np.float64],
-    step: NDArray[np.float64],
+    fixed: Real,
+    work: Real,
+    q: Real,
+    step: Real,
     descent: float,
 ) -> float:
     """Share of a Newton step, halved until it lowers the energy enough."""
 
-    def height(at: NDArray[np.float64]) -> float:
+    def height(at: Real) -> float:
         return body.energy(turn @ at + fixed) - float(work @ at)
 
     here, part = height(q), 1.0
@@ -218,11 +207,11 @@ def _damped(
 
 
 def _equilibrium_of(
-    w: NDArray[np.float64],
-    reaction: NDArray[np.float64],
-    clamped: NDArray[np.int64],
+    w: Real,
+    reaction: Real,
+    clamped: Integer,
     loads: ApplicatorLoads,
-    found: NDArray[np.float64],
+    found: Real,
     newton: Newton | None = None,
 ) -> Equilibrium:
     depth = loads.depth.copy()
@@ -237,7 +226,7 @@ SAME = 1e-12
 """Difference of deflections over the foam's thickness below which they count as equal."""
 
 
-def above(nodes: NDArray[np.int64], count: int, covered: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def above(nodes: Integer, count: int, covered: Mask) -> Mask:
     """True where an applicator lies on a node, edges included, shape (applicator, node)."""
     found = np.zeros((len(covered), count), bool)
     for under, triangles in zip(found, covered, strict=True):
@@ -245,7 +234,7 @@ def above(nodes: NDArray[np.int64], count: int, covered: NDArray[np.bool_]) -> N
     return found
 
 
-def deepest(under: NDArray[np.bool_], loads: ApplicatorLoads) -> NDArray[np.int64]:
+def deepest(under: Mask, loads: ApplicatorLoads) -> Integer:
     """Deepest applicator on each node, -1 for none, shape (node,).
 
     Applicators of given force must share no node with another.
@@ -255,12 +244,8 @@ def deepest(under: NDArray[np.bool_], loads: ApplicatorLoads) -> NDArray[np.int6
 
 
 def clamped_nodes(
-    membrane: Membrane,
-    tension: float,
-    most: NDArray[np.int64],
-    loads: ApplicatorLoads,
-    start: NDArray[np.float64],
-) -> NDArray[np.int64]:
+    membrane: Membrane, tension: float, most: Integer, loads: ApplicatorLoads, start: Real
+) -> Integer:
     """Applicator that clamps each node, among the candidates of `most`, or -1, shape (node,).
 
     start: deflections close to the solution, m.
@@ -283,8 +268,6 @@ def clamped_nodes(
     )
 
 
-def _depths(
-    start: NDArray[np.float64], most: NDArray[np.int64], loads: ApplicatorLoads
-) -> NDArray[np.float64]:
+def _depths(start: Real, most: Integer, loads: ApplicatorLoads) -> Real:
     least = [start[most == each].min(initial=np.inf) for each in range(len(loads.depth))]
     return np.where(np.isnan(loads.depth), least, loads.depth)

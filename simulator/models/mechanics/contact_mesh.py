@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from skfem import MeshTri
 
+from ...arrays import Integer, Mask, Real
 from ...mesh.domain import Domain
 from ...mesh.drawing import polygon_of, polygonal, shape_of
 from ...mesh.refining.refinement import refined
@@ -38,8 +38,8 @@ class ContactMesh:
     """
 
     domain: Domain
-    pixel: NDArray[np.int64]
-    sharp: NDArray[np.float64]
+    pixel: Integer
+    sharp: Real
     edges: float
 
     @cached_property
@@ -48,14 +48,14 @@ class ContactMesh:
         return MeshTri(np.ascontiguousarray(self.domain.p), np.ascontiguousarray(self.domain.t))
 
     @cached_property
-    def covered(self) -> NDArray[np.bool_]:
+    def covered(self) -> Mask:
         """True where an applicator covers a triangle, shape (applicator, triangle)."""
         found = np.equal.outer(self.pixel, self.domain.pixel)
         found[self.pixel < 0] = self.domain.covered
         return found
 
     @cached_property
-    def cornered(self) -> NDArray[np.bool_]:
+    def cornered(self) -> Mask:
         """True for triangles with a corner of an applicator as a point, shape (triangle,)."""
         from scipy.spatial import KDTree
 
@@ -64,7 +64,7 @@ class ContactMesh:
         points = KDTree(self.domain.p.T).query(self.sharp.T)[1]
         return np.any(np.isin(self.domain.t, points), axis=0)
 
-    def refined(self, marked: NDArray[np.bool_]) -> ContactMesh:
+    def refined(self, marked: Mask) -> ContactMesh:
         """Mesh with the marked triangles halved each way."""
         return replace(self, domain=refined(self.domain, np.flatnonzero(marked)))
 
@@ -120,7 +120,7 @@ def _sides(curve: Curve) -> tuple[tuple[float, float], ...] | None:
     return tuple((x, y) for x, y in regular(*curve.circle, RIM_SIDES).tolist())
 
 
-def _around(shape: Circle | NDArray[np.float64]) -> float:
+def _around(shape: Circle | Real) -> float:
     if isinstance(shape, Circle):
         return 2 * np.pi * shape.radius
     return float(np.linalg.norm(shape - np.roll(shape, 1, axis=0), axis=1).sum())

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer, Real
 from .contact import ApplicatorLoads, Equilibrium, Newton, equilibrium, nearby_equilibrium
 from .contact_mesh import ContactMesh
 from .membrane import Membrane, MembraneSurface
@@ -30,7 +30,7 @@ class DeflectionLevel:
 
     contact: ContactMesh
     membrane: Membrane
-    clamped: NDArray[np.int64]
+    clamped: Integer
     solution: Equilibrium
     surface: MembraneSurface
     refined: bool
@@ -73,7 +73,7 @@ class DeflectionCache:
             while len(self._known) > MAX_CACHED_DEFLECTIONS:
                 del self._known[next(iter(self._known))]
 
-    def start(self, level: DeflectionLevel, loads: ApplicatorLoads) -> NDArray[np.float64]:
+    def start(self, level: DeflectionLevel, loads: ApplicatorLoads) -> Real:
         """First guess of the deflection, m, shape (node,).
 
         For one applicator it interpolates by depth, or by force, between cached deflections and the
@@ -97,9 +97,9 @@ class DeflectionCache:
     def pressed(
         self,
         level: DeflectionLevel,
-        clamped: NDArray[np.int64],
+        clamped: Integer,
         loads: ApplicatorLoads,
-        start: NDArray[np.float64],
+        start: Real,
         rtol: float,
     ) -> DeflectionLevel:
         """Level of another press on the mesh of a cached level.
@@ -120,7 +120,7 @@ class DeflectionCache:
             refined=True,
         )
 
-    def _serves(self, clamped: NDArray[np.int64], loads: ApplicatorLoads) -> bool:
+    def _serves(self, clamped: Integer, loads: ApplicatorLoads) -> bool:
         """True if the cached factors belong to the same free nodes."""
         same_loads = np.array_equal(loads.by_force, self._by_force)
         return same_loads and np.array_equal(clamped, self._clamped)
@@ -134,7 +134,7 @@ def _key(loads: ApplicatorLoads) -> float | None:
     return -force if np.isnan(depth) else depth
 
 
-def lagrange(nodes: NDArray[np.float64], x: float) -> NDArray[np.float64]:
+def lagrange(nodes: Real, x: float) -> Real:
     """Weights of Lagrange interpolation at x between a few nodes, shape (node,)."""
     others = ~np.eye(len(nodes), dtype=bool)
     ratios = (x - nodes) / np.where(others, nodes[:, None] - nodes, 1.0)

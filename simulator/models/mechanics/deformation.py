@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Real
 from ...press.press import Press
 from ...press.touch import Depth
 from ...scene.foam_mechanics import Mechanics
@@ -32,17 +32,17 @@ class Deformation:
 
     mechanics: Mechanics | None
     thickness: float
-    w: Callable[[NDArray[np.float64]], NDArray[np.float64]]
+    w: Callable[[Real], Real]
     depth: tuple[float, ...]
     force: tuple[float, ...]
     error: float
-    kinks: tuple[Circle | NDArray[np.float64], ...]
+    kinks: tuple[Circle | Real, ...]
     sharp: Press | None
     out_of_round: float = 0.0
-    uncertainty: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None
+    uncertainty: Callable[[Real], Real] | None = None
     within_error: Callable[[float], Deformation] | None = None
 
-    def deflection(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def deflection(self, x: Real) -> Real:
         """Deflection of the upper electrode towards the lower at flat positions x (2, ...) in m; m,
         (...)."""
         return np.clip(self.w(x), 0.0, max(self.depth, default=0.0))
@@ -54,11 +54,11 @@ class Deformation:
             return self
         return replace(self, w=lambda x: w(x) + times * uncertainty(x))
 
-    def strain(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def strain(self, x: Real) -> Real:
         """Compressive strain of the foam at flat positions x (2, ...) in m, shape (...)."""
         return self.deflection(x) / self.thickness
 
-    def factor(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def factor(self, x: Real) -> Real:
         """Capacitance over the unpressed one at flat positions x (2, ...) in m, shape (...)."""
         strain = self.strain(x)
         return np.ones_like(strain) if self.mechanics is None else self.mechanics.factor(strain)

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer, Real
 from ...chebyshev import barycentric, extrema
 from ...press.press import Press
 from ...press.touch import Depth, Indentation, Touch
@@ -40,20 +40,20 @@ class DepthSeries:
     (depth, triangle). force: N, shape (depth,).
     """
 
-    p: NDArray[np.float64]
-    nodes: NDArray[np.int64]
-    depth: NDArray[np.float64]
+    p: Real
+    nodes: Integer
+    depth: Real
     count: int
-    w: NDArray[np.float64]
-    uncertainty: NDArray[np.float64]
-    force: NDArray[np.float64]
+    w: Real
+    uncertainty: Real
+    force: Real
 
     @property
     def deepest(self) -> float:
         """Largest depth, m."""
         return float(self.depth[self.count - 1])
 
-    def weights(self, depth: NDArray[np.float64]) -> NDArray[np.float64]:
+    def weights(self, depth: Real) -> Real:
         """Interpolation weights of Chebyshev's depths at other depths, m, shape (..., count)."""
         return barycentric(self.depth[: self.count], depth)
 
@@ -64,7 +64,7 @@ class DepthSeries:
         depths.
         """
 
-        def stress(depth: NDArray[np.float64] | float) -> NDArray[np.float64]:
+        def stress(depth: Real | float) -> Real:
             return elastic.stress(np.maximum(depth, SMALLEST) / thickness)
 
         from scipy.optimize import brentq
@@ -87,19 +87,17 @@ class DepthSeries:
         slope = (excess(high) - excess(low)) / (high - low)
         return depth, off * force / slope
 
-    def reach(self, far: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def reach(self, far: float) -> tuple[Real, Real]:
         """Smallest and largest x and y within a distance `far` of the applicator, m."""
         under = self.p[:, self.w[self.count - 1] >= self.deepest * (1 - CLAMPED)]
         return under.min(axis=1) - far, under.max(axis=1) + far
 
-    def deflection(self, depth: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def deflection(self, depth: float, x: Real) -> Real:
         """Deflection at flat positions x (2, point) in m; m, shape (point,)."""
         w = self.weights(np.array(depth)) @ self.w[: self.count]
         return np.clip(MembraneSurface(ELEMENT, self.p, self.nodes, w)(x), 0.0, depth)
 
-    def factors(
-        self, x: NDArray[np.float64], mechanics: Mechanics, thickness: float
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def factors(self, x: Real, mechanics: Mechanics, thickness: float) -> tuple[Real, Real]:
         """Rise of the capacitance factor at all depths, and its upper estimate.
 
         Both are for flat positions x (2, point) in m and have the shape (depth, point). The rise is
@@ -135,7 +133,7 @@ def depth_series(
     known = {deepest: (first.solution.w, float(first.solution.force[0]))}
     known[0.0] = np.zeros_like(first.solution.w), 0.0
 
-    def at(depth: float) -> tuple[NDArray[np.float64], float]:
+    def at(depth: float) -> tuple[Real, float]:
         if depth not in known:
             near = sorted(known, key=lambda d: abs(d - depth))[:NEAREST]
             shares = lagrange(np.array(near), depth)
@@ -145,7 +143,7 @@ def depth_series(
             known[depth] = solution.w, float(solution.force[0])
         return known[depth]
 
-    def found(depths: NDArray[np.float64], count: int) -> DepthSeries:
+    def found(depths: Real, count: int) -> DepthSeries:
         w, force = zip(*map(at, depths.tolist()), strict=True)
         uncertainties = np.stack([deflection_uncertainty(first.membrane, each) for each in w])
         surface = first.surface
@@ -164,7 +162,7 @@ def depth_series(
     )
 
 
-def _depths(deepest: float, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _depths(deepest: float, count: int) -> tuple[Real, Real]:
     """Chebyshev's extrema from 0 to deepest, and CHECKS intermediate depths."""
     angle = np.pi * np.arange(count) / (count - 1)
     nodes = extrema(0.0, deepest, count)
@@ -173,7 +171,7 @@ def _depths(deepest: float, count: int) -> tuple[NDArray[np.float64], NDArray[np
     return nodes, deepest * (1 - np.cos(between)) / 2
 
 
-def _order(count: int) -> NDArray[np.int64]:
+def _order(count: int) -> Integer:
     """Order that makes the descending extrema ascend; the intermediate depths stay last."""
     return np.concatenate([np.arange(count)[::-1], count + np.arange(CHECKS)])
 

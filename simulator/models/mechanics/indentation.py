@@ -11,8 +11,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Real
 from ...mesh.drawing import polygon_of, polygonal
 from ...press.press import Press, check_press
 from ...press.touch import Disc
@@ -94,5 +94,5 @@ def _spread(
     )
 
 
-def _flat(x: NDArray[np.float64]) -> NDArray[np.float64]:
+def _flat(x: Real) -> Real:
     return np.zeros(x.shape[1:])

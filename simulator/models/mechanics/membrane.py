@@ -7,7 +7,6 @@ from collections.abc import Callable
 from copy import copy
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, diags_array
 from skfem import (
     Basis,
@@ -22,6 +21,7 @@ from skfem.assembly import Dofs
 from skfem.models.poisson import laplace
 from skfem.quadrature import get_quadrature
 
+from ...arrays import Integer, Real
 from ...fem.pattern import pattern_of_pairs
 from ...scene.foam_mechanics import Elastic
 
@@ -40,7 +40,7 @@ class Membrane:
     def __init__(self, mesh: MeshTri, tension: float, thickness: float, elastic: Elastic) -> None:
         self.thickness, self.elastic = thickness, elastic
         dofs = Dofs(mesh, ELEMENT)
-        self.nodes: NDArray[np.int64] = np.asarray(dofs.element_dofs, dtype=np.int64)
+        self.nodes: Integer = np.asarray(dofs.element_dofs, dtype=np.int64)
         corners = mesh.p[:, mesh.t]
         origin, along, across = corners[:, 0], corners[:, 1], corners[:, 2]
         along, across = along - origin, across - origin
@@ -64,24 +64,24 @@ class Membrane:
         self._stretch = tension * self._pattern.values(metric.T @ terms)
         self.stretch = self._pattern.matrix(self._stretch)
 
-    def residual(self, w: NDArray[np.float64]) -> NDArray[np.float64]:
+    def residual(self, w: Real) -> Real:
         """Force that clamps each node, N, shape (node,)."""
         pressed = (self.elastic.stress(self._strain(w)) * self._dx) @ self._values.T
         load = np.bincount(self.nodes.T.ravel(), pressed.ravel(), self.places.shape[1])
         return np.asarray(self.stretch @ w + load, dtype=np.float64)
 
-    def tangent(self, w: NDArray[np.float64]) -> csr_matrix:
+    def tangent(self, w: Real) -> csr_matrix:
         """Derivative of the residual by w, N/m, shape (node, node)."""
         stiffness = self.elastic.stiffness(self._strain(w)) / self.thickness
         foundation = self._pattern.values((stiffness * self._dx) @ self._products)
         return self._pattern.matrix(self._stretch + foundation)
 
-    def energy(self, w: NDArray[np.float64]) -> float:
+    def energy(self, w: Real) -> float:
         """Elastic energy, J."""
         compressed = np.sum(self.elastic.energy(self._strain(w)) * self._dx)
         return float(w @ (self.stretch @ w) / 2 + self.thickness * compressed)
 
-    def _strain(self, w: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _strain(self, w: Real) -> Real:
         """Strain at points of the rule, shape (triangle, point)."""
         return w[self.nodes].T @ self._values / self.thickness
 
@@ -89,19 +89,19 @@ class Membrane:
 class _Pattern:
     """Sparsity pattern of matrices of triangles with common nodes."""
 
-    def __init__(self, nodes: NDArray[np.int64], count: int) -> None:
+    def __init__(self, nodes: Integer, count: int) -> None:
         """nodes: (node of the element, triangle). count: number of nodes."""
         own, count_of = nodes.T, len(nodes)
         rows, columns = np.repeat(own, count_of, axis=1), np.tile(own, count_of)
         self._pattern, slots = pattern_of_pairs(columns, rows, count)
         self._slot = slots.ravel()
 
-    def values(self, matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+    def values(self, matrices: Real) -> Real:
         """Sum of the matrices of triangles, shape (triangle, node * node), in the pattern."""
         found = np.bincount(self._slot, matrices.ravel(), len(self._pattern.indices))
         return np.asarray(found, dtype=np.float64)
 
-    def matrix(self, values: NDArray[np.float64]) -> csr_matrix:
+    def matrix(self, values: Real) -> csr_matrix:
         """Sparse matrix with these values, shape (node, node)."""
         size, pattern = self._pattern.size, self._pattern
         return csr_matrix((values, pattern.indices, pattern.indptr), shape=(size, size))
@@ -120,22 +120,22 @@ class LumpedMembrane:
         self.stretch = (tension * laplace.assemble(basis)).tocsr()
         self.area = _load.assemble(basis, pressure=np.ones_like(basis.dx))
 
-    def residual(self, w: NDArray[np.float64]) -> NDArray[np.float64]:
+    def residual(self, w: Real) -> Real:
         """Force that clamps each node; see `Membrane`."""
         return self.stretch @ w + self.area * self.elastic.stress(w / self.thickness)
 
-    def tangent(self, w: NDArray[np.float64]) -> csr_matrix:
+    def tangent(self, w: Real) -> csr_matrix:
         """Derivative of the residual; see `Membrane`."""
         stiffness = self.elastic.stiffness(w / self.thickness) / self.thickness
         return (self.stretch + diags_array(self.area * stiffness)).tocsr()
 
-    def energy(self, w: NDArray[np.float64]) -> float:
+    def energy(self, w: Real) -> float:
         """Elastic energy; see `Membrane`."""
         compressed = self.area @ self.elastic.energy(w / self.thickness)
         return float(w @ (self.stretch @ w) / 2 + self.thickness * compressed)
 
 
-def _split(nodes: NDArray[np.int64]) -> NDArray[np.int64]:
+def _split(nodes: Integer) -> Integer:
     """Triangles (3, part) between all nodes of triangles, which lie on a lattice."""
     order = 4
     lattice = np.rint(order * ELEMENT.doflocs).astype(int)
@@ -155,12 +155,12 @@ def _load(v, w):
 LOWER = ElementTriP3()
 
 
-def tails(membrane: Membrane, w: NDArray[np.float64]) -> NDArray[np.float64]:
+def tails(membrane: Membrane, w: Real) -> Real:
     """Largest difference in m of w from its interpolation of one order less, shape (triangle,)."""
     return np.abs(_TAIL @ w[membrane.nodes]).max(axis=0)
 
 
-def _tail() -> NDArray[np.float64]:
+def _tail() -> Real:
     """Identity less interpolation by the lower element, as a matrix between the element's nodes."""
     shapes = range(len(ELEMENT.doflocs)), range(len(LOWER.doflocs))
     at_lower = np.array([ELEMENT.lbasis(LOWER.doflocs.T, k)[0] for k in shapes[0]]).T
@@ -173,7 +173,7 @@ _TAIL = _tail()
 FIRST_LOOK, LAST_LOOK = 4, 256
 LOOKED_UP = 6
 """Number of latest sets of positions whose triangles are cached."""
-Located = tuple[NDArray[np.int64], NDArray[np.float64]]
+Located = tuple[Integer, Real]
 """Triangle of each point, and position in it."""
 
 INSIDE = -1e-9
@@ -184,7 +184,7 @@ def powers(order: int) -> list[tuple[int, int]]:
     return [(i, total - i) for total in range(order + 1) for i in range(total + 1)]
 
 
-def _products(at: NDArray[np.float64], powers: list[tuple[int, int]]) -> NDArray[np.float64]:
+def _products(at: Real, powers: list[tuple[int, int]]) -> Real:
     """Monomials at places (2, point) of the reference triangle, shape (monomial, point)."""
     most = 1 + max(map(max, powers))
     a, b = (np.stack([np.ones_like(x), *np.cumprod([x] * (most - 1), axis=0)]) for x in at)
@@ -197,13 +197,7 @@ class MembraneSurface:
     p: (2, point) m; nodes: (node of the element, triangle), its corners first.
     """
 
-    def __init__(
-        self,
-        element: ElementH1,
-        p: NDArray[np.float64],
-        nodes: NDArray[np.int64],
-        w: NDArray[np.float64],
-    ) -> None:
+    def __init__(self, element: ElementH1, p: Real, nodes: Integer, w: Real) -> None:
         from scipy.spatial import KDTree
 
         self.element, self.nodes, self.w = element, nodes, w
@@ -212,17 +206,17 @@ class MembraneSurface:
         sides = np.moveaxis(corners[:, 1:] - self.origin[:, None], 2, 0)
         self.inverse = np.linalg.inv(sides)
         self.tree = KDTree(corners.mean(axis=1).T)
-        self._known: deque[tuple[NDArray[np.float64], Located]] = deque(maxlen=LOOKED_UP)
+        self._known: deque[tuple[Real, Located]] = deque(maxlen=LOOKED_UP)
         self._powers = powers(element.maxdeg)
         self._monomials = np.linalg.inv(_products(element.doflocs.T, self._powers))
 
-    def of(self, w: NDArray[np.float64]) -> MembraneSurface:
+    def of(self, w: Real) -> MembraneSurface:
         """Surface of another deflection of the same nodes; both share the located positions."""
         other = copy(self)
         other.w = w
         return other
 
-    def __call__(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def __call__(self, x: Real) -> Real:
         """w at flat positions x (2, ...) in m; outside the skin as at its nearest triangle."""
         triangle, shares = self.located(x)
         found = np.zeros(len(triangle))
@@ -230,7 +224,7 @@ class MembraneSurface:
             found += share * self.w[node[triangle]]
         return np.reshape(found, x.shape[1:])
 
-    def located(self, x: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    def located(self, x: Real) -> tuple[Integer, Real]:
         """Triangle (point,) of positions x (2, ...), and the weights of its nodes there.
 
         Weights are of shape (node of the element, point).
@@ -238,19 +232,17 @@ class MembraneSurface:
         triangle, at = self._found(x)
         return triangle, self._monomials @ _products(at, self._powers)
 
-    def in_triangles(
-        self, values: NDArray[np.float64]
-    ) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+    def in_triangles(self, values: Real) -> Callable[[Real], Real]:
         """Function with a constant value in each triangle, shape (triangle,), of positions as for
         w."""
 
-        def at(x: NDArray[np.float64]) -> NDArray[np.float64]:
+        def at(x: Real) -> Real:
             triangle, _ = self._found(x)
             return np.reshape(values[triangle], x.shape[1:])
 
         return at
 
-    def _found(self, x: NDArray[np.float64]) -> Located:
+    def _found(self, x: Real) -> Located:
         """Located positions, see `_located`; cached for positions that are requested again."""
         for known, found in self._known:
             if known is x:
@@ -259,7 +251,7 @@ class MembraneSurface:
         self._known.append((x, found))
         return found
 
-    def _located(self, x: NDArray[np.float64]) -> Located:
+    def _located(self, x: Real) -> Located:
         """Triangle (point,) of each point, and its position in the triangle (2, point)."""
         triangle = np.zeros(x.shape[1], np.int64)
         missing, look = np.arange(x.shape[1]), FIRST_LOOK
@@ -274,9 +266,7 @@ class MembraneSurface:
         inside = np.clip(self._barycentric(x, triangle), 0, 1)
         return triangle, (inside / inside.sum(axis=0))[1:]
 
-    def _barycentric(
-        self, x: NDArray[np.float64], triangle: NDArray[np.int64]
-    ) -> NDArray[np.float64]:
+    def _barycentric(self, x: Real, triangle: Integer) -> Real:
         away = x - self.origin[:, triangle]
         along = np.einsum("...ij,j...->i...", self.inverse[triangle], away)
         return np.stack([1 - along.sum(axis=0), *along])

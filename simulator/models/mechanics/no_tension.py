@@ -6,9 +6,9 @@ import math
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import root_scalar
 
+from ...arrays import Real
 from ...mesh.drawing import shape_of
 from ...press.capacitance import touched_box
 from ...press.press import Press, order
@@ -21,7 +21,7 @@ from .contact_mesh import contact_mesh
 from .deformation import Deformation, check_reached
 
 ROUNDING = 1e-15
-Shapes = tuple[Circle | NDArray[np.float64], ...]
+Shapes = tuple[Circle | Real, ...]
 """Circles, and polygons by their corners (corner, 2); m."""
 
 
@@ -63,7 +63,7 @@ class FootprintDeflection:
     def __init__(self, shapes: Shapes, depth: tuple[float, ...]) -> None:
         self.shapes, self.depth = shapes, depth
 
-    def __call__(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def __call__(self, x: Real) -> Real:
         """Deflection at flat positions x (2, ...) in m, shape (...)."""
         found = np.zeros(x.shape[1:])
         for shape, depth in zip(self.shapes, self.depth, strict=True):
@@ -95,7 +95,7 @@ def _box(scene: Scene, place: Place) -> Box:
     return touched_box(scene, place) if isinstance(place, Touch) else place.box
 
 
-def _areas(scene: Scene, press: Press, shapes: Shapes, separated: bool) -> NDArray[np.float64]:
+def _areas(scene: Scene, press: Press, shapes: Shapes, separated: bool) -> Real:
     """Area of the skin under each applicator, m²; where they overlap it counts for the deepest."""
     if separated and scene.skin.outline is None and scene.skin.mesh is None:
         return np.array(
@@ -111,7 +111,7 @@ def _areas(scene: Scene, press: Press, shapes: Shapes, separated: bool) -> NDArr
     return alone @ under.domain.areas
 
 
-def _sharp(press: Press, factor: NDArray[np.float64]) -> Press:
+def _sharp(press: Press, factor: Real) -> Press:
     """Press with factors in place of depths and forces."""
     by_factor = [
         touch_at(t.place, float(f), t.finger) for t, f in zip(press.indented, factor, strict=True)

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Complex, Integer, Real
 from ...compiled import compiled
 from ...press.batch import PressBatch
 from ..reduced.dense import UnpressedMass, between_terminals, mass_of, own_axes
@@ -25,15 +26,15 @@ class Wiring(NamedTuple):
     weights: of the excitations in each interface, see `Combination`.
     """
 
-    potentials: NDArray[np.float64]
-    conductance: NDArray[np.float64]
-    counts: NDArray[np.int64]
-    weights: NDArray[np.float64]
+    potentials: Real
+    conductance: Real
+    counts: Integer
+    weights: Real
 
 
 def admittances(
-    unpressed: UnpressedMass, known: UnpressedNetwork, batch: PressBatch, s: NDArray[np.complex128]
-) -> NDArray[np.complex128]:
+    unpressed: UnpressedMass, known: UnpressedNetwork, batch: PressBatch, s: Complex
+) -> Complex:
     """Y in S beyond that at zero frequency, for many presses, shape (press, s, N, N).
 
     Each press adds its rises times M of its cells. s: rad/s.

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Complex, Integer, Real
 from ...fem.excitation import Combination, Excitation, combination
 from ...fem.terminal_network import allowed_potentials
 from ...press.batch import PressBatch
@@ -26,7 +26,7 @@ class NetworkSkin:
     Takes tens of microseconds for one press and all its interfaces.
     """
 
-    def __init__(self, skin: ReducedSkin, s: NDArray[np.complex128] | None = None) -> None:
+    def __init__(self, skin: ReducedSkin, s: Complex | None = None) -> None:
         """skin: of a model that was `trained` for all terminals. s: rad/s, by default those of its
         scene.
 
@@ -43,13 +43,13 @@ class NetworkSkin:
     def _unpressed(self) -> UnpressedNetwork:
         return unpressed_network(self.skin.unpressed_mass, self.s)
 
-    def admittances(self, batch: PressBatch) -> NDArray[np.complex128]:
+    def admittances(self, batch: PressBatch) -> Complex:
         """Y in S beyond `conductance` for presses on pixels, shape (press, s, N, N)."""
         weighted = self.skin.parts.followed(batch).weighted(self.skin.unpressed_factors)
         return admittances(self.skin.unpressed_mass, self._unpressed, weighted, self.s)
 
     @property
-    def conductance(self) -> NDArray[np.float64]:
+    def conductance(self) -> Real:
         """Conductance between terminals at zero frequency, S, shape (N, N)."""
         return self.skin.conductance
 
@@ -58,19 +58,17 @@ class NetworkSkin:
         excitations = read(self.skin.reduced, readings).circuit.excitations
         return wiring_of(excitations, self.skin.reduced.terminal_field, self.conductance)
 
-    def impedances(self, wiring: Wiring, Y: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    def impedances(self, wiring: Wiring, Y: Complex) -> Complex:
         """Z in ohm of every interface, shape (press, interface, s). Y: from `admittances`."""
         Z, combination = impedances(Y, wiring), Combination(wiring.weights)
         if combination.one_to_one:
             return Z
-        forms: NDArray[np.complex128] = np.reciprocal(np.moveaxis(Z, 1, 0))
+        forms: Complex = np.reciprocal(np.moveaxis(Z, 1, 0))
         return np.moveaxis(combination.impedance(forms), 0, 1)
 
 
 def wiring_of(
-    excitations: Sequence[Excitation],
-    terminal_field: NDArray[np.int64],
-    conductance: NDArray[np.float64],
+    excitations: Sequence[Excitation], terminal_field: Integer, conductance: Real
 ) -> Wiring:
     """Potentials that excitations allow, and the conductance between them without rounding."""
     found = [

@@ -12,9 +12,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TypedDict, TypeVar
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ...arrays import Real
 from ...progress import ProgressCallback, silent
 from ...scene.contacts import Contact, Interface
 from ...scene.scene import Scene
@@ -35,7 +33,7 @@ class ReductionOptions(TypedDict):
 
     modes: int
     progress: ProgressCallback
-    frequency: NDArray[np.float64] | None
+    frequency: Real | None
 
 
 def trained(
@@ -45,7 +43,7 @@ def trained(
     *,
     modes: int = 1,
     progress: ProgressCallback = silent,
-    frequency: NDArray[np.float64] | None = None,
+    frequency: Real | None = None,
 ) -> Reduced:
     """Reduced model of a scene's skin that represents all terminals, with the interfaces of a
     `chain`.
@@ -75,7 +73,7 @@ def reduced_for(
     modes: int = 1,
     same_sheets: bool = True,
     progress: ProgressCallback = silent,
-    frequency: NDArray[np.float64] | None = None,
+    frequency: Real | None = None,
 ) -> Reduced:
     """Model with the scene's own interfaces, trained for all terminals if it `needs_all_terminals`.
 

@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Complex, Real
 from ...compiled import compiled
 from ..reduced.dense import UnpressedMass, between_terminals
 
@@ -33,13 +34,13 @@ class UnpressedNetwork(NamedTuple):
     rank, rank, 2, s).
     """
 
-    admittance: NDArray[np.complex128]
-    damped: NDArray[np.float64]
-    terminal_potentials: NDArray[np.float64]
-    own: NDArray[np.float64]
+    admittance: Complex
+    damped: Real
+    terminal_potentials: Real
+    own: Real
 
 
-def unpressed_network(unpressed: UnpressedMass, s: NDArray[np.complex128]) -> UnpressedNetwork:
+def unpressed_network(unpressed: UnpressedMass, s: Complex) -> UnpressedNetwork:
     """Unpressed quantities of a skin. s: rad/s."""
     N = len(unpressed.rows)
     inner_rows = unpressed.rows[:, N:]
@@ -57,7 +58,7 @@ def unpressed_network(unpressed: UnpressedMass, s: NDArray[np.complex128]) -> Un
     )
 
 
-def _real_and_imaginary(values: NDArray[np.complex128]) -> NDArray[np.float64]:
+def _real_and_imaginary(values: Complex) -> Real:
     """Real and imaginary parts, shape (s, ...) to (..., 2, s)."""
     last = np.moveaxis(values, 0, -1)
     return np.stack([last.real, last.imag], axis=-2)

@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer, Real
 from ...press.finger import finger_of
 from ...press.parts import foam_parts, parts_of
 from ...press.pixels import pixels_with_skin
@@ -29,10 +29,10 @@ class Case:
     """
 
     variation: Variation | None
-    cells: NDArray[np.int64]
-    rises: NDArray[np.float64]
+    cells: Integer
+    rises: Real
 
-    def map_on(self, scene: Scene) -> NDArray[np.float64]:
+    def map_on(self, scene: Scene) -> Real:
         """Amount of each part of M over the scene's own, shape (part,), see `Parts`."""
         pressed = parts_of(scene).pressed(self.cells, self.rises)
         return pressed if self.variation is None else pressed * self.variation.factors(scene)
@@ -55,9 +55,7 @@ class Case:
         )
 
 
-def touched(
-    scene: Scene, cells: NDArray[np.int64], rises: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def touched(scene: Scene, cells: Integer, rises: Real) -> Real:
     """Factors on c by touches, shape (part,), see `foam_parts`."""
     factors = np.ones(foam_parts(scene))
     on_foam = cells < len(factors)

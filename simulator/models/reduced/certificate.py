@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Complex, Real
 from ...fem.circuit import Circuit
 from ...fem.error_estimate import certified
 from ...fem.excitation import Combination
@@ -25,13 +25,13 @@ from .families.family import Weights
 def certificate(
     space: Galerkin,
     masses: Sequence[Mass],
-    potential: NDArray[np.float64],
-    current: NDArray[np.float64],
-    Q: NDArray[np.complex128],
-    s: NDArray[np.complex128],
+    potential: Real,
+    current: Real,
+    Q: Complex,
+    s: Complex,
     least: float,
     combination: Combination,
-) -> NDArray[np.float64]:
+) -> Real:
     """Bounds on the relative errors of Rs and Cp by the reduction.
 
     Shape (2, press, interface, s). masses: M of each press in the space, F. potential: potentials
@@ -48,7 +48,7 @@ def certificate(
     return certified(np.asarray(Y, dtype=np.complex128).swapaxes(0, 1), error.swapaxes(0, 1))
 
 
-def _charges(masses: Sequence[Mass], potential: NDArray[np.float64]) -> NDArray[np.float64]:
+def _charges(masses: Sequence[Mass], potential: Real) -> Real:
     """M of each press times the potentials of that press, C."""
     own = potential.reshape(len(potential), 2, len(masses), -1)
     each = [mass @ own[:, :, k].reshape(len(own), -1) for k, mass in enumerate(masses)]
@@ -57,12 +57,7 @@ def _charges(masses: Sequence[Mass], potential: NDArray[np.float64]) -> NDArray[
     )
 
 
-def residual_power(
-    space: Galerkin,
-    current: NDArray[np.float64],
-    charge: NDArray[np.float64],
-    s: NDArray[np.complex128],
-) -> NDArray[np.float64]:
+def residual_power(space: Galerkin, current: Real, charge: Real, s: Complex) -> Real:
     """Power r*K^-1 r of the residual r = K u + s M u, W, shape (s,).
 
     current, charge: K u and M u at the inner unknowns, real parts before imaginary ones, shape

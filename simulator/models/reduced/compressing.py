@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Complex, Real
 from ...fem.error_estimate import relative_difference
 from ...press.parts import parts_of
 from .cases import Case
@@ -40,7 +40,7 @@ def _skins(reduced: Reduced, cases: list[Case]) -> Iterator[ReducedSkin]:
     return (own if c.variation is None else reduced.skin(c.variation) for c in cases)
 
 
-def _impedances(reduced: Reduced, cases: list[Case]) -> NDArray[np.complex128]:
+def _impedances(reduced: Reduced, cases: list[Case]) -> Complex:
     """Z in ohm of each case, shape (case, interface, frequency)."""
     found = []
     for skin, case in zip(_skins(reduced, cases), cases, strict=True):
@@ -50,7 +50,7 @@ def _impedances(reduced: Reduced, cases: list[Case]) -> NDArray[np.complex128]:
     return np.array(found)
 
 
-def typical(reduced: Reduced) -> NDArray[np.float64]:
+def typical(reduced: Reduced) -> Real:
     """Typical size of potentials in the model's coordinates, V, shape (N + n,).
 
     It is 1 at terminals, and in the basis the largest norm of the unpressed skin's coefficients.
@@ -63,6 +63,6 @@ def typical(reduced: Reduced) -> NDArray[np.float64]:
     return sizes(terminals, reduced.size, most)
 
 
-def sizes(terminals: int, basis: int, most: float) -> NDArray[np.float64]:
+def sizes(terminals: int, basis: int, most: float) -> Real:
     """Sizes of potentials, V: 1 at terminals and `most` in the basis."""
     return np.concatenate([np.ones(terminals), np.full(basis, most)])

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
+from ...arrays import Complex, Integer, Real
 from ...fem.excited_terminals import ExcitedTerminals
 
 
@@ -20,9 +21,9 @@ class UnpressedMass(NamedTuple):
     M_k = F_k'F_k, shape (cell, rank, m).
     """
 
-    rows: NDArray[np.float64]
-    diagonal: NDArray[np.float64]
-    factors: NDArray[np.float64]
+    rows: Real
+    diagonal: Real
+    factors: Real
 
 
 class DenseExcitation(NamedTuple):
@@ -35,10 +36,10 @@ class DenseExcitation(NamedTuple):
     """
 
     conductance: float
-    driven: NDArray[np.float64]
-    tied: NDArray[np.float64]
-    tied_inverse: NDArray[np.float64]
-    common: NDArray[np.float64]
+    driven: Real
+    tied: Real
+    tied_inverse: Real
+    common: Real
 
 
 REGISTER = 8
@@ -51,19 +52,14 @@ def aligned(unpressed: UnpressedMass) -> UnpressedMass:
     return UnpressedMass(*(widened(each, each.shape[-1] + padding) for each in unpressed))
 
 
-def widened(values: NDArray[np.float64], width: int) -> NDArray[np.float64]:
+def widened(values: Real, width: int) -> Real:
     """Values padded with zeros to a width along the last axis; `numpy.pad` takes longer."""
     wide = np.zeros((*values.shape[:-1], width))
     wide[..., : values.shape[-1]] = values
     return wide
 
 
-def with_terms(
-    conductance: NDArray[np.float64],
-    terms: NDArray[np.float64],
-    which: NDArray[np.intp],
-    weights: NDArray[np.float64],
-) -> NDArray[np.float64]:
+def with_terms(conductance: Real, terms: Real, which: NDArray[np.intp], weights: Real) -> Real:
     """K in S: that of the scene's own skin, 1 in its basis, plus weighted terms (term, m, m)."""
     terminals, m = len(conductance), terms.shape[-1]
     K = np.eye(m)
@@ -71,9 +67,7 @@ def with_terms(
     return K + np.tensordot(weights, terms[which], axes=1) if which.size else K
 
 
-def own_coordinates(
-    K: NDArray[np.float64], M: NDArray[np.float64], terminal_field: NDArray[np.int64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def own_coordinates(K: Real, M: Real, terminal_field: Integer) -> tuple[Real, Real]:
     """Conductance between terminals, S, and `turn`, see `ReducedSkin`."""
     N = len(terminal_field)
     coupling = K[N:, :N]
@@ -85,9 +79,7 @@ def own_coordinates(
     return conductance, turn.astype(np.float64)
 
 
-def _without_common(
-    conductance: NDArray[np.float64], terminal_field: NDArray[np.int64]
-) -> NDArray[np.float64]:
+def _without_common(conductance: Real, terminal_field: Integer) -> Real:
     """Conductance whose rows and columns of one field add up to zero without rounding."""
     conductance = conductance.copy()
     for each in np.unique(terminal_field):
@@ -112,15 +104,15 @@ def dense_excitation(excited: ExcitedTerminals) -> DenseExcitation:
 MANY = 2
 """If the touches' factors have more rows than the basis size over this, M is diagonalised
 instead."""
-Solved = tuple[NDArray[np.complex128], NDArray[np.complex128]]
+Solved = tuple[Complex, Complex]
 
 
 def solved(
     excitations: Sequence[ExcitedTerminals],
     unpressed: UnpressedMass,
-    cells: NDArray[np.int64],
-    weights: NDArray[np.float64],
-    s: NDArray[np.complex128],
+    cells: Integer,
+    weights: Real,
+    s: Complex,
 ) -> list[Solved]:
     """Potentials of each excitation at 1 V, and its Y in S.
 
@@ -149,12 +141,7 @@ def solved(
     return [(np.concatenate([u[:, :, :N], u[:, :, N:] @ back], axis=2), Y) for u, Y in found]
 
 
-def _woodbury_matrices(
-    unpressed: UnpressedMass,
-    cells: NDArray[np.int64],
-    C: NDArray[np.float64],
-    sP: NDArray[np.complex128],
-) -> NDArray[np.complex128]:
+def _woodbury_matrices(unpressed: UnpressedMass, cells: Integer, C: Real, sP: Complex) -> Complex:
     """Matrix 1 + U s P U' C of each press; presses that touch the same cells share the product.
 
     C: shape (press, rank). sP: shape (s, n). Shape (press, s, rank, rank).
@@ -177,12 +164,12 @@ def _woodbury_matrices(
 
 def _by_touches(
     excited: ExcitedTerminals,
-    rows: NDArray[np.float64],
-    P: NDArray[np.complex128],
-    U: NDArray[np.float64],
-    C: NDArray[np.float64],
-    woodbury: NDArray[np.complex128],
-    s: NDArray[np.complex128],
+    rows: Real,
+    P: Complex,
+    U: Real,
+    C: Real,
+    woodbury: Complex,
+    s: Complex,
 ) -> Solved:
     """Potentials and Y of one excitation by a small system for each press and s.
 
@@ -215,13 +202,13 @@ def _by_touches(
 
 def _with_floating(
     excited: ExcitedTerminals,
-    rows: NDArray[np.float64],
-    P: NDArray[np.complex128],
-    coupling_rows: NDArray[np.float64],
-    weighed: NDArray[np.float64],
-    woodbury: NDArray[np.complex128],
-    s: NDArray[np.complex128],
-) -> NDArray[np.complex128]:
+    rows: Real,
+    P: Complex,
+    coupling_rows: Real,
+    weighed: Real,
+    woodbury: Complex,
+    s: Complex,
+) -> Complex:
     """Matrix of the small system, with floating terminals before the cells' products."""
     F, N = excited.floating, len(excited.potential)
     floats, k = F.shape[1], coupling_rows.shape[1]
@@ -238,9 +225,7 @@ def _with_floating(
     return system
 
 
-def mass_of(
-    unpressed: UnpressedMass, cells: NDArray[np.int64], weights: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def mass_of(unpressed: UnpressedMass, cells: Integer, weights: Real) -> Real:
     """M of a press in F, shape (N + n, N + n)."""
     terminals = len(unpressed.rows)
     M = np.diag(np.concatenate([np.zeros(terminals), unpressed.diagonal]))
@@ -249,15 +234,13 @@ def mass_of(
     return M + added(unpressed.factors, cells, weights)
 
 
-def added(
-    factors: NDArray[np.float64], cells: NDArray[np.int64], weights: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def added(factors: Real, cells: Integer, weights: Real) -> Real:
     """Terms that cells add to M, F."""
     U = factors[cells].reshape(-1, factors.shape[2])
     return (U.T * np.repeat(weights, factors.shape[1])) @ U
 
 
-def own_axes(M: NDArray[np.float64], terminals: int) -> tuple[UnpressedMass, NDArray[np.float64]]:
+def own_axes(M: Real, terminals: int) -> tuple[UnpressedMass, Real]:
     """M of a press in axes in which it is diagonal inside, and these axes, shape (n, n)."""
     N = terminals
     diagonal, axes = np.linalg.eigh(M[N:, N:])
@@ -266,9 +249,7 @@ def own_axes(M: NDArray[np.float64], terminals: int) -> tuple[UnpressedMass, NDA
     ), axes
 
 
-def between_terminals(
-    unpressed: UnpressedMass, s: NDArray[np.complex128]
-) -> NDArray[np.complex128]:
+def between_terminals(unpressed: UnpressedMass, s: Complex) -> Complex:
     """Y in S less that at zero frequency, shape (s, N, N). s: rad/s."""
     N = len(unpressed.rows)
     terminals, coupling_rows, each = unpressed.rows[:, :N], unpressed.rows[:, N:], s[:, None, None]

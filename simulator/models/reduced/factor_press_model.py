@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from functools import cached_property
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ...arrays import Integer, Real
 from ...press.capacitance import touched_cells
 from ...press.press import Press
 from ...press.touch import AnyTouch, Touch
@@ -28,10 +26,10 @@ class FactorPressModel:
     rtol: tolerance of Rs and Cp. frequency: Hz, ascending.
     """
 
-    def __init__(self, scene: Scene, rtol: float, frequency: NDArray[np.float64]) -> None:
+    def __init__(self, scene: Scene, rtol: float, frequency: Real) -> None:
         self.scene, self.rtol, self.frequency = scene, rtol, frequency
 
-    def result(self, press: Press, frequency: NDArray[np.float64]) -> ModelResult:
+    def result(self, press: Press, frequency: Real) -> ModelResult:
         """Result at frequencies in Hz within those of the model, with its error.
 
         Raises InputError for touches that the model is not trained on.
@@ -49,10 +47,7 @@ class FactorPressModel:
 
 
 def certified_result(
-    skin: ReducedSkin,
-    cells: NDArray[np.int64],
-    rises: NDArray[np.float64],
-    frequency: NDArray[np.float64],
+    skin: ReducedSkin, cells: Integer, rises: Real, frequency: Real
 ) -> ModelResult:
     """Result of a reduced skin for one press; its error is certified, and includes the mesh."""
     model, s = skin.reduced, laplace_variable(frequency, skin.loss)

@@ -7,8 +7,8 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Complex, Integer, Real
 from ...fem.factors import one_blas_thread
 from ...press.batch import PressBatch, TouchedCells
 from ...press.capacitance import touched_cells
@@ -75,10 +75,10 @@ class Forward:
 
     def respond(
         self,
-        cells: NDArray[np.int64],
-        rises: NDArray[np.float64],
+        cells: Integer,
+        rises: Real,
         given: Mapping[str, float] | None = None,
-        further_terms: NDArray[np.float64] | None = None,
+        further_terms: Real | None = None,
     ) -> Response:
         """Response of one press.
 
@@ -96,7 +96,7 @@ class Forward:
             )
         with one_blas_thread():
             found = sensitivity(skin, cells, rises, s, np.concatenate(further))
-        by_gauge: NDArray[np.complex128] | float = 0.0
+        by_gauge: Complex | float = 0.0
         if gauged(self.scene.skin):
             assert skin.weights is not None
             own = found.by_weight[..., : len(self.reduced.stiffness)] * skin.weights
@@ -112,10 +112,7 @@ class Forward:
         return uniform and type(self.reduced) is Reduced and not gauged(self.scene.skin)
 
     def respond_together(
-        self,
-        cells: NDArray[np.int64],
-        rises: NDArray[np.float64],
-        given: Mapping[str, float] | None = None,
+        self, cells: Integer, rises: Real, given: Mapping[str, float] | None = None
     ) -> Response:
         """Response of presses with equally many touches, shape (press, touch).
 
@@ -137,7 +134,7 @@ class Forward:
         skin: ReducedSkin,
         values: Mapping[str, float],
         further: int = 0,
-        by_gauge: NDArray[np.complex128] | float = 0.0,
+        by_gauge: Complex | float = 0.0,
     ) -> Response:
         """further: number of further terms that K does not have."""
         ends = np.cumsum([len(self.reduced.stiffness), further])
@@ -155,11 +152,7 @@ class Forward:
         reading = reading_of(self.scene, values)
         return at_meter(1 / found.Y, by_name, reading, found.by_cell, by_term, by_gauge)
 
-    def impedances(
-        self,
-        batch: PressBatch,
-        given: Mapping[str, float] | None = None,
-    ) -> NDArray[np.complex128]:
+    def impedances(self, batch: PressBatch, given: Mapping[str, float] | None = None) -> Complex:
         """Readings of many presses, in ohm or gains, shape (press, interface, frequency)."""
         values = all_values(self.scene, given)
         if values.get("finger"):
@@ -168,10 +161,7 @@ class Forward:
         return reading_of(self.scene, values).at_meter(Z)
 
     def certificate(
-        self,
-        cells: NDArray[np.int64],
-        rises: NDArray[np.float64],
-        given: Mapping[str, float] | None = None,
+        self, cells: Integer, rises: Real, given: Mapping[str, float] | None = None
     ) -> float:
         """Largest bound on the relative error of Rs and Cp of one press at the skin, mesh
         included."""
@@ -216,12 +206,10 @@ class Forward:
             self._kept = dict(values), model.skin(self._variation(values))
         return self._kept[1]
 
-    def _s(self, values: Mapping[str, float]) -> NDArray[np.complex128]:
+    def _s(self, values: Mapping[str, float]) -> Complex:
         return laplace_variable(self.scene.frequencies, loss_of(values))
 
-    def _by_weights(
-        self, weighed: NDArray[np.complex128], variation: Variation
-    ) -> dict[str, NDArray[np.complex128]]:
+    def _by_weights(self, weighed: Complex, variation: Variation) -> dict[str, Complex]:
         """Derivatives of Y by the logarithms of the resistances that weigh the terms of K."""
         sheets, films = self._terms.split(weighed)
         top, bottom = self.scene.skin.sheet_resistances
@@ -230,8 +218,8 @@ class Forward:
         return of_sheets | {"contact_resistance": -films.sum(axis=-1)}
 
     def _with_finger(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64], values: Mapping[str, float]
-    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        self, cells: Integer, rises: Real, values: Mapping[str, float]
+    ) -> tuple[Integer, Real]:
         """Touches of one or many presses, with the value `finger` added on each touched pixel.
 
         Shape (touch,) or (press, touch). Fingers that are already there stay.
@@ -250,7 +238,7 @@ class Forward:
 
     def _by_surroundings(
         self, found: Sensitivity, skin: ReducedSkin, values: Mapping[str, float]
-    ) -> dict[str, NDArray[np.complex128]]:
+    ) -> dict[str, Complex]:
         """Derivatives of Y by logarithms of the factors on surroundings, and by the finger in F."""
         by_name = {"finger": found.by_finger / self.cells_per_pixel**2}
         fixed, names = found.by_fixed * skin.fixed_factors, np.array(skin.parts.fixed)
@@ -269,7 +257,7 @@ class Forward:
         """Variation of these parameters without the foam's cosine modes."""
         return uniform_variation(self.divided, values, self.modes)
 
-    def unpressed_factors(self, values: Mapping[str, float]) -> NDArray[np.float64]:
+    def unpressed_factors(self, values: Mapping[str, float]) -> Real:
         """Units of the rises of each cell over the scene's own, shape (cell,).
 
         They are the unpressed c without the foam's cosine modes, and 1 for a finger.
@@ -281,9 +269,7 @@ class Forward:
         parts = foam_parts(self.divided) if gauged(self.scene.skin) else 1
         return StiffnessTerms(self.reduced.circuit.fields, self.modes, parts)
 
-    def _by_gauge(
-        self, weighed: NDArray[np.complex128], pressed: NDArray[np.float64]
-    ) -> NDArray[np.complex128]:
+    def _by_gauge(self, weighed: Complex, pressed: Real) -> Complex:
         """Derivatives of Y by the rise of each cell, as far as it changes the sheets.
 
         Shape (interface, s, cell).

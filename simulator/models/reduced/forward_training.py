@@ -7,8 +7,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Real
 from ...press.capacitance import touched_cells
 from ...press.parts import parts_of
 from ...press.press import Press
@@ -25,7 +25,7 @@ PIXEL_FACTORS = (0.5, 3.0)
 BAND_POINTS = 20
 
 
-def training_band(scene: Scene) -> NDArray[np.float64]:
+def training_band(scene: Scene) -> Real:
     """Frequencies from the lowest of a scene over REACH to the highest times REACH, Hz."""
     low, high = scene.frequencies[0], scene.frequencies[-1]
     return np.array(

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 from scipy.sparse import csc_matrix
 
+from ...arrays import Complex, Real
 from ...fem.factors import one_blas_thread, without_zeros
 from ...fem.galerkin import Galerkin
 from ...fem.lanczos import potentials_of_all
@@ -69,7 +70,7 @@ NOTHING_CHARGED = 1e-24
 """Smallest energy of a snapshot over that of 1 V in a sheet. Less is rounding: the excitation
 charges nothing, for example both terminals against an earth that nothing has a capacitance to."""
 
-Shared = tuple[NDArray[np.float64], NDArray[np.float64]]
+Shared = tuple[Real, Real]
 """Vectors in the inner unknowns, shape (inner, k), and the coefficients of snapshots in these,
 shape (k, snapshot)."""
 
@@ -83,7 +84,7 @@ def reduce(
     same_sheets: bool = True,
     seed: int = 0,
     progress: ProgressCallback = silent,
-    frequency: NDArray[np.float64] | None = None,
+    frequency: Real | None = None,
     readings: Sequence[Interface] | None = None,
     by_depth: bool | None = None,
 ) -> Reduced:
@@ -120,13 +121,11 @@ def reduce(
 class GreedyBasis:
     """Growing basis of a family's space, orthonormal in K."""
 
-    def __init__(
-        self, family: Family, rtol: float, mesh_error: float, frequency: NDArray[np.float64]
-    ) -> None:
+    def __init__(self, family: Family, rtol: float, mesh_error: float, frequency: Real) -> None:
         """frequency: Hz, ascending; the basis serves all between the first and the last."""
         self.family, self.rtol, self.mesh_error = family, rtol, mesh_error
         self.frequency, loss = frequency, family.scene.skin.foam.loss
-        self.vectors: NDArray[np.float64] = np.zeros((family.space.inner, 0))
+        self.vectors: Real = np.zeros((family.space.inner, 0))
         low, high = float(frequency[0]), float(frequency[-1])
         decades = max(4, math.ceil(math.log10(high / low)) + 1)
         self._shifts = np.abs(laplace_variable(np.geomspace(low, high, decades), loss))
@@ -185,7 +184,7 @@ class GreedyBasis:
             new = np.linalg.solve(np.linalg.cholesky(new.T @ (self._K @ new)), new.T).T
         self.vectors = np.hstack([self.vectors, new]).astype(np.float64)
 
-    def _beyond(self, found: NDArray) -> NDArray[np.float64]:
+    def _beyond(self, found: NDArray) -> Real:
         """Components that are orthogonal to the basis in K."""
         return found - self.vectors @ (self.vectors.T @ (self._K @ found))
 
@@ -200,7 +199,7 @@ class GreedyBasis:
                 some = [cases[k] for k in group[start : start + PRESSES_ON_SKIN]]
                 yield self._essence(self._at_shifts(space, some))
 
-    def _essence(self, snapshots: NDArray[np.float64]) -> Shared:
+    def _essence(self, snapshots: Real) -> Shared:
         """Few vectors, orthonormal in K, that represent snapshots to the accuracy of these."""
         power, turn = np.linalg.eigh(snapshots.T @ (self._K @ snapshots))
         lost = np.cumsum(np.maximum(power, 0.0) * turn**2, axis=1).max(axis=0)
@@ -208,7 +207,7 @@ class GreedyBasis:
         size = np.sqrt(power[kept])
         return snapshots @ (turn[:, kept] / size), size[:, None] * turn[:, kept].T
 
-    def _at_shifts(self, space: Galerkin, cases: list[Case]) -> NDArray[np.float64]:
+    def _at_shifts(self, space: Galerkin, cases: list[Case]) -> Real:
         family, rtol = self.family, SNAPSHOT_SHARE * math.sqrt(DROPPED_SHARE * self.rtol)
         drives = family.circuit.excitations
         masses = [family.mass_inside(family.foam_of(case)) for case in cases]
@@ -238,7 +237,7 @@ class GreedyBasis:
         space = self.family.space
         return [without_zeros(space.restricted(term)) for term in self.family.sheet_terms]
 
-    def _deviation(self, u: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _deviation(self, u: Real) -> Real:
         inner = self.family.space.inner
         return u[:inner] - self.family.space.lift[:inner] @ u[inner:]
 
@@ -275,7 +274,7 @@ class GreedyBasis:
         return with_applicator_tables(reduced) if isinstance(family, IndentationFamily) else reduced
 
 
-def bounds(reduced: Reduced, cases: list[Case], s: NDArray[np.complex128]) -> NDArray[np.float64]:
+def bounds(reduced: Reduced, cases: list[Case], s: Complex) -> Real:
     """Largest bound on the relative errors of Rs and Cp in each case, shape (case,). s: rad/s."""
     found = np.empty(len(cases))
     for group in by_skin(cases, reduced.scene):
@@ -287,7 +286,7 @@ def bounds(reduced: Reduced, cases: list[Case], s: NDArray[np.complex128]) -> ND
     return found
 
 
-def _root(gram: NDArray[np.float64]) -> NDArray[np.float64]:
+def _root(gram: Real) -> Real:
     """R with R'R equal to a Gram matrix, whose vectors may be linearly dependent."""
     power, turn = np.linalg.eigh(gram)
     return np.sqrt(np.maximum(power, 0.0))[:, None] * turn.T

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Complex
 from ...compiled import compiled
 from ...fem.error_estimate import LOST_SUSCEPTANCE
 from ...fem.excitation import Combination
@@ -69,9 +70,9 @@ def impedances(
     excitations: Sequence[DenseExcitation],
     combination: Combination,
     batch: PressBatch,
-    s: NDArray[np.complex128],
+    s: Complex,
     rtol: float,
-) -> NDArray[np.complex128]:
+) -> Complex:
     """Z in ohm of every interface, shape (press, interface, s); for arguments see `swept`."""
     contiguous = np.ascontiguousarray(batch.cells)  # otherwise another `swept` is compiled
     Y = [

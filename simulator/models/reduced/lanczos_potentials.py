@@ -11,6 +11,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Complex, Integer, Real
 from ...compiled import compiled
 from ...fem.lanczos import MAX_LANCZOS_STEPS
 from .dense import DenseExcitation, UnpressedMass, aligned
@@ -18,14 +19,14 @@ from .kernel import farthest_of, lanczos_steps, work_vectors
 
 RTOL = 1e-12
 """Tolerance of Lanczos' method for Rs and Cp; that of the potentials is its square root."""
-Touched = tuple[NDArray[np.int64], NDArray[np.float64]]
-Potentials = tuple[NDArray[np.complex128], NDArray[np.complex128]]
+Touched = tuple[Integer, Real]
+Potentials = tuple[Complex, Complex]
 
 
 def spanned_by_all(
     excitations: Sequence[DenseExcitation],
-    presses: Iterable[tuple[UnpressedMass, NDArray[np.int64], NDArray[np.float64]]],
-    s: NDArray[np.complex128],
+    presses: Iterable[tuple[UnpressedMass, Integer, Real]],
+    s: Complex,
 ) -> Potentials:
     """Potentials and Y of each press and excitation, see `spanned`.
 

@@ -17,8 +17,8 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer, Mask, Real
 from ...fem.circuit import Circuit
 from ...scene.scene import Scene
 from .families.family import Family, Mesh
@@ -44,13 +44,13 @@ class Projection:
     modes: int
     rtol: float
     mesh_error: float
-    frequency: NDArray[np.float64]
-    terminal_field: NDArray[np.int64]
-    conductance: NDArray[np.float64]
-    basis: NDArray[np.float64]
-    stiffness: NDArray[np.float64]
-    factors: NDArray[np.float64]
-    fixed: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0, 0)))
+    frequency: Real
+    terminal_field: Integer
+    conductance: Real
+    basis: Real
+    stiffness: Real
+    factors: Real
+    fixed: Real = field(default_factory=lambda: np.zeros((0, 0, 0)))
     built: Family | None = field(default=None, repr=False, compare=False)
 
     @property
@@ -64,7 +64,7 @@ class Projection:
         return self.scene.pixels.rows, self.scene.pixels.columns
 
     @cached_property
-    def on_skin(self) -> NDArray[np.bool_]:
+    def on_skin(self) -> Mask:
         """True for each pixel that contains any skin, shape (pixel,)."""
         rows, columns = self.grid
         return np.asarray(self.factors.any(axis=(1, 2)))[: rows * columns]
@@ -75,7 +75,7 @@ class Projection:
         return self.built or family_on(self.scene, self.circuit, self.mesh, self.modes)
 
     @cached_property
-    def coordinates(self) -> NDArray[np.float64]:
+    def coordinates(self) -> Real:
         """W = [lift, V]: potentials of the full space in V, shape (inner + N, N + n)."""
         at_terminals = np.zeros((len(self.conductance), self.size))
         return np.hstack([self.family.space.lift, np.vstack([self.basis, at_terminals])])

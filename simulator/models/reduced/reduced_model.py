@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ...arrays import Complex, Real
 from ...press.capacitance import touched_cells
 from ...press.press import Press, press_on
 from ...safe_text import Tabular
@@ -20,9 +18,7 @@ from .reduced_skin import ReducedSkin
 class Reduced(Projection, Tabular):
     """Reduced model of a scene's family of skins and presses."""
 
-    def impedance(
-        self, press: Press | str, frequency: NDArray[np.float64]
-    ) -> NDArray[np.complex128]:
+    def impedance(self, press: Press | str, frequency: Real) -> Complex:
         """Z in ohm of the scene's own skin, shape (interface, frequency). frequency: Hz.
 
         press: a press or its text. A touch that is no whole pixel counts in each pixel by the area
@@ -38,9 +34,7 @@ class Reduced(Projection, Tabular):
         header = "size of the basis", "pixels", "rtol", "estimated error of the mesh"
         return f"Reduced model of {self.scene.name}", [header, numbers]
 
-    def skin(
-        self, variation: Variation | None, pressed: NDArray[np.float64] | None = None
-    ) -> ReducedSkin:
+    def skin(self, variation: Variation | None, pressed: Real | None = None) -> ReducedSkin:
         """One skin of the family; the scene's own skin if `variation` is None.
 
         pressed: see `ReducedSkin`. Raises InputError if the fields of the family cannot represent

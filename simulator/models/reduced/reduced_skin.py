@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Complex, Integer, Real
 from ...fem.error_estimate import reference_susceptance
 from ...fem.excited_terminals import excited_terminals
 from ...fem.factors import one_blas_thread
@@ -41,10 +41,7 @@ class ReducedSkin:
     """
 
     def __init__(
-        self,
-        reduced: Projection,
-        variation: Variation | None,
-        pressed: NDArray[np.float64] | None = None,
+        self, reduced: Projection, variation: Variation | None, pressed: Real | None = None
     ) -> None:
         """pressed: factors on c by touches, shape (part,); only piezoresistive sheets use them."""
         self.reduced, self.variation = reduced, variation
@@ -73,7 +70,7 @@ class ReducedSkin:
         self.combination = reduced.circuit.combination
 
     @property
-    def fixed_factors(self) -> NDArray[np.float64]:
+    def fixed_factors(self) -> Real:
         """Factors of the parts that no press changes, over the scene's own, shape (part,)."""
         return self.unpressed_factors[self.parts.touched :]
 
@@ -92,13 +89,11 @@ class ReducedSkin:
         """Relative tolerance at which Lanczos' method ends."""
         return KRYLOV_SHARE * self.reduced.rtol / self._cancelled
 
-    def pressed_by(self, factors: NDArray[np.float64]) -> UnpressedMass:
+    def pressed_by(self, factors: Real) -> UnpressedMass:
         """Unpressed M, and the factors of touches, shape (touch, rank, N + n)."""
         return UnpressedMass(*self._own, np.ascontiguousarray(factors))
 
-    def sweeps(
-        self, batch: PressBatch, s: NDArray[np.complex128] | None = None
-    ) -> NDArray[np.complex128]:
+    def sweeps(self, batch: PressBatch, s: Complex | None = None) -> Complex:
         """Z in ohm of many presses of pixels, shape (press, interface, s).
 
         s: rad/s, by default those of the model's frequencies.
@@ -108,22 +103,17 @@ class ReducedSkin:
             return self._one_by_one(batch, s)
         return self._swept(batch, s)
 
-    def sweep(
-        self,
-        cells: NDArray[np.int64],
-        rises: NDArray[np.float64],
-        s: NDArray[np.complex128] | None = None,
-    ) -> NDArray[np.complex128]:
+    def sweep(self, cells: Integer, rises: Real, s: Complex | None = None) -> Complex:
         """Z in ohm of one press, shape (interface, s), see `sweeps`."""
         return self.sweeps(PressBatch.of([(cells, rises)]), s)[0]
 
-    def under(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> ReducedSkin:
+    def under(self, cells: Integer, rises: Real) -> ReducedSkin:
         """Skin whose sheets are those under these touches; itself if touches change no sheet."""
         if not gauged(self.reduced.scene.skin):
             return self
         return type(self)(self.reduced, self.variation, touched(self.reduced.scene, cells, rises))
 
-    def _one_by_one(self, batch: PressBatch, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    def _one_by_one(self, batch: PressBatch, s: Complex) -> Complex:
         """Sweeps with a K of its own for each press, see `sweeps`."""
         interfaces = len(self.combination.weights)
         found = np.empty((batch.count, interfaces, len(s)), dtype=np.complex128)
@@ -132,7 +122,7 @@ class ReducedSkin:
                 found[[press]] = self.under(*own)._swept(PressBatch.of([own]), s)
         return found
 
-    def _swept(self, batch: PressBatch, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    def _swept(self, batch: PressBatch, s: Complex) -> Complex:
         from .kernel import impedances
 
         weighted = self.parts.followed(batch).weighted(self.unpressed_factors)
@@ -161,12 +151,7 @@ class ReducedSkin:
             np.clip([1 / of_Rs, of_B], 1.0, MAX_CANCELLATION).max()
         )
 
-    def certificate(
-        self,
-        cells: NDArray[np.int64],
-        rises: NDArray[np.float64],
-        s: NDArray[np.complex128] | None = None,
-    ) -> NDArray[np.float64]:
+    def certificate(self, cells: Integer, rises: Real, s: Complex | None = None) -> Real:
         """Bound on the relative errors of Rs and Cp of one press by the reduction, with its foam.
 
         Shape (2, interface, s). s: rad/s, by default those of the model's frequencies.
@@ -176,18 +161,13 @@ class ReducedSkin:
             reduction = own.certificates([(cells, rises)], [self.map_of(cells, rises)], s)[:, 0]
         return reduction + self.uncertainty_error(cells, rises, s)
 
-    def uncertainty_error(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64], s: NDArray[np.complex128]
-    ) -> NDArray[np.float64] | float:
+    def uncertainty_error(self, cells: Integer, rises: Real, s: Complex) -> Real | float:
         """Relative errors of Rs and Cp of one press by the uncertainty of its foam. s: rad/s."""
         return 0.0
 
     def certificates(
-        self,
-        presses: Sequence[tuple[NDArray[np.int64], NDArray[np.float64]]],
-        foams: Sequence[NDArray[np.float64]],
-        s: NDArray[np.complex128],
-    ) -> NDArray[np.float64]:
+        self, presses: Sequence[tuple[Integer, Real]], foams: Sequence[Real], s: Complex
+    ) -> Real:
         """Bounds by the reduction alone, for presses under which the sheets do not change.
 
         Shape (2, press, interface, s). foams: factors of each pressed skin, as the family's `mass`
@@ -206,7 +186,7 @@ class ReducedSkin:
         solved = potential, current, Q, s, self.min_conductance, self.combination
         return certificate(family.space, masses, *solved)
 
-    def by_mesh(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> float:
+    def by_mesh(self, cells: Integer, rises: Real) -> float:
         """Estimated relative error of Rs and Cp of one press by the mesh; 0 for uniform scenes."""
         reduced = self.reduced
         if reduced.scene.uniform:
@@ -223,7 +203,7 @@ class ReducedSkin:
         parts = foam_parts(reduced.scene) if gauged(reduced.scene.skin) else 1
         return min_conductance_factor(self.weights, reduced.circuit, reduced.modes, parts)
 
-    def exact(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.complex128]:
+    def exact(self, cells: Integer, rises: Real) -> Complex:
         """Z in ohm of one press by the full system, shape (interface, frequency).
 
         The mesh is the one that was reduced if it keeps rtol for this press, a finer one otherwise.
@@ -242,7 +222,7 @@ class ReducedSkin:
             f"the full system leaves an error of {error:.1e} under this press, tolerance {rtol:g}"
         )
 
-    def _families(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> Iterator[Family]:
+    def _families(self, cells: Integer, rises: Real) -> Iterator[Family]:
         """Family that was reduced, then families on finer and finer meshes for this press."""
         reduced = self.reduced
         yield reduced.family
@@ -250,13 +230,11 @@ class ReducedSkin:
         press = Case(None, cells, rises).press_on(reduced.scene)
         yield from finer_families(*given, [press], reduced.frequency)
 
-    def map_of(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
+    def map_of(self, cells: Integer, rises: Real) -> Real:
         """Amount of each part of M over the scene's own, shape (part,), see `Parts`."""
         return self.parts.pressed(cells, rises) * self.unpressed_factors
 
-    def solved(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64], s: NDArray[np.complex128]
-    ) -> list[tuple[NDArray[np.complex128], NDArray[np.complex128]]]:
+    def solved(self, cells: Integer, rises: Real, s: Complex) -> list[tuple[Complex, Complex]]:
         """Potentials and form of each excitation, for sheets as they are here, see `under`.
 
         The potentials are V in the model's coordinates, shape (N + n, s); the form is in S, shape
@@ -266,17 +244,13 @@ class ReducedSkin:
         found = solved(self.excited_terminals, rest, which[None], weights[None], s)
         return [(self.turn @ u[0].T, Y[0]) for u, Y in found]
 
-    def touched(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64]
-    ) -> tuple[UnpressedMass, NDArray[np.int64], NDArray[np.float64]]:
+    def touched(self, cells: Integer, rises: Real) -> tuple[UnpressedMass, Integer, Real]:
         """Terms that one press adds to M: factors, indices of those, and their weights."""
         cells, rises = self.parts.completed(cells, rises)
         rest = self.pressed_by(self.reduced.factors[cells] @ self.turn)
         return rest, np.arange(len(cells)), rises * self.unpressed_factors[cells]
 
-    def charges(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64], u: NDArray[np.complex128]
-    ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    def charges(self, cells: Integer, rises: Real, u: Complex) -> tuple[Complex, Complex]:
         """Derivatives of u'Mu by each part over the scene's own, and u'Mu itself.
 
         Both in F V², of shapes (s, part) and (s,).
@@ -284,7 +258,7 @@ class ReducedSkin:
         squares = self.squares(u)
         return squares, squares @ self.map_of(cells, rises)
 
-    def squares(self, u: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    def squares(self, u: Complex) -> Complex:
         """u'Mu of each part as it is on the scene's own skin, F V², shape (s, part)."""
         squares = ((self.reduced.factors @ u) ** 2).sum(axis=1).T
         if not len(self.reduced.fixed):
@@ -292,7 +266,7 @@ class ReducedSkin:
         return np.column_stack([squares, *(((M @ u) * u).sum(axis=0) for M in self.reduced.fixed)])
 
     @property
-    def stiffness(self) -> NDArray[np.float64]:
+    def stiffness(self) -> Real:
         """K in the model's coordinates, S, shape (N + n, N + n)."""
         reduced = self.reduced
         change = changes(self.weights, reduced.scene, reduced.circuit, reduced.modes)

@@ -11,8 +11,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Complex, Integer, Real
 from ...press.parts import Parts
 from .dense import UnpressedMass, solved
 from .reduced_skin import ReducedSkin
@@ -31,21 +31,17 @@ class Sensitivity:
     (interface, s, part).
     """
 
-    Y: NDArray[np.complex128]
-    by_cell: NDArray[np.complex128]
-    by_weight: NDArray[np.complex128]
-    by_s: NDArray[np.complex128]
-    of_foam: NDArray[np.complex128]
-    by_finger: NDArray[np.complex128]
-    by_fixed: NDArray[np.complex128]
+    Y: Complex
+    by_cell: Complex
+    by_weight: Complex
+    by_s: Complex
+    of_foam: Complex
+    by_finger: Complex
+    by_fixed: Complex
 
 
 def sensitivity(
-    skin: ReducedSkin,
-    cells: NDArray[np.int64],
-    rises: NDArray[np.float64],
-    s: NDArray[np.complex128],
-    further_terms: NDArray[np.float64] | None = None,
+    skin: ReducedSkin, cells: Integer, rises: Real, s: Complex, further_terms: Real | None = None
 ) -> Sensitivity:
     """Y of one press on one skin, with its derivatives.
 
@@ -61,7 +57,7 @@ def sensitivity(
 
 
 def _of_interfaces(
-    skin: ReducedSkin, found: Iterable[tuple[NDArray[np.complex128], ...]], axis: int
+    skin: ReducedSkin, found: Iterable[tuple[Complex, ...]], axis: int
 ) -> Sensitivity:
     """Sensitivity of interfaces from the forms of each excitation and their derivatives.
 
@@ -76,13 +72,13 @@ def _of_interfaces(
 
 def _alone(
     skin: ReducedSkin,
-    cells: NDArray[np.int64],
-    rises: NDArray[np.float64],
-    stiffness: NDArray[np.float64],
-    u: NDArray[np.complex128],
-    s: NDArray[np.complex128],
-    Y: NDArray[np.complex128],
-) -> tuple[NDArray[np.complex128], ...]:
+    cells: Integer,
+    rises: Real,
+    stiffness: Real,
+    u: Complex,
+    s: Complex,
+    Y: Complex,
+) -> tuple[Complex, ...]:
     (squares, whole), parts = skin.charges(cells, rises, u), skin.parts
     by_weight = np.stack([((term @ u) * u).sum(axis=0) for term in stiffness], axis=1)
     foam, fingers, across, walls = (squares[:, kind] for kind in parts.kind)
@@ -102,12 +98,7 @@ def _alone(
     return Y, each * foam, by_weight, whole, of_foam, by_finger, each * fixed
 
 
-def sensitivities(
-    skin: ReducedSkin,
-    cells: NDArray[np.int64],
-    rises: NDArray[np.float64],
-    s: NDArray[np.complex128],
-) -> Sensitivity:
+def sensitivities(skin: ReducedSkin, cells: Integer, rises: Real, s: Complex) -> Sensitivity:
     """Y of presses with equally many touches, with its derivatives, for unchanged sheets.
 
     cells, rises: shape (press, touch). Shapes are those of `Sensitivity` with a first axis
@@ -130,9 +121,7 @@ def sensitivities(
     return _of_interfaces(skin, found, axis=1)
 
 
-def _with_thickness(
-    parts: Parts, cells: NDArray[np.int64], rises: NDArray[np.float64]
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def _with_thickness(parts: Parts, cells: Integer, rises: Real) -> tuple[Integer, Real]:
     """Touches, followed by their changes of the field across the foam, if M has parts of it."""
     if not parts.thickness:
         return cells, rises
@@ -143,12 +132,12 @@ def _with_thickness(
 
 def _of_touched(
     skin: ReducedSkin,
-    cells: NDArray[np.int64],
-    rises: NDArray[np.float64],
-    u: NDArray[np.complex128],
-    squares: NDArray[np.complex128],
+    cells: Integer,
+    rises: Real,
+    u: Complex,
+    squares: Complex,
     walls: TouchedWalls | None,
-) -> tuple[NDArray[np.complex128], ...]:
+) -> tuple[Complex, ...]:
     """Derivatives of u'Mu by each touch, share of fingers, and derivative by a finger.
 
     Shapes (press, s, touch), (press, s) and (press, s); F V². The last derivative is by a finger on
@@ -176,12 +165,7 @@ def _of_touched(
     return by_cell, beyond, (fingers * first[:, None]).sum(axis=2)
 
 
-def _stored(
-    u: NDArray[np.complex128],
-    unpressed: UnpressedMass,
-    squares: NDArray[np.complex128],
-    weights: NDArray[np.float64],
-) -> NDArray[np.complex128]:
+def _stored(u: Complex, unpressed: UnpressedMass, squares: Complex, weights: Real) -> Complex:
     """u'Mu of each press, F V², shape (press, s)."""
     rows, diagonal, _ = unpressed
     U, V = u[:, :, : len(rows)], u[:, :, len(rows) :]
@@ -189,7 +173,7 @@ def _stored(
     return whole + (V**2 @ diagonal + (squares * weights[:, None]).sum(axis=2))
 
 
-def _forms(u: NDArray[np.complex128], terms: NDArray[np.float64]) -> NDArray[np.complex128]:
+def _forms(u: Complex, terms: Real) -> Complex:
     """u'(term)u of each press, shape (press, s, term)."""
     found = np.empty((*u.shape[:2], len(terms)), dtype=np.complex128)
     for k, term in enumerate(terms):
@@ -197,9 +181,7 @@ def _forms(u: NDArray[np.complex128], terms: NDArray[np.float64]) -> NDArray[np.
     return found
 
 
-def _squares(
-    u: NDArray[np.complex128], factors: NDArray[np.float64], cells: NDArray[np.int64]
-) -> NDArray[np.complex128]:
+def _squares(u: Complex, factors: Real, cells: Integer) -> Complex:
     """u'Mu of each touched part, shape (press, s, touch)."""
     own = factors[cells].reshape(len(cells), -1, factors.shape[2]).transpose(0, 2, 1)
     squares = (u @ own) ** 2

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Complex, Integer, Real
 from ...press.walls import NO_WALL
 from .reduced_skin import ReducedSkin
 
@@ -19,14 +19,12 @@ class TouchedWalls(NamedTuple):
     unpressed c there.
     """
 
-    parts: NDArray[np.int64]
-    rises: NDArray[np.float64]
-    slopes: NDArray[np.float64]
+    parts: Integer
+    rises: Real
+    slopes: Real
 
 
-def walls_around(
-    skin: ReducedSkin, cells: NDArray[np.int64], rises: NDArray[np.float64]
-) -> TouchedWalls | None:
+def walls_around(skin: ReducedSkin, cells: Integer, rises: Real) -> TouchedWalls | None:
     """Walls around touches of shape (press, touch); None if the scene has none."""
     parts, walls, rest = skin.parts, skin.parts.walls, skin.unpressed_factors
     if not walls.count:
@@ -51,9 +49,7 @@ def walls_around(
     )
 
 
-def with_walls(
-    cells: NDArray[np.int64], rises: NDArray[np.float64], walls: TouchedWalls | None
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def with_walls(cells: Integer, rises: Real, walls: TouchedWalls | None) -> tuple[Integer, Real]:
     """Touches, followed by the walls around them."""
     if walls is None:
         return cells, rises
@@ -61,9 +57,7 @@ def with_walls(
     return np.hstack([cells, own]), np.hstack([rises, weights])
 
 
-def by_walls(
-    skin: ReducedSkin, factor: NDArray[np.float64], squares: NDArray[np.complex128]
-) -> NDArray[np.complex128]:
+def by_walls(skin: ReducedSkin, factor: Real, squares: Complex) -> Complex:
     """Share of all walls in the derivatives of u'Mu by each part of the foam, (s, part).
 
     The derivatives are over the unpressed c of the part. factor: of each part of the foam. squares:

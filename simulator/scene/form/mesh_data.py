@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
+from ...arrays import Integer
 from ..validation import Table, single_line
 from .mesh_file import MeshSurface, read_surface
 
-Numbers = NDArray[np.int64]
 Rows = Annotated[str, Field(description="Rows of numbers, separated by commas.")]
 
 
@@ -113,13 +113,13 @@ def _surface(
     )
 
 
-def _members(group: MeshGroup, kind: str, of: Numbers) -> Numbers:
+def _members(group: MeshGroup, kind: str, of: Integer) -> Integer:
     found = _array(f"group {group.name!r} {kind}", getattr(group, kind), int, (1,))[0]
     _check_below(f"group {group.name!r} {kind}", found, of.shape[1])
     return found
 
 
-def _check_below(name: str, numbers: Numbers, count: int, minimum: int = 0) -> None:
+def _check_below(name: str, numbers: Integer, count: int, minimum: int = 0) -> None:
     if numbers.size and not (numbers.min() >= minimum and numbers.max() < count):
         raise ValueError(f"{name} must be numbers from {minimum} to {count - 1}")
 
@@ -143,5 +143,5 @@ def _rows(columns: NDArray) -> str:
     return ", ".join(" ".join(map(repr, row)) for row in columns.T.tolist())
 
 
-def _listed(groups: Mapping[str, Numbers], name: str) -> str:
+def _listed(groups: Mapping[str, Integer], name: str) -> str:
     return ", ".join(map(str, groups[name].tolist())) if name in groups else ""

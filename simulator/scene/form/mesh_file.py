@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer, Mask, Real
 from ...sweeps import InputError, inputs, require_packages
 
 if TYPE_CHECKING:
@@ -38,7 +38,6 @@ TRIANGLES = {
     "quad9": [(0, 4, 8), (0, 8, 7), (1, 5, 8), (1, 8, 4)]
     + [(2, 6, 8), (2, 8, 5), (3, 7, 8), (3, 8, 6)],
 }
-Numbers = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,14 +48,14 @@ class MeshSurface:
     triangle) and (2, line). line_groups, triangle_groups: members of each group.
     """
 
-    p: NDArray[np.float64]
-    t: Numbers
-    lines: Numbers
-    line_groups: dict[str, Numbers]
-    triangle_groups: dict[str, Numbers]
+    p: Real
+    t: Integer
+    lines: Integer
+    line_groups: dict[str, Integer]
+    triangle_groups: dict[str, Integer]
 
     @functools.cached_property
-    def boundary(self) -> Numbers:
+    def boundary(self) -> Integer:
         """Edges of exactly one triangle, shape (2, edge)."""
         every = np.concatenate([self.t[[0, 1]], self.t[[0, 2]], self.t[[1, 2]]], axis=1)
         edges, count = np.unique(every, axis=1, return_counts=True)
@@ -103,7 +102,7 @@ def read_surface(path: str) -> MeshSurface:
     )
 
 
-def foil_lines(surface: MeshSurface, group: str, source: str) -> Numbers:
+def foil_lines(surface: MeshSurface, group: str, source: str) -> Integer:
     """Facets of a group as numbers of points, ascending in each column, shape (2, facet).
 
     Raises InputError for an unknown group, and for a group with lines off the boundary.
@@ -123,7 +122,7 @@ def foil_lines(surface: MeshSurface, group: str, source: str) -> Numbers:
     return lines
 
 
-def _keys(lines: Numbers) -> Numbers:
+def _keys(lines: Integer) -> Integer:
     return lines[0] * (1 << 32) + lines[1]
 
 
@@ -144,7 +143,7 @@ def _parsed(path: str) -> meshio.Mesh:
         raise InputError(f"{path}: cannot be read by meshio: {reason}") from error
 
 
-def _pieces(mesh: Any, patterns: dict[str, list[tuple[int, ...]]]) -> tuple[Numbers, Numbers]:
+def _pieces(mesh: Any, patterns: dict[str, list[tuple[int, ...]]]) -> tuple[Integer, Integer]:
     """Straight pieces of all elements of some types as numbers of points, and their elements.
 
     Shape (point, piece) and (piece,); elements are numbered through all blocks.
@@ -161,7 +160,7 @@ def _pieces(mesh: Any, patterns: dict[str, list[tuple[int, ...]]]) -> tuple[Numb
     return np.concatenate(pieces).T, np.concatenate(cells)
 
 
-def _distinct(pieces: Numbers) -> tuple[Numbers, Numbers]:
+def _distinct(pieces: Integer) -> tuple[Integer, Integer]:
     """Pieces without duplicates, and for every piece the number of the one kept.
 
     Point numbers are ascending in each column.
@@ -170,11 +169,11 @@ def _distinct(pieces: Numbers) -> tuple[Numbers, Numbers]:
     return kept, same.ravel()
 
 
-def _members(cells: NDArray[np.bool_], of_piece: Numbers, same: Numbers) -> Numbers:
+def _members(cells: Mask, of_piece: Integer, same: Integer) -> Integer:
     return np.unique(same[cells[of_piece]])
 
 
-def _groups(mesh: Any) -> Iterator[tuple[str, NDArray[np.bool_]]]:
+def _groups(mesh: Any) -> Iterator[tuple[str, Mask]]:
     """Yields the name of every group with a mask of its elements."""
     sizes = [len(block.data) for block in mesh.cells]
     for key, by_block in mesh.cell_data.items():
@@ -193,7 +192,7 @@ def _groups(mesh: Any) -> Iterator[tuple[str, NDArray[np.bool_]]]:
     yield from _physical(mesh, sizes)
 
 
-def _physical(mesh: Any, sizes: list[int]) -> Iterator[tuple[str, NDArray[np.bool_]]]:
+def _physical(mesh: Any, sizes: list[int]) -> Iterator[tuple[str, Mask]]:
     """Yields gmsh's physical groups: elements of the group's dimension with its number."""
     tags = mesh.cell_data.get("gmsh:physical")
     if tags is None:
@@ -206,7 +205,7 @@ def _physical(mesh: Any, sizes: list[int]) -> Iterator[tuple[str, NDArray[np.boo
             yield name, members
 
 
-def _flat(points: NDArray[np.float64]) -> NDArray[np.float64]:
+def _flat(points: Real) -> Real:
     """Points as rows (x, y) if all have the same z, otherwise (x, y, z)."""
     if points.shape[1] == 3 and (points[:, 2] == points[0, 2]).all():
         points = points[:, :2]

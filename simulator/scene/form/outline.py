@@ -6,9 +6,9 @@ import itertools
 from typing import Annotated, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, model_validator
 
+from ...arrays import Mask, Real
 from ..planar import Circle, area, distance, gap, inside, ring, sides
 from ..validation import Number, Table, within
 
@@ -36,14 +36,14 @@ class Curve(Table):
     circle: tuple[Coordinate, Coordinate, Size] | None = None
 
     @property
-    def shape(self) -> Circle | NDArray[np.float64]:
+    def shape(self) -> Circle | Real:
         """The circle, or the corners of the polygon in order, m, shape (corner, 2)."""
         if self.circle is not None:
             return Circle(*self.circle)
         return np.array(self.points, dtype=float)
 
     @property
-    def marks(self) -> NDArray[np.float64]:
+    def marks(self) -> Real:
         """Arc lengths of the corners, m; a circle has one corner. The first is repeated at the
         end."""
         shape = self.shape
@@ -61,7 +61,7 @@ class Curve(Table):
             x, y = (np.interp(mark, self.marks, along) for along in ring(shape).T)
         return float(x), float(y)
 
-    def holds(self, x: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def holds(self, x: Real) -> Mask:
         """True where positions x, shape (2, ...), lie within the curve, shape (...)."""
         shape = self.shape
         return shape.holds(x) if isinstance(shape, Circle) else inside(shape, x)
@@ -106,9 +106,7 @@ def check_outline(outline: Outline, length: float, width: float) -> None:
             raise ValueError(f"{first} and {second} must lie at least {min_distance:g} m apart")
 
 
-def _check_within(
-    name: str, shape: Circle | NDArray[np.float64], length: float, width: float
-) -> None:
+def _check_within(name: str, shape: Circle | Real, length: float, width: float) -> None:
     if isinstance(shape, Circle):
         x, y, radius = shape
         ends = np.array([(x - radius, y - radius), (x + radius, y + radius)])
@@ -122,7 +120,7 @@ def _check_within(
             )
 
 
-def check_simple(name: str, corners: NDArray[np.float64], min_distance: float) -> None:
+def check_simple(name: str, corners: Real, min_distance: float) -> None:
     """Raises ValueError if a side is shorter, or if sides come closer, than `min_distance`."""
     each, count = sides(corners), len(corners)
     short = np.flatnonzero(np.linalg.norm(each[:, 1] - each[:, 0], axis=1) < min_distance)

@@ -12,9 +12,9 @@ import math
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field
 
+from ...arrays import Real
 from ..validation import Number, Table, by_kind, within
 
 FARTHEST = 0.9
@@ -81,7 +81,7 @@ class Cylinder(Table):
                 f"around the cylinder at most once, got {self.radius:g}"
             )
 
-    def position(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
+    def position(self, x: Real, sides: Sides) -> Real:
         """Position in space, m, of points x of the flat skin, shape (2, ...) to (3, ...)."""
         bent, kept = self._axes
         middle = sides[bent] / 2
@@ -91,7 +91,7 @@ class Cylinder(Table):
         found[2] = -2 * self.radius * np.sin(angle / 2) ** 2
         return found
 
-    def tangents(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
+    def tangents(self, x: Real, sides: Sides) -> Real:
         """Derivative of `position` by x, shape (3, 2, ...)."""
         bent, kept = self._axes
         angle = (x[bent] - sides[bent] / 2) / self.radius
@@ -124,12 +124,12 @@ class Sphere(Table):
                 f"within {FARTHEST:g} of half the way around the sphere, got {self.radius:g}"
             )
 
-    def position(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
+    def position(self, x: Real, sides: Sides) -> Real:
         middle, away, angle = self._around(x, sides)
         across = away * _sine_over(angle) + middle
         return np.stack([*across, -2 * self.radius * np.sin(angle / 2) ** 2])
 
-    def tangents(self, x: NDArray[np.float64], sides: Sides) -> NDArray[np.float64]:
+    def tangents(self, x: Real, sides: Sides) -> Real:
         """Derivative of `position` by x, shape (3, 2, ...).
 
         The stretch is 1 in radial direction and sin(angle)/angle across it.
@@ -144,16 +144,14 @@ class Sphere(Table):
         found[2] = -np.sin(angle) * radial
         return found
 
-    def _around(
-        self, x: NDArray[np.float64], sides: Sides
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    def _around(self, x: Real, sides: Sides) -> tuple[Real, Real, Real]:
         """The skin's middle and the offset from it, both in m, and the angle on the sphere."""
         middle = np.reshape(np.array(sides) / 2, (2,) + (1,) * (np.ndim(x) - 1))
         away = np.asarray(x) - middle
         return middle, away, np.hypot(*away) / self.radius
 
 
-def _sine_over(angle: NDArray[np.float64]) -> NDArray[np.float64]:
+def _sine_over(angle: Real) -> Real:
     return np.sinc(angle / np.pi)
 
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Complex, Integer, Real
 from .reader import Multisine
 
 OVERSAMPLED = 8
@@ -20,9 +20,7 @@ CLIPPED = 0.75
 CLIPPINGS = 200
 
 
-def waveform(
-    amplitude: NDArray[np.complex128], bins: NDArray[np.int64], points: int
-) -> NDArray[np.float64]:
+def waveform(amplitude: Complex, bins: Integer, points: int) -> Real:
     """sum_k Re(A_k exp(2 pi j b_k t)) at that many instants of a period, shape (..., points).
 
     amplitude: complex A_k, shape (..., tone). bins: periods of each tone in a frame.
@@ -33,14 +31,12 @@ def waveform(
     return np.fft.irfft(spectrum, points) * points
 
 
-def enough_points(bins: NDArray[np.int64]) -> int:
+def enough_points(bins: Integer) -> int:
     """Number of points of a period that show the peak of a waveform."""
     return 2 ** int(np.ceil(np.log2(OVERSAMPLED * bins.max())))
 
 
-def schroeder_phases(
-    amplitude: NDArray[np.float64], bins: NDArray[np.int64]
-) -> NDArray[np.float64]:
+def schroeder_phases(amplitude: Real, bins: Integer) -> Real:
     """Phases by which each tone takes a part of the period in proportion to its power.
 
     phi_k = -2 pi sum_{l<k} (b_{l+1} - b_l) P_l with the share P_l of the power up to tone l; for
@@ -51,7 +47,7 @@ def schroeder_phases(
 
 
 @lru_cache(maxsize=64)
-def _phasors(shares: tuple[float, ...], bins: tuple[int, ...]) -> NDArray[np.complex128]:
+def _phasors(shares: tuple[float, ...], bins: tuple[int, ...]) -> Complex:
     """Complex amplitudes of tones whose waveform peaks at 1: clipping lowers Schroeder's peak."""
     number, size = np.array(bins), np.array(shares)
     points = enough_points(number)
@@ -68,12 +64,12 @@ def _phasors(shares: tuple[float, ...], bins: tuple[int, ...]) -> NDArray[np.com
     return best
 
 
-def bins_of(reader: Multisine, frequency: NDArray[np.float64]) -> NDArray[np.int64]:
+def bins_of(reader: Multisine, frequency: Real) -> Integer:
     """Periods of each tone in a frame, at least 1. frequency: Hz."""
     return np.maximum(np.rint(frequency * reader.frame), 1).astype(np.int64)
 
 
-def amplitudes(reader: Multisine, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+def amplitudes(reader: Multisine, frequency: Real) -> Complex:
     """Complex amplitudes of tones in V; all tones of the scene peak at `peak_voltage` together.
 
     frequency: Hz, ascending. Any that is no tone of the scene has the mean power of its tones, as
@@ -89,23 +85,19 @@ def amplitudes(reader: Multisine, frequency: NDArray[np.float64]) -> NDArray[np.
     return np.where(tones[number] == frequency, every[number], mean)
 
 
-def output(
-    reader: Multisine, Z: NDArray[np.complex128], frequency: NDArray[np.float64]
-) -> NDArray[np.complex128]:
+def output(reader: Multisine, Z: Complex, frequency: Real) -> Complex:
     """Complex amplitudes at the amplifier's output, -V Z_f / Z, V, of the shape of Z."""
     return -amplitudes(reader, frequency) * reader.feedback(frequency) / Z
 
 
-def output_peak(
-    reader: Multisine, Z: NDArray[np.complex128], frequency: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def output_peak(reader: Multisine, Z: Complex, frequency: Real) -> Real:
     """Peak of the amplifier's output, V, shape of Z without its last axis, frequency."""
     bins = bins_of(reader, frequency)
     wave = waveform(output(reader, Z, frequency), bins, enough_points(bins))
     return np.abs(wave).max(axis=-1)
 
 
-def crest_factor(reader: Multisine, frequency: NDArray[np.float64]) -> float:
+def crest_factor(reader: Multisine, frequency: Real) -> float:
     """Peak of the excitation of these tones over its root mean square; sqrt(2) for one tone."""
     amplitude = np.abs(amplitudes(reader, frequency))
     return float(reader.peak_voltage / np.sqrt((amplitude**2).sum() / 2))

@@ -18,8 +18,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Complex, Real
 from ...sweeps import InputError
 from .excitation import output, output_peak
 from .reader import Multisine
@@ -30,9 +30,7 @@ TEMPERATURE = 300.0
 """Temperature of resistor and skin, K."""
 
 
-def output_density(
-    reader: Multisine, Z: NDArray[np.complex128], frequency: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def output_density(reader: Multisine, Z: Complex, frequency: Real) -> Real:
     """One-sided spectral density S of the noise at the ADC, V²/Hz, of the shape of Z.
 
     Z: ohm, frequency [Hz] last.
@@ -57,9 +55,7 @@ def smallest_deviation(reader: Multisine) -> float:
     return math.sqrt(_converter_density(reader) / reader.seconds) / reader.full_scale
 
 
-def multisine_deviation(
-    reader: Multisine, Z: NDArray[np.complex128], frequency: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def multisine_deviation(reader: Multisine, Z: Complex, frequency: Real) -> Real:
     """Standard deviation of ln |Z| and of the phase [rad] in a sweep, of the shape of Z.
 
     sigma = |Z / (V Z_f)| sqrt(S / (n T)) with n frames of duration T. Z: ohm, shape (...,
@@ -72,9 +68,7 @@ def multisine_deviation(
     return np.sqrt(output_density(reader, Z, frequency) / reader.seconds) / size
 
 
-def check_range(
-    reader: Multisine, Z: NDArray[np.complex128], frequency: NDArray[np.float64]
-) -> None:
+def check_range(reader: Multisine, Z: Complex, frequency: Real) -> None:
     """Raises InputError if the sweep with the highest output power exceeds the ADC's range."""
     every = Z.reshape(-1, len(frequency))
     if not every.size:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Annotated, Self
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import Field, PrivateAttr, model_validator
 
+from ...arrays import Complex, Real
 from ..ranges import Capacitance
 from ..validation import Number, Table, Whole, within
 
@@ -88,12 +88,12 @@ class Multisine(Table):
         """Distance of neighbouring tones that a frame separates, Hz: 1 / frame."""
         return 1 / self.frame
 
-    def feedback(self, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+    def feedback(self, frequency: Real) -> Complex:
         """Impedance of the feedback, R / (1 + j omega R C), ohm."""
         R, C = self.feedback_resistance, self.feedback_capacitance
         return (R / (1 + 2j * np.pi * frequency * R * C)).astype(np.complex128)
 
-    def on_grid(self, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
+    def on_grid(self, frequency: Real) -> Real:
         """The nearest multiples of 1/frame to tones in Hz, ascending.
 
         Any other tone would leak into its neighbours. Raises ValueError for a tone below
@@ -122,7 +122,7 @@ class Multisine(Table):
             np.abs(frequency * self.frame - numbers) > ON_GRID, numbers / self.frame, frequency
         )
 
-    def with_tones(self, frequency: NDArray[np.float64]) -> Self:
+    def with_tones(self, frequency: Real) -> Self:
         """The reader of a scene with these tones, Hz, ascending.
 
         Raises ValueError where `amplitudes` is a list of another length.
@@ -137,6 +137,6 @@ class Multisine(Table):
         return own
 
     @property
-    def tones(self) -> NDArray[np.float64]:
+    def tones(self) -> Real:
         """All tones of the scene, Hz, ascending; empty for a reader without a scene."""
         return np.array(self._tones)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Complex, Integer
 from ..reading_quantities import IMPEDANCE
 from .columns import Column
 from .failures import left_out_text
@@ -83,9 +83,7 @@ def _warnings(readings: ImportedReadings, labels: LineLabels, grouping: Grouping
     return found
 
 
-def _impedance_warnings(
-    readings: ImportedReadings, Z: NDArray[np.complex128], lines: NDArray[np.int64]
-) -> list[str]:
+def _impedance_warnings(readings: ImportedReadings, Z: Complex, lines: Integer) -> list[str]:
     """Remarks on impedances that no skin has. Z: ohm, by line."""
     found = []
     active = np.abs(np.angle(Z)) > PASSIVE

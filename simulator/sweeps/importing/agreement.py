@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Complex, Mask, Real
 from ..impedance import UNRELATED
 from .columns import UNITS, Column
-from .quantities import GAINS, Reals, derived, deviation
+from .quantities import GAINS, derived, deviation
 from .table import ImportedTable
 
 SAME_COLUMN = 0.01
@@ -17,11 +17,7 @@ SAME_COLUMN = 0.01
 
 
 def agreeing_columns(
-    table: ImportedTable,
-    pair: tuple[Column, ...],
-    by: Column,
-    Z: NDArray[np.complex128],
-    f: Reals,
+    table: ImportedTable, pair: tuple[Column, ...], by: Column, Z: Complex, f: Real
 ) -> list[Column]:
     """The other columns that depend on frequency and Z, all of which agree.
 
@@ -75,9 +71,9 @@ def _check_agreement(
     column: Column,
     holds: str,
     pair: tuple[Column, ...],
-    values: Reals,
-    Z: NDArray[np.complex128],
-    f: Reals,
+    values: Real,
+    Z: Complex,
+    f: Real,
 ) -> None:
     known = np.isfinite(values)
     if holds in ("Cs", "Lp", "Rp", "Q"):
@@ -127,6 +123,6 @@ def all_zeros(table: ImportedTable, column: Column) -> bool:
     )
 
 
-def refuse(table: ImportedTable, wrong: NDArray[np.bool_], message: str) -> None:
+def refuse(table: ImportedTable, wrong: Mask, message: str) -> None:
     if wrong.any():
         raise table.error(table.rows[int(np.argmax(wrong))][0], message)

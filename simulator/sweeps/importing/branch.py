@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Complex, Mask, Real
 from ..errors import InputError
 
 RULES = {
@@ -35,8 +36,8 @@ class BranchChoice:
     Once a followed sweep comes near -45 degrees, all further readings depend on the choice there.
     """
 
-    Z: NDArray[np.complex128]
-    doubtful: NDArray[np.bool_]
+    Z: Complex
+    doubtful: Mask
 
 
 def checked_branch(branch: str) -> str:
@@ -47,10 +48,7 @@ def checked_branch(branch: str) -> str:
 
 
 def choose_branches(
-    Z: NDArray[np.complexfloating],
-    frequency: NDArray[np.float64],
-    branch: str,
-    taken: NDArray[np.bool_],
+    Z: NDArray[np.complexfloating], frequency: Real, branch: str, taken: Mask
 ) -> BranchChoice:
     """Applies `choose_branch` to the readings taken of every interface; NaN for the others.
 
@@ -65,9 +63,7 @@ def choose_branches(
     return found
 
 
-def choose_branch(
-    Z: NDArray[np.complexfloating], frequency: NDArray[np.float64], branch: str
-) -> BranchChoice:
+def choose_branch(Z: NDArray[np.complexfloating], frequency: Real, branch: str) -> BranchChoice:
     """Impedance on the branch that a rule of RULES selects.
 
     Z: ohm, on the capacitive branch, shape (..., frequency). frequency: Hz, ascending.
@@ -84,7 +80,7 @@ def choose_branch(
     return BranchChoice(np.where(capacitive, Z, other), doubtful)
 
 
-def _followed(s: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _followed(s: Real, x: Real) -> Mask:
     """True where s >= 0, for the signs that give the smoothest curve; the first sign is positive.
 
     Minimizes the sum of squared distances of each point from the chord of its neighbours, by
@@ -113,7 +109,7 @@ def _followed(s: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.bool
 
 
 def branch_attributes(
-    found: BranchChoice, branch: str, frequency: NDArray[np.float64], interfaces: Sequence[str]
+    found: BranchChoice, branch: str, frequency: Real, interfaces: Sequence[str]
 ) -> dict[str, str]:
     """Attributes of sweeps: `branch_rule`, and `branch_doubt` if some readings are doubtful.
 
@@ -123,7 +119,7 @@ def branch_attributes(
     return {"branch_rule": RULES[branch]} | ({"branch_doubt": doubt} if doubt else {})
 
 
-def _doubts(found: BranchChoice, frequency: NDArray[np.float64], interfaces: Sequence[str]) -> str:
+def _doubts(found: BranchChoice, frequency: Real, interfaces: Sequence[str]) -> str:
     """Describes the readings that may be on the wrong branch; empty if there are none."""
     onset = found.doubtful.argmax(axis=-1)
     groups: dict[tuple[int, int], list[int]] = {}

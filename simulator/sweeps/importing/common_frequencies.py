@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Real
 from ..same_frequency import tolerance
 
-Reals = NDArray[np.float64]
 JITTER = 1e-3
 """Largest relative difference between the frequencies that a meter reports for the same setting."""
 
@@ -26,12 +26,12 @@ class CommonFrequencies:
     relative difference, 0 where all are equal but for SAME_FREQUENCY or the digits.
     """
 
-    frequency: Reals
+    frequency: Real
     runs: NDArray[np.intp]
     jitter: float
 
 
-def common_frequencies(frequency: Reals, keys: Sequence[Hashable]) -> CommonFrequencies:
+def common_frequencies(frequency: Real, keys: Sequence[Hashable]) -> CommonFrequencies:
     """Frequencies of lines with those that are nearly equal made equal.
 
     Frequencies within `tolerance` are one. Those within JITTER are one too if they never occur in
@@ -50,19 +50,19 @@ def common_frequencies(frequency: Reals, keys: Sequence[Hashable]) -> CommonFreq
     return CommonFrequencies(found, runs, float(differences[beyond].max(initial=0.0)))
 
 
-def _joined(values: Reals, tolerances: Reals) -> Reals:
+def _joined(values: Real, tolerances: Real) -> Real:
     """Ascending values with each group of neighbours within tolerance replaced by its first."""
     apart = np.append(True, np.diff(values) > tolerances[1:] * values[:-1])
     return values[np.flatnonzero(apart)[np.cumsum(apart) - 1]]
 
 
-def _first(groups: Reals, frequency: Reals) -> Reals:
+def _first(groups: Real, frequency: Real) -> Real:
     """The first frequency of each group, for every line."""
     _, first, inverse = np.unique(groups, return_index=True, return_inverse=True)
     return frequency[first][inverse]
 
 
-def _runs(frequency: Reals, keys: Sequence[Hashable]) -> NDArray[np.intp]:
+def _runs(frequency: Real, keys: Sequence[Hashable]) -> NDArray[np.intp]:
     """Number of the monotone run of every line, among the lines with the same key."""
     runs = np.empty(len(frequency), dtype=np.intp)
     latest: dict[Hashable, tuple[int, float, float]] = {}

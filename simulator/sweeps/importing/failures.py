@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .table import ImportedTable, LeftOut, Reals
+from ...arrays import Real
+from .table import ImportedTable, LeftOut
 
 GOOD = ("0", "ok", "normal", "valid", "good", "no error", "none", "")
 """Status of a good reading."""
@@ -37,7 +38,7 @@ def _good(text: str) -> bool:
         return text.casefold() in GOOD
 
 
-def failure_reasons(table: ImportedTable, values: dict[str, Reals]) -> list[str]:
+def failure_reasons(table: ImportedTable, values: dict[str, Real]) -> list[str]:
     """A reason for each row in which a number of these columns says that there is no reading.
 
     values: by the name of the column.

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Complex, Mask, Real
 from ..errors import InputError
 from ..reading_quantities import GAIN, MAGNITUDE, ReadingKind
 from .agreement import all_zeros
 from .columns import Column
-from .quantities import GAIN_PAIRS, PAIRS, Reals
+from .quantities import GAIN_PAIRS, PAIRS
 from .table import ImportedTable
 
 
@@ -33,7 +33,7 @@ def gain_columns(table: ImportedTable) -> tuple[Column, ...]:
     return ()
 
 
-def shown_gains(holds: tuple[str, ...], numbers: list[Reals]) -> dict[str, Reals]:
+def shown_gains(holds: tuple[str, ...], numbers: list[Real]) -> dict[str, Real]:
     """The quantities of gains that a file holds as they are, by their names in sweeps."""
     names = {"gain": "gain", "gain phase": "gain_phase", "phase": "gain_phase"}
     pairs = zip(holds, numbers, strict=True)
@@ -45,6 +45,6 @@ def gain_kind(columns: tuple[Column, ...]) -> ReadingKind:
     return GAIN if len(columns) > 1 else MAGNITUDE
 
 
-def amplifying(G: NDArray[np.complex128]) -> NDArray[np.bool_]:
+def amplifying(G: Complex) -> Mask:
     """True where |V / V_s| exceeds one by more than the last digits of a table."""
     return np.abs(G) > 1.001

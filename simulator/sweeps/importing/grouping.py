@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Mask, Real
 from .common_frequencies import CommonFrequencies, common_frequencies
 from .labels import LineLabels
 from .table import ImportedTable
@@ -44,12 +45,7 @@ class Grouping:
     frequencies: CommonFrequencies
 
 
-def grouped(
-    table: ImportedTable,
-    frequency: NDArray[np.float64],
-    failed: NDArray[np.bool_],
-    labels: LineLabels,
-) -> Grouping:
+def grouped(table: ImportedTable, frequency: Real, failed: Mask, labels: LineLabels) -> Grouping:
     """The sweeps of a table.
 
     A new sweep begins with every new value in a column that labels sweeps, and when a frequency is
@@ -104,7 +100,7 @@ def _refuse_turns(
 
 
 def _without_failed(
-    table: ImportedTable, sweeps: list[ImportedSweep], failed: NDArray[np.bool_]
+    table: ImportedTable, sweeps: list[ImportedSweep], failed: Mask
 ) -> list[tuple[str, float]]:
     """Removes from all sweeps the readings that failed in one.
 
@@ -126,7 +122,7 @@ def _without_failed(
 
 def reading_places(
     table: ImportedTable, sweeps: list[ImportedSweep]
-) -> tuple[list[str], NDArray[np.float64], NDArray[np.bool_], NDArray[np.intp]]:
+) -> tuple[list[str], Real, Mask, NDArray[np.intp]]:
     """Interfaces, ascending frequencies in Hz, mask of readings taken, and row numbers of readings.
 
     The mask has the shape (interface, frequency). The row numbers have the shape (sweep, interface,

@@ -7,8 +7,8 @@ import re
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Real
 from ..errors import InputError
 from ..press_text import written_pixel
 from ..schema import UNKNOWN_PRESS, UNNAMED, UNPRESSED
@@ -47,9 +47,7 @@ class LineLabels:
     counting: list[Column]
 
 
-def line_labels(
-    table: ImportedTable, frequency: NDArray[np.float64], defaults: Defaults
-) -> LineLabels:
+def line_labels(table: ImportedTable, frequency: Real, defaults: Defaults) -> LineLabels:
     """The labels of a table. frequency: Hz, of every line.
 
     Raises InputError naming file and line if a label is malformed, or if rows and columns are
@@ -69,7 +67,7 @@ def line_labels(
     return LineLabels(keys, interfaces, told, "sweep" in used, list(used.values()), counting)
 
 
-def _counting(table: ImportedTable, frequency: NDArray[np.float64]) -> list[Column]:
+def _counting(table: ImportedTable, frequency: Real) -> list[Column]:
     """Columns named like labels that only count the lines, as 1, 2, 3 and so on."""
     found = [table.label(holds) for holds in ("sweep", "row", "column", "repetition", "cycle")]
     count = len(table.rows)
@@ -150,11 +148,7 @@ def _column(
 
 
 def _integers(
-    table: ImportedTable,
-    used: dict[str, Column],
-    holds: str,
-    given: int | None,
-    absent: int | None,
+    table: ImportedTable, used: dict[str, Column], holds: str, given: int | None, absent: int | None
 ) -> list:
     texts = _column(table, used, holds, None if given is None else str(given), "")
     if holds not in used:

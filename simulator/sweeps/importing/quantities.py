@@ -11,15 +11,12 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Complex, Real
 from ..impedance import branch_reactance
 from .columns import ANGLES
 
-Reals = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
-
-BASIC: dict[str, tuple[str, Callable[[Reals, Reals], Reals]]] = {
+BASIC: dict[str, tuple[str, Callable[[Real, Real], Real]]] = {
     "Cs": ("X", lambda value, omega: -1 / (omega * value)),
     "Ls": ("X", lambda value, omega: omega * value),
     "Cp": ("B", lambda value, omega: omega * value),
@@ -30,7 +27,7 @@ BASIC: dict[str, tuple[str, Callable[[Reals, Reals], Reals]]] = {
     "gain level": ("gain", lambda value, omega: 10 ** (value / 20)),
 }
 """Basic quantity of each derived one, and the function of its value and of omega that gives it."""
-FROM_Z: dict[str, Callable[[Complexes], Reals]] = {
+FROM_Z: dict[str, Callable[[Complex], Real]] = {
     "Rs": np.real,
     "X": np.imag,
     "magnitude": np.abs,
@@ -46,7 +43,7 @@ FROM_Z: dict[str, Callable[[Complexes], Reals]] = {
     "gain imaginary": np.imag,
 }
 """Functions that give the basic quantities from Z, or from a gain."""
-SIZES: dict[str, Callable[[Complexes], Reals]] = {
+SIZES: dict[str, Callable[[Complex], Real]] = {
     **dict.fromkeys(("Rs", "X", "magnitude", "gain", "gain real", "gain imaginary"), np.abs),
     **dict.fromkeys(("G", "B", "admittance"), lambda Z: 1 / np.abs(Z)),
     **dict.fromkeys(ANGLES + ("loss",), lambda Z: np.ones(Z.shape)),
@@ -80,7 +77,7 @@ GAIN_PAIRS = (
 """Quantities that determine a gain, in the order of choice; the last ones its magnitude alone."""
 
 
-def basic(holds: str, value: Reals, frequency: Reals) -> tuple[str, Reals]:
+def basic(holds: str, value: Real, frequency: Real) -> tuple[str, Real]:
     """The basic quantity that a value stands for, and its value. frequency: Hz."""
     if holds not in BASIC:
         return holds, value
@@ -89,7 +86,7 @@ def basic(holds: str, value: Reals, frequency: Reals) -> tuple[str, Reals]:
         return name, convert(value, 2 * np.pi * frequency)
 
 
-def impedance_of(pair: tuple[str, str], first: Reals, second: Reals, frequency: Reals) -> Complexes:
+def impedance_of(pair: tuple[str, str], first: Real, second: Real, frequency: Real) -> Complex:
     """Z in ohm from two quantities in SI units; from Rs and Cp on the capacitive branch.
 
     Raises InputError if Rs and Cp have no solution.
@@ -109,7 +106,7 @@ def impedance_of(pair: tuple[str, str], first: Reals, second: Reals, frequency: 
         return np.asarray(found, dtype=np.complex128)
 
 
-def gain_of(holds: tuple[str, ...], values: list[Reals], frequency: Reals) -> Complexes:
+def gain_of(holds: tuple[str, ...], values: list[Real], frequency: Real) -> Complex:
     """Gains from quantities in SI units; with phase 0 from a magnitude alone."""
     first, *others = (
         basic(each, value, frequency)[1] for each, value in zip(holds, values, strict=True)
@@ -122,8 +119,8 @@ def gain_of(holds: tuple[str, ...], values: list[Reals], frequency: Reals) -> Co
 
 
 def deviation(
-    holds: str, value: Reals, Z: Complexes, frequency: Reals, rounding: Reals | float = 0.0
-) -> Reals:
+    holds: str, value: Real, Z: Complex, frequency: Real, rounding: Real | float = 0.0
+) -> Real:
     """Deviation of a quantity from what Z gives, over |Z|, |Y| or 1 rad.
 
     rounding: half of the last digit of the value; nothing within it is a deviation.
@@ -138,7 +135,7 @@ def deviation(
     return np.maximum(np.nan_to_num(off, nan=np.inf), 0) / SIZES[name](Z)
 
 
-def derived(holds: str, Z: Complexes, frequency: Reals) -> Reals:
+def derived(holds: str, Z: Complex, frequency: Real) -> Real:
     """The value of a quantity in SI units that follows from Z. frequency: Hz."""
     omega = 2 * np.pi * frequency
     name = BASIC[holds][0] if holds in BASIC else holds

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Complex, Mask, Real
 from ..errors import InputError
 from ..impedance import parallel_capacitance
 from ..reading_quantities import IMPEDANCE, ReadingKind
@@ -14,7 +14,7 @@ from .agreement import agreeing_columns, all_zeros, refuse
 from .columns import ANGLES, UNITS, Column
 from .failures import failure_reasons, status_reasons
 from .gain_columns import gain_columns, gain_kind, shown_gains
-from .quantities import PAIRS, Reals, gain_of, impedance_of
+from .quantities import PAIRS, gain_of, impedance_of
 from .table import ImportedTable
 
 DIGITS = 12
@@ -35,13 +35,13 @@ class ImportedReadings:
     """
 
     table: ImportedTable
-    frequency: Reals
-    Z: NDArray[np.complex128]
-    shown: dict[str, Reals]
+    frequency: Real
+    Z: Complex
+    shown: dict[str, Real]
     frequency_column: Column
     pair: tuple[Column, ...]
     compared: list[Column]
-    failed: NDArray[np.bool_]
+    failed: Mask
     kind: ReadingKind = IMPEDANCE
 
     @property
@@ -94,7 +94,7 @@ def imported_readings(table: ImportedTable) -> ImportedReadings:
     return ImportedReadings(whole, f, filled, every, by, pair, compared, ~good, kind)
 
 
-def _frequencies(table: ImportedTable, column: Column) -> Reals:
+def _frequencies(table: ImportedTable, column: Column) -> Real:
     return np.array([float(f"{each:.{DIGITS}g}") for each in table.numbers(column)])
 
 
@@ -134,7 +134,7 @@ def _not_understood(table: ImportedTable) -> str:
     return f", not {', '.join(others)}" if others else ""
 
 
-def _check_numbers(table: ImportedTable, pair: tuple[Column, ...], numbers: list[Reals]) -> None:
+def _check_numbers(table: ImportedTable, pair: tuple[Column, ...], numbers: list[Real]) -> None:
     for column, values in zip(pair, numbers, strict=True):
         kind = {"magnitude": "|Z|", "admittance": "|Y|", "gain": "|V / V_s|"}.get(column.holds)
         if kind is not None:
@@ -151,12 +151,8 @@ def _check_numbers(table: ImportedTable, pair: tuple[Column, ...], numbers: list
 
 
 def _complex(
-    table: ImportedTable,
-    pair: tuple[Column, ...],
-    numbers: list[Reals],
-    f: Reals,
-    kind: ReadingKind,
-) -> NDArray[np.complex128]:
+    table: ImportedTable, pair: tuple[Column, ...], numbers: list[Real], f: Real, kind: ReadingKind
+) -> Complex:
     """Readings from the numbers of the columns: Z in ohm, or gains."""
     if kind is not IMPEDANCE:
         return gain_of(tuple(each.holds for each in pair), numbers, f)
@@ -173,12 +169,8 @@ def _complex(
 
 
 def _capacitance(
-    table: ImportedTable,
-    pair: tuple[Column, ...],
-    compared: list[Column],
-    Z: NDArray[np.complex128],
-    f: Reals,
-) -> Reals:
+    table: ImportedTable, pair: tuple[Column, ...], compared: list[Column], Z: Complex, f: Real
+) -> Real:
     """Cp in F from the file where it has one, else computed from Z."""
     found = parallel_capacitance(Z, f)
     for column in (*pair, *compared):

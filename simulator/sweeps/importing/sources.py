@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Complex
 from .. import inputs
 from ..errors import InputError
 from ..optional_packages import require_packages
@@ -71,9 +71,7 @@ def _touchstone(path: Path) -> Lines:
     return [(max(numbers[0] - 1, 1), "f (Hz)\tRs (ohm)\tX (ohm)"), *zip(numbers, rows, strict=True)]
 
 
-def _between_ports(
-    path: Path, s: NDArray[np.complex128], z0: NDArray[np.complex128]
-) -> NDArray[np.complex128]:
+def _between_ports(path: Path, s: Complex, z0: Complex) -> Complex:
     """Impedance of a part between two ports or from both to ground, whichever the file holds.
 
     In series S11 + S21 = 1 and Z = 2 z0 S11 / S21; to ground S21 - S11 = 1 and

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Real
 from ..errors import InputError
 from .columns import Column
 from .header import MAX_SHOWN
@@ -17,8 +17,6 @@ from .scanning import first_header, scanned
 from .sources import WORKBOOKS, sources
 from .text_lines import Lines
 from .written_layouts import rewritten
-
-Reals = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -66,7 +64,7 @@ class ImportedTable:
         """The cells of one column."""
         return [cells[column.place] for _, cells in self.rows]
 
-    def numbers(self, column: Column) -> Reals:
+    def numbers(self, column: Column) -> Real:
         """One column in SI units; infinite where a cell says that the reading failed.
 
         Raises InputError naming file, line and column of the first cell that is no number.
@@ -77,7 +75,7 @@ class ImportedTable:
         values = [self._number(line, column, text) for (line, _), text in pairs]
         return column.factor * np.array(values)
 
-    def readable(self, column: Column) -> Reals:
+    def readable(self, column: Column) -> Real:
         """One column in SI units; NaN where a cell is no number."""
         plain = [self.form.plain(text) for text in self.text(column)]
         values = np.array(

@@ -8,8 +8,8 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Complex, Mask, Real
 from ..errors import InputError
 from ..impedance import contradicting
 from ..reading_subset import read_at
@@ -29,7 +29,7 @@ CP_CONSISTENCY = "Cp = Im(1/Z)/omega"
 DISPLAY_ROUNDING = 1e-3
 """Tolerance of Cp over |1/Z|/omega: the rounding of a display with four digits."""
 TOLERANCE = 0.02
-NO_PROFILES: Mapping[str, NDArray[np.float64]] = MappingProxyType({})
+NO_PROFILES: Mapping[str, Real] = MappingProxyType({})
 
 
 @dataclass(frozen=True)
@@ -41,10 +41,10 @@ class Spectrum:
     number of terms of the network. Arrays have the shape (frequency,).
     """
 
-    Z: NDArray[np.complex128]
-    frequency: NDArray[np.float64]
-    residual: NDArray[np.complex128]
-    inductive: NDArray[np.bool_]
+    Z: Complex
+    frequency: Real
+    residual: Complex
+    inductive: Mask
     inductance: float
     parameters: int
 
@@ -69,9 +69,9 @@ class Verdict:
     press: str
     spectrum: Spectrum
     phase: tuple[float, float]
-    noise: NDArray[np.float64]
+    noise: Real
     noise_from: str
-    allowed: NDArray[np.float64]
+    allowed: Real
     broken: tuple[Violation, ...]
 
 
@@ -79,8 +79,8 @@ class Verdict:
 class _Limits:
     """Relative noise and spread of the residuals, both (frequency,), and the limits from them."""
 
-    noise: NDArray[np.float64]
-    spread: NDArray[np.float64]
+    noise: Real
+    spread: Real
     limit: float
     tolerance: float
     origin: str
@@ -92,7 +92,7 @@ def examine(
     tolerance: float = TOLERANCE,
     *,
     two_terminal: bool = True,
-    profiles: Mapping[str, NDArray[np.float64]] = NO_PROFILES,
+    profiles: Mapping[str, Real] = NO_PROFILES,
 ) -> list[Verdict]:
     """Checks every spectrum of the sweeps.
 
@@ -138,7 +138,7 @@ def _examine_interface(
     tolerance: float,
     readings: int,
     two_terminal: bool,
-    profile: NDArray[np.float64] | None,
+    profile: Real | None,
 ) -> list[Verdict]:
     Z, frequency = impedance(sweeps)[:, 0], sweeps["frequency"].values
     Cp = sweeps["Cp"].transpose(*DIMENSIONS).values[:, 0]
@@ -164,9 +164,7 @@ def _examine_interface(
     ]
 
 
-def fitted_spectrum(
-    Z: NDArray[np.complex128], frequency: NDArray[np.float64], inductive: NDArray[np.bool_]
-) -> Spectrum:
+def fitted_spectrum(Z: Complex, frequency: Real, inductive: Mask) -> Spectrum:
     """Fits the nearest passive network to the part of the spectrum that is not inductive."""
     if (~inductive).sum() < MIN_FREQUENCIES:
         inductive = np.zeros_like(inductive)
@@ -175,7 +173,7 @@ def fitted_spectrum(
     return Spectrum(Z, frequency, residual, inductive, network.inductance, network.parameters)
 
 
-def _inductive_end(Z: NDArray[np.complex128]) -> NDArray[np.bool_]:
+def _inductive_end(Z: Complex) -> Mask:
     """Mask of the readings with Im Z > 0 without interruption up to the highest frequency."""
     return np.logical_and.accumulate((Z.imag > 0)[::-1])[::-1]
 
@@ -195,7 +193,7 @@ def _limits(
     noise: float | None,
     tolerance: float,
     readings: int,
-    profile: NDArray[np.float64] | None,
+    profile: Real | None,
 ) -> _Limits:
     points = spectra[0].frequency.size
     tests = 2 * LAWS * readings
@@ -211,7 +209,7 @@ def _limits(
     return _Limits(observed, spread, limit, tolerance, "fit" if repeated is None else "repeats")
 
 
-def _unbiased_residual(spectrum: Spectrum) -> NDArray[np.complex128]:
+def _unbiased_residual(spectrum: Spectrum) -> Complex:
     """Residual, corrected for the fit's degrees of freedom; NaN where not fitted."""
     values = 2 * (~spectrum.inductive).sum()
     freedom = max(values - spectrum.parameters, 1)
@@ -221,12 +219,7 @@ def _unbiased_residual(spectrum: Spectrum) -> NDArray[np.complex128]:
 
 
 def _violations(
-    sweep: int,
-    interface: str,
-    spectrum: Spectrum,
-    limits: _Limits,
-    Cp: NDArray[np.float64],
-    two_terminal: bool,
+    sweep: int, interface: str, spectrum: Spectrum, limits: _Limits, Cp: Real, two_terminal: bool
 ) -> tuple[Violation, ...]:
     """Violated laws. Cp: stored with Rs and X, F, (frequency,). two_terminal: as in `examine`."""
     laws = {}
@@ -243,7 +236,7 @@ def _violations(
     )
 
 
-def _signs(spectrum: Spectrum, limits: _Limits) -> dict[str, NDArray[np.bool_]]:
+def _signs(spectrum: Spectrum, limits: _Limits) -> dict[str, Mask]:
     slack = limits.limit * limits.noise * np.abs(spectrum.Z)
     return {
         "Re Z >= 0": spectrum.Z.real < -slack,
@@ -251,7 +244,7 @@ def _signs(spectrum: Spectrum, limits: _Limits) -> dict[str, NDArray[np.bool_]]:
     }
 
 
-def _monotony(spectrum: Spectrum, limits: _Limits) -> dict[str, NDArray[np.bool_]]:
+def _monotony(spectrum: Spectrum, limits: _Limits) -> dict[str, Mask]:
     """Monotony of Rs, Cp and Cs below the inductive end, after removing the series inductance."""
     kept, omega = ~spectrum.inductive, 2 * np.pi * spectrum.frequency
     Z = spectrum.Z - 1j * omega * (spectrum.inductance if spectrum.inductive.any() else 0.0)
@@ -267,9 +260,7 @@ def _monotony(spectrum: Spectrum, limits: _Limits) -> dict[str, NDArray[np.bool_
     return broken
 
 
-def deviates_from_decreasing(
-    values: NDArray[np.float64], allowed: NDArray[np.float64]
-) -> NDArray[np.bool_]:
+def deviates_from_decreasing(values: Real, allowed: Real) -> Mask:
     """True where values deviate by more than allowed from the nearest non-increasing curve."""
     from scipy.optimize import isotonic_regression
 
@@ -278,7 +269,7 @@ def deviates_from_decreasing(
     return np.abs(values - nearest) > allowed
 
 
-def _allowed(spectrum: Spectrum, limits: _Limits) -> NDArray[np.float64]:
+def _allowed(spectrum: Spectrum, limits: _Limits) -> Real:
     """Largest absolute real or imaginary part of the residual.
 
     It is the limit by chance of a single reading. If the whole misfit exceeds the tolerance, the
@@ -290,11 +281,11 @@ def _allowed(spectrum: Spectrum, limits: _Limits) -> NDArray[np.float64]:
     return np.minimum(by_chance, limits.tolerance / np.sqrt(2))
 
 
-def _inconsistent(spectrum: Spectrum, limits: _Limits) -> NDArray[np.bool_]:
+def _inconsistent(spectrum: Spectrum, limits: _Limits) -> Mask:
     """True for readings that deviate from the nearest passive network by more than allowed."""
     largest = np.maximum(np.abs(spectrum.residual.real), np.abs(spectrum.residual.imag))
     return (largest > _allowed(spectrum, limits)) & ~spectrum.inductive
 
 
-def _range(values: NDArray[np.float64]) -> tuple[float, float]:
+def _range(values: Real) -> tuple[float, float]:
     return float(values.min()), float(values.max())

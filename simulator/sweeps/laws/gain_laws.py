@@ -14,8 +14,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Mask, Real
 from ..errors import InputError
 from ..reading_quantities import GAIN, kind_of
 from ..reading_subset import read_at
@@ -53,7 +53,7 @@ def examine_gains(
     tolerance: float = TOLERANCE,
     *,
     single_source: bool = True,
-    profiles: Mapping[str, NDArray[np.float64]] = NO_PROFILES,
+    profiles: Mapping[str, Real] = NO_PROFILES,
 ) -> list[Verdict]:
     """Checks every spectrum of gains; phases are checked only where they are known.
 
@@ -91,7 +91,7 @@ def _of_magnitudes(
     noise: float | None,
     tolerance: float,
     single_source: bool,
-    profiles: Mapping[str, NDArray[np.float64]],
+    profiles: Mapping[str, Real],
 ) -> Iterator[Verdict]:
     """Verdicts on magnitudes alone."""
     limit = _limit(sweeps, noise)
@@ -128,10 +128,7 @@ def _limit(sweeps: xr.Dataset, noise: float | None) -> float:
 
 
 def _violations(
-    sweep: int,
-    interface: str,
-    frequency: NDArray[np.float64],
-    laws: Mapping[str, NDArray[np.bool_]],
+    sweep: int, interface: str, frequency: Real, laws: Mapping[str, Mask]
 ) -> tuple[Violation, ...]:
     return tuple(
         Violation(sweep, interface, law, tuple(frequency[broken].tolist()))

@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Complex, Mask, Real
 from ..errors import ToleranceError
 
 PER_DECADE = 20
@@ -35,8 +35,8 @@ class MeasurementModel:
     resistance: float
     inductance: float
     elastance: float
-    residues: NDArray[np.float64]
-    tau: NDArray[np.float64]
+    residues: Real
+    tau: Real
 
     @property
     def parameters(self) -> int:
@@ -44,19 +44,17 @@ class MeasurementModel:
         terms = [self.resistance, self.inductance, self.elastance, *self.residues]
         return int(np.count_nonzero(terms))
 
-    def impedance(self, frequency: NDArray[np.float64]) -> NDArray[np.complex128]:
+    def impedance(self, frequency: Real) -> Complex:
         """Z in ohm. frequency: Hz."""
         terms = [self.resistance, self.inductance, self.elastance, *self.residues]
         return _basis(frequency, self.tau) @ np.array(terms)
 
-    def residual(
-        self, Z: NDArray[np.complex128], frequency: NDArray[np.float64]
-    ) -> NDArray[np.complex128]:
+    def residual(self, Z: Complex, frequency: Real) -> Complex:
         """(Z - model)/|Z|. Z: ohm. frequency: Hz."""
         return (Z - self.impedance(frequency)) / np.abs(Z)
 
 
-def fit_passive(Z: NDArray[np.complex128], frequency: NDArray[np.float64]) -> MeasurementModel:
+def fit_passive(Z: Complex, frequency: Real) -> MeasurementModel:
     """The passive network nearest to a spectrum, by least squares of the relative error of Z.
 
     Z: ohm, nowhere 0, shape (frequency,). frequency: Hz, ascending.
@@ -67,9 +65,7 @@ def fit_passive(Z: NDArray[np.complex128], frequency: NDArray[np.float64]) -> Me
     return _fit_on(_refined(coarse, poles), Z, frequency)
 
 
-def _fit_on(
-    tau: NDArray[np.float64], Z: NDArray[np.complex128], frequency: NDArray[np.float64]
-) -> MeasurementModel:
+def _fit_on(tau: Real, Z: Complex, frequency: Real) -> MeasurementModel:
     from scipy.optimize import nnls
 
     relative = _basis(frequency, tau) / np.abs(Z)[:, None]
@@ -83,25 +79,25 @@ def _fit_on(
     return MeasurementModel(resistance, inductance, elastance, np.array(residues), tau)
 
 
-def _time_constants(frequency: NDArray[np.float64]) -> NDArray[np.float64]:
+def _time_constants(frequency: Real) -> Real:
     shortest = 1 / (2 * np.pi * frequency[-1] * MARGIN)
     longest = MARGIN / (2 * np.pi * frequency[0])
     points = 1 + int(np.ceil(PER_DECADE * np.log10(longest / shortest)))
     return np.geomspace(shortest, longest, points)
 
 
-def _refined(tau: NDArray[np.float64], poles: NDArray[np.bool_]) -> NDArray[np.float64]:
+def _refined(tau: Real, poles: Mask) -> Real:
     """The grid with additional points around every pole, up to its neighbours."""
     fractions = np.arange(1 - REFINEMENT, REFINEMENT) / REFINEMENT
     around = tau[poles, None] * (tau[1] / tau[0]) ** fractions
     return np.unique(np.concatenate([tau[~poles], around.ravel()]))
 
 
-def _basis(frequency: NDArray[np.float64], tau: NDArray[np.float64]) -> NDArray[np.complex128]:
+def _basis(frequency: Real, tau: Real) -> Complex:
     """R, L, 1/C and every pole at unit strength; shape (frequency, 3 + tau)."""
     s = 2j * np.pi * frequency[:, None]
     return np.hstack([np.ones_like(s), s, 1 / s, 1 / (1 + s * tau)]).astype(np.complex128)
 
 
-def _stacked(values: NDArray[np.complex128]) -> NDArray[np.float64]:
+def _stacked(values: Complex) -> Real:
     return np.concatenate([values.real, values.imag])

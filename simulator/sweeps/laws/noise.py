@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from ...arrays import Complex, Real
 
 NEIGHBOURS = 9
 """Number of neighbouring frequencies in one estimate; a meter's noise varies along a sweep."""
@@ -18,11 +19,7 @@ FALSE_ALARM = 0.01
 """Probability that a file of valid sweeps is flagged at all."""
 
 
-def scaled_by(
-    scale: Callable[[NDArray[np.complex128]], NDArray[np.float64]],
-    deviations: NDArray[np.complex128],
-    profile: NDArray[np.float64] | None,
-) -> NDArray[np.float64]:
+def scaled_by(scale: Callable[[Complex], Real], deviations: Complex, profile: Real | None) -> Real:
     """A scale of deviations that is at least proportional to a known profile of the noise.
 
     Neighbours of unequal noise hide that of the noisiest. profile: noise at each frequency up to a
@@ -32,7 +29,7 @@ def scaled_by(
     return own if profile is None else np.maximum(own, profile * scale(deviations / profile))
 
 
-def local_scale(deviations: NDArray[np.complex128]) -> NDArray[np.float64]:
+def local_scale(deviations: Complex) -> Real:
     """Standard deviation of real and imaginary part at each frequency, from its neighbours.
 
     A median, so that a few bad readings do not hide themselves. deviations: shape
@@ -48,7 +45,7 @@ def local_scale(deviations: NDArray[np.complex128]) -> NDArray[np.float64]:
     return np.array(scales)[nearest] / MEDIAN_OF_NORMAL
 
 
-def roughness(deviations: NDArray[np.complex128]) -> NDArray[np.float64]:
+def roughness(deviations: Complex) -> Real:
     """Standard deviation of the changes between neighbouring frequencies; smooth trends drop out.
 
     From second differences, whose variance is 6 times that of independent readings.
@@ -59,11 +56,7 @@ def roughness(deviations: NDArray[np.complex128]) -> NDArray[np.float64]:
     return local_scale(bends)
 
 
-def repeatability(
-    Z: NDArray[np.complex128],
-    groups: Sequence[object],
-    profile: NDArray[np.float64] | None = None,
-) -> NDArray[np.float64] | None:
+def repeatability(Z: Complex, groups: Sequence[object], profile: Real | None = None) -> Real | None:
     """Relative noise of Z at each frequency from repeated sweeps; None if nothing is repeated.
 
     Unequal strengths of presses and drift between sweeps are smooth in frequency and hardly

@@ -13,7 +13,8 @@ from ..schema import impedance
 
 if TYPE_CHECKING:
     import xarray as xr
-    from numpy.typing import NDArray
+
+    from ...arrays import Complex, Mask, Real
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,7 @@ class Violation:
         return f"{where}: {self.law} is broken at {frequencies_text(self.frequency)}"
 
 
-def frequencies_text(frequency: Sequence[float] | NDArray[np.float64]) -> str:
+def frequencies_text(frequency: Sequence[float] | Real) -> str:
     """Frequencies [Hz] in words: a single one, or their number and range."""
     low, high = min(frequency), max(frequency)
     if len(frequency) == 1:
@@ -42,8 +43,8 @@ def frequencies_text(frequency: Sequence[float] | NDArray[np.float64]) -> str:
 class ErrorBounds:
     """Error bounds at each frequency: relative error of |Z|, and error of the phase in rad."""
 
-    size: NDArray[np.float64]
-    phase: NDArray[np.float64]
+    size: Real
+    phase: Real
 
     def times(self, factor: float) -> ErrorBounds:
         """The bounds multiplied by a factor."""
@@ -70,16 +71,14 @@ def violations(sweeps: xr.Dataset, tolerance: float | ErrorBounds = 1e-9) -> lis
 
 
 def broken_laws(
-    Z: NDArray[np.complex128], frequency: NDArray[np.float64], tolerance: float | ErrorBounds = 1e-9
-) -> dict[str, NDArray[np.bool_]]:
+    Z: Complex, frequency: Real, tolerance: float | ErrorBounds = 1e-9
+) -> dict[str, Mask]:
     """The laws that one spectrum breaks, with a mask of the frequencies; see `violations`."""
     masks = _broken_masks(Z, frequency, tolerance).items()
     return {law: broken for law, broken in masks if broken.any()}
 
 
-def _broken_masks(
-    Z: NDArray[np.complex128], frequency: NDArray[np.float64], tolerance: float | ErrorBounds
-) -> dict[str, NDArray[np.bool_]]:
+def _broken_masks(Z: Complex, frequency: Real, tolerance: float | ErrorBounds) -> dict[str, Mask]:
     capacitive = Z.imag < 0
     Cs = np.full(frequency.shape, np.nan)
     Cs[capacitive] = series_capacitance(Z[capacitive], frequency[capacitive])
@@ -94,12 +93,7 @@ def _broken_masks(
     }
 
 
-def _slacks(
-    Z: NDArray[np.complex128],
-    Cp: NDArray[np.float64],
-    Cs: NDArray[np.float64],
-    tolerance: float | ErrorBounds,
-) -> tuple[NDArray[np.float64], ...]:
+def _slacks(Z: Complex, Cp: Real, Cs: Real, tolerance: float | ErrorBounds) -> tuple[Real, ...]:
     """Tolerances of Rs and X in ohm, Cp and Cs in F, at each frequency.
 
     With bounds s of ln|Z| and p of the phase, Rs = Re Z is off by at most s |Rs| + p |X| and X by
@@ -113,5 +107,5 @@ def _slacks(
     return s * Rs + p * X, s * X + p * Rs, part * np.abs(Cp), part * Cs
 
 
-def _increases(values: NDArray[np.float64], slack: NDArray[np.float64]) -> NDArray[np.bool_]:
+def _increases(values: Real, slack: Real) -> Mask:
     return np.append(False, np.diff(values) > (slack[1:] + slack[:-1]) / 2)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....arrays import Real
 from ....press.batch import TouchedCells
 from ....sweeps.errors import ToleranceError
 from .relaxation_kernel import rasterized, relaxed_in_place
@@ -32,9 +32,9 @@ class LatticeApplicators(NamedTuple):
     rectangles. depth: m.
     """
 
-    boxes: NDArray[np.float64]
-    radius: NDArray[np.float64]
-    depth: NDArray[np.float64]
+    boxes: Real
+    radius: Real
+    depth: Real
 
 
 def raised(lattice: Lattice, applied: LatticeApplicators) -> TouchedCells:
@@ -50,16 +50,14 @@ def raised(lattice: Lattice, applied: LatticeApplicators) -> TouchedCells:
     return TouchedCells(cells, rise.ravel()[cells])
 
 
-def rises_within(
-    lattice: Lattice, applied: LatticeApplicators, here: Window
-) -> NDArray[np.float64]:
+def rises_within(lattice: Lattice, applied: LatticeApplicators, here: Window) -> Real:
     """Rise of c averaged over the skin in each cell of a window, shape (row, column)."""
     return in_cells(lattice, rises_at_nodes(lattice, applied, here), here)
 
 
 def rises_at_nodes(
     lattice: Lattice, applied: LatticeApplicators, here: Window, still: float = STILL
-) -> NDArray[np.float64]:
+) -> Real:
     """Rise of c at the nodes of a window, shape (row, column). still: see STILL."""
     w = deflected(lattice, applied, here, still)
     return lattice.mechanics.factor(w / lattice.thickness) - 1
@@ -67,7 +65,7 @@ def rises_at_nodes(
 
 def deflected(
     lattice: Lattice, applied: LatticeApplicators, here: Window, still: float = STILL
-) -> NDArray[np.float64]:
+) -> Real:
     """Deflection at the nodes of a window, m, shape (row, column). still: see STILL.
 
     Raises ToleranceError if the relaxation does not converge.
@@ -91,9 +89,7 @@ def deflected(
     return w
 
 
-def _first(
-    lattice: Lattice, applied: LatticeApplicators, x: NDArray[np.float64], y: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _first(lattice: Lattice, applied: LatticeApplicators, x: Real, y: Real) -> Real:
     """Deflection as if each applicator's edge were straight, m, shape (row, column)."""
     found = np.zeros((len(y), len(x)))
     for (left, right, bottom, top), radius, depth in zip(*applied, strict=True):
@@ -106,14 +102,14 @@ def _first(
     return found
 
 
-def in_cells(lattice: Lattice, rise: NDArray[np.float64], here: Window) -> NDArray[np.float64]:
+def in_cells(lattice: Lattice, rise: Real, here: Window) -> Real:
     """Mean of nodal values over the skin in each cell of a window, shape (row, column)."""
     part = lattice.part[lattice.nodes(here)]
     area, total = _summed(lattice, part), _summed(lattice, part * rise)
     return np.divide(total, area, out=np.zeros_like(total), where=area > 0)
 
 
-def _summed(lattice: Lattice, values: NDArray[np.float64]) -> NDArray[np.float64]:
+def _summed(lattice: Lattice, values: Real) -> Real:
     """Sum over the nodes of each cell."""
     (along, across), (rows, columns) = lattice.within, values.shape
     return values.reshape(rows // across, across, columns // along, along).sum(axis=(1, 3))

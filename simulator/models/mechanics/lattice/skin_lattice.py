@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....arrays import Real
 from ....scene.foam_mechanics import Mechanics
 from ....scene.scene import Scene
 from ....scene.skin_region import covers
@@ -36,14 +36,14 @@ class Lattice:
 
     mechanics: Mechanics
     thickness: float
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    part: NDArray[np.float64]
-    right: NDArray[np.float64]
-    up: NDArray[np.float64]
+    x: Real
+    y: Real
+    part: Real
+    right: Real
+    up: Real
     within: tuple[int, int]
-    distance: NDArray[np.float64]
-    w: NDArray[np.float64]
+    distance: Real
+    w: Real
 
     @property
     def grid(self) -> tuple[int, int]:
@@ -61,7 +61,7 @@ class Lattice:
         return math.prod(self.steps) / self.mechanics.tension
 
     @cached_property
-    def law(self) -> NDArray[np.float64]:
+    def law(self) -> Real:
         """The foam's stress at equidistant strains from 0 to where its cells are closed, Pa."""
         elastic = self.mechanics.elastic
         return elastic.stress(np.linspace(0.0, elastic.greatest_strain, LAW))
@@ -79,7 +79,7 @@ class Lattice:
         )
         return rows, columns
 
-    def edge_profile(self, depth: float, away: NDArray[np.float64]) -> NDArray[np.float64]:
+    def edge_profile(self, depth: float, away: Real) -> Real:
         """Deflection at a distance from the straight edge of an applicator of a depth, all in m."""
         return np.interp(self._where(depth) + away, self.distance, self.w)
 
@@ -124,13 +124,11 @@ def _lattice_of(scene: Scene, grid: tuple[int, int], smallest: float) -> Lattice
     return Lattice(*foam, x, y, part, right * ratio, up / ratio, (along, across), distance, w)
 
 
-def _nodes(count: int, step: float) -> NDArray[np.float64]:
+def _nodes(count: int, step: float) -> Real:
     return (np.arange(count, dtype=np.float64) + 0.5) * step
 
 
-def _profile(
-    mechanics: Mechanics, thickness: float
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _profile(mechanics: Mechanics, thickness: float) -> tuple[Real, Real]:
     """Distance from where cells are closed, and the deflection there, both m.
 
     Next to a straight edge T w'² / 2 = d W(w / d), with W the foam's energy per volume.
@@ -141,9 +139,7 @@ def _profile(
     return np.concatenate([[0.0], np.cumsum(falls)]), strain * thickness
 
 
-def _skin_shares(
-    scene: Scene, x: NDArray[np.float64], y: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], ...]:
+def _skin_shares(scene: Scene, x: Real, y: Real) -> tuple[Real, ...]:
     """Share of each node's area that is skin, and of each edge to the next node along x and y."""
     shape = len(y), len(x)
     if scene.skin.rectangular:
@@ -154,9 +150,7 @@ def _skin_shares(
     return part, right, up
 
 
-def _cut(
-    scene: Scene, x: NDArray[np.float64], y: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], ...]:
+def _cut(scene: Scene, x: Real, y: Real) -> tuple[Real, ...]:
     """Shares as in `_skin_shares` for a skin of any outline, from samples near its edges."""
     skin, (step_x, step_y) = scene.skin, (x[1] - x[0], y[1] - y[0])
     middle = covers(skin, np.stack(np.broadcast_arrays(x, y[:, None])))
@@ -166,7 +160,7 @@ def _cut(
     part, right, up = (middle.astype(np.float64) for _ in range(3))
     off, half = (np.arange(SAMPLES) + 0.5) / SAMPLES - 0.5, np.full(SAMPLES, 0.5)
 
-    def share(along: NDArray[np.float64], across: NDArray[np.float64]) -> NDArray[np.float64]:
+    def share(along: Real, across: Real) -> Real:
         at_x = x[column][:, None] + step_x * along
         at_y = y[row][:, None] + step_y * across
         return covers(skin, np.stack([at_x, at_y])).mean(axis=1)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....arrays import Real
 from ....press.batch import NOTHING, TouchedCells
 from ....press.press import Press, order
 from ....press.touch import Depth, Disc, Indentation, Rectangle
@@ -37,7 +37,7 @@ def traced(scene: Scene, lattice: Lattice, applied: LatticeApplicators) -> Touch
     rise = part * (deformation(scene, as_press(applied), FACTOR_RTOL).factor(at) - 1)
     shape = len(y) // POINTS, POINTS, len(x) // POINTS, POINTS
     area, total = (each.reshape(shape).sum(axis=(1, 3)) for each in (part, rise))
-    every: NDArray[np.float64] = np.zeros(grid)
+    every: Real = np.zeros(grid)
     every[here] = np.divide(total, area, out=np.zeros_like(total), where=area > 0)
     cells = np.flatnonzero(every)
     return TouchedCells(cells, every.ravel()[cells])

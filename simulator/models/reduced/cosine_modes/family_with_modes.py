@@ -4,14 +4,12 @@ from __future__ import annotations
 
 from copy import copy
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ....arrays import Real
 from ..families.family import Family
 from ..families.heterogeneous_family import HeterogeneousFamily
 
 
-def family_with(family: Family, amplitudes: NDArray[np.float64]) -> Family:
+def family_with(family: Family, amplitudes: Real) -> Family:
     """Family with cosine modes of the foam in M of every part.
 
     amplitudes: over the mean, shape (mode,).
@@ -22,7 +20,7 @@ def family_with(family: Family, amplitudes: NDArray[np.float64]) -> Family:
     return found
 
 
-def _with(family: Family, amplitudes: NDArray[np.float64]) -> Family:
+def _with(family: Family, amplitudes: Real) -> Family:
     found = copy(family)
     vars(found).pop("_masses_inside", None)
     vars(found)["masses"] = family.masses.plus(amplitudes, family.foam_modes)

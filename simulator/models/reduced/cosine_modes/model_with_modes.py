@@ -11,8 +11,8 @@ from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....arrays import Integer, Real
 from ..compressing import typical
 from ..families.family import Family
 from ..reduced_model import Reduced
@@ -27,7 +27,7 @@ class ModelWithModes(Reduced):
     """
 
     uniform: Reduced | None = None
-    amplitudes: NDArray[np.float64] | None = None
+    amplitudes: Real | None = None
 
     @cached_property
     def family(self) -> Family:
@@ -47,7 +47,7 @@ class FoamModeTerms:
         self.uniform = uniform
         self.terms = _terms(uniform)
 
-    def under(self, amplitudes: NDArray[np.float64]) -> ModelWithModes:
+    def under(self, amplitudes: Real) -> ModelWithModes:
         """Model with modes of these amplitudes over the mean, shape (mode,)."""
         factors, own = (
             self.uniform.factors,
@@ -58,9 +58,7 @@ class FoamModeTerms:
         own |= {"factors": turned, "built": None}
         return ModelWithModes(**own, uniform=self.uniform, amplitudes=amplitudes)
 
-    def masses(
-        self, rest: float, cells: NDArray[np.int64], rises: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def masses(self, rest: float, cells: Integer, rises: Real) -> Real:
         """Derivatives of M under a press by the modes' amplitudes, F, shape (mode, N + n, N + n).
 
         rest: c of the uniform foam over that of the scene. cells, rises: see `ReducedSkin.sweeps`.
@@ -72,13 +70,13 @@ class FoamModeTerms:
         return rest * found
 
     @cached_property
-    def _unpressed(self) -> NDArray[np.float64]:
+    def _unpressed(self) -> Real:
         F = self.uniform.factors
         rows = F.reshape(-1, F.shape[2])
         return np.stack([rows.T @ (S @ F).reshape(rows.shape) for S in self.terms])
 
 
-def _terms(uniform: Reduced) -> NDArray[np.float64]:
+def _terms(uniform: Reduced) -> Real:
     """S of each mode in each part: W'MW = F'SF in the directions that F has.
 
     Parts that no press changes (bodies, the rim) have no F; modes of the foam do not change them.

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix
 
+from ....arrays import Complex, Real
 from ....fem.circuit import Circuit
 from ....fem.error_estimate import Swept
 from ....fem.excitation import Excitation, impedance_with_error
@@ -36,7 +37,7 @@ from ...parameters import HALF_WAVES, Variation, foam_parts, nominal
 from ..cases import Case
 from .masses import Masses
 
-Weights = NDArray[np.float64] | None
+Weights = Real | None
 """Weights of the terms of K, see `weights_of`; None for the scene's own skin."""
 Checking = tuple[Galerkin, Mass]
 """Space, and M in F in the pattern of its system."""
@@ -98,10 +99,10 @@ class Family(ABC):
         return [self.masses_in(mode) for mode in range(1, len(HALF_WAVES))]
 
     @abstractmethod
-    def finer(self, weights: Weights, factors: NDArray[np.float64]) -> Checking:
+    def finer(self, weights: Weights, factors: Real) -> Checking:
         """Space of one order more that checks this one, and its M."""
 
-    def estimated(self, difference: NDArray[np.float64]) -> NDArray[np.float64]:
+    def estimated(self, difference: Real) -> Real:
         """Estimated error from the difference of two orders, shape (2, interface, frequency)."""
         return difference
 
@@ -115,11 +116,11 @@ class Family(ABC):
         self,
         weights: Weights,
         loss: Loss,
-        factors: NDArray[np.float64],
+        factors: Real,
         rtol: float,
-        frequency: NDArray[np.float64],
+        frequency: Real,
         drives: Sequence[Excitation],
-    ) -> tuple[NDArray[np.complex128], float]:
+    ) -> tuple[Complex, float]:
         """Z in ohm at frequencies in Hz, shape (interface, frequency), and its estimated error.
 
         factors: c over the scene's unpressed c, shape (part,). The error is the largest relative
@@ -127,14 +128,14 @@ class Family(ABC):
         """
         spaces = (self.skin(weights), self.mass(factors)), self.finer(weights, factors)
 
-        def sweep(around: NDArray[np.float64], tolerance: float) -> list[Swept]:
+        def sweep(around: Real, tolerance: float) -> list[Swept]:
             s = laplace_variable(around, loss)
             return [swept(space, mass, drives, s, tolerance) for space, mass in spaces]
 
         Z, error = impedance_with_error(sweep, drives, frequency, rtol)
         return Z, float(self.estimated(error).max())
 
-    def varied_system(self, weights: NDArray[np.float64]) -> System:
+    def varied_system(self, weights: Real) -> System:
         """System of one skin."""
         sheets, films = np.split(weights, [len(self.sheet_terms)])
         return replace(
@@ -143,7 +144,7 @@ class Family(ABC):
             films=self._films(films),
         )
 
-    def currents(self, weights: Weights, u: NDArray[np.float64]) -> NDArray[np.float64]:
+    def currents(self, weights: Weights, u: Real) -> Real:
         """K u of one skin at the space's inner unknowns, A. u: V, shape (unknown, k)."""
         if weights is None:
             sheets = self.space.restricted(self.system.sheets)
@@ -154,33 +155,31 @@ class Family(ABC):
         sheets.data = of_sheets @ values
         return self.space.currents(u, sheets, self._films(of_films))
 
-    def foam_of(self, case: Case) -> NDArray[np.float64]:
+    def foam_of(self, case: Case) -> Real:
         """Factors of a case's foam, as `mass` takes them."""
         return case.map_on(self.scene)
 
     @property
-    def far(self) -> NDArray[np.float64] | None:
+    def far(self) -> Real | None:
         """Low-rank factor of M by solved surroundings, see `LowRankMass`; None without these."""
         return None
 
-    def mass(self, factors: NDArray[np.float64]) -> Mass:
+    def mass(self, factors: Real) -> Mass:
         """M in F, in the system's pattern. factors: amount of each part, shape (part,)."""
         near = self.masses.mass(factors)
         return near if self.far is None else LowRankMass(near, self.far)
 
-    def mass_inside(self, factors: NDArray[np.float64]) -> Mass:
+    def mass_inside(self, factors: Real) -> Mass:
         """M in F of the space alone. factors: see `mass`."""
         near = self.space.matrix(self._masses_inside @ factors)
         return near if self.far_inside is None else LowRankMass(near, self.far_inside)
 
     @cached_property
-    def far_inside(self) -> NDArray[np.float64] | None:
+    def far_inside(self) -> Real | None:
         """`far` of the space alone."""
         return None if self.far is None else self.space.own(self.far)
 
-    def with_films(
-        self, films: Films, weights: NDArray[np.float64], terms: Sequence[Films]
-    ) -> Films:
+    def with_films(self, films: Films, weights: Real, terms: Sequence[Films]) -> Films:
         """Films plus the sum of weights times terms."""
         stiffness, current, conductance = films.stiffness.data, films.current, films.conductance
         for weight, term in zip(weights, terms, strict=True):
@@ -189,11 +188,11 @@ class Family(ABC):
             conductance = conductance + weight * term.conductance
         return Films(self.system.pattern.matrix(stiffness), current, conductance)
 
-    def _films(self, weights: NDArray[np.float64]) -> Films:
+    def _films(self, weights: Real) -> Films:
         return self.with_films(self.system.films, weights - 1, self.film_terms)
 
     @cached_property
-    def _sheets_inside(self) -> tuple[csc_matrix, NDArray[np.float64]]:
+    def _sheets_inside(self) -> tuple[csc_matrix, Real]:
         """Matrix of all entries that K of any skin's sheets has in the space, and the terms
         there."""
         values = self._sheet_values[:, self.space.entries]
@@ -205,16 +204,12 @@ class Family(ABC):
         return self.masses.at(self.space.entries)
 
     @cached_property
-    def _sheet_values(self) -> NDArray[np.float64]:
+    def _sheet_values(self) -> Real:
         return np.stack([term.data for term in self.sheet_terms]).astype(np.float64)
 
 
 def weights_under(
-    variation: Variation | None,
-    scene: Scene,
-    circuit: Circuit,
-    modes: int,
-    pressed: NDArray[np.float64],
+    variation: Variation | None, scene: Scene, circuit: Circuit, modes: int, pressed: Real
 ) -> Weights:
     """Weights of the terms of K of a skin under touches.
 
@@ -227,11 +222,8 @@ def weights_under(
 
 
 def weights_of(
-    variation: Variation,
-    scene: Scene,
-    circuit: Circuit,
-    pressed: NDArray[np.float64] | None = None,
-) -> NDArray[np.float64]:
+    variation: Variation, scene: Scene, circuit: Circuit, pressed: Real | None = None
+) -> Real:
     """Weights of the terms of K: each field's sheet in its modes, then the films.
 
     The scene's own skin has 1 for the mean and for films, 0 for other modes. pressed: see
@@ -250,7 +242,7 @@ def weights_of(
 
 def changes(
     weights: Weights, scene: Scene, circuit: Circuit, modes: int
-) -> tuple[NDArray[np.intp], NDArray[np.float64]]:
+) -> tuple[NDArray[np.intp], Real]:
     """Indices of the terms of K whose weights differ from the scene's own, and the differences.
 
     Without piezoresistance all terms of a varied skin are listed.
@@ -262,9 +254,7 @@ def changes(
     return changed, change[changed]
 
 
-def _conductances(
-    variation: Variation, scene: Scene, circuit: Circuit
-) -> list[NDArray[np.float64]]:
+def _conductances(variation: Variation, scene: Scene, circuit: Circuit) -> list[Real]:
     top, bottom = variation.top, variation.bottom
     if circuit.fields == 2:
         return [top, bottom]

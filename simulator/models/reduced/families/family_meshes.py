@@ -8,8 +8,8 @@ from itertools import product
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....arrays import Integer, Mask, Real
 from ....fem.circuit import Circuit
 from ....mesh.domain import Domain
 from ....mesh.pixel_coverage import pixel_coverage
@@ -47,12 +47,7 @@ def family_on(scene: Scene, circuit: Circuit, mesh: Mesh, modes: int) -> Family:
 
 
 def resolved(
-    scene: Scene,
-    circuit: Circuit,
-    modes: int,
-    rtol: float,
-    cases: Sequence[Case],
-    frequency: NDArray[np.float64],
+    scene: Scene, circuit: Circuit, modes: int, rtol: float, cases: Sequence[Case], frequency: Real
 ) -> tuple[Family, float]:
     """Coarsest family whose discretisation keeps its share of the tolerance, and its error.
 
@@ -68,7 +63,7 @@ def resolved(
     return coarsest(families, [*cases, *touched], rtol, frequency)
 
 
-def _most(case: Case, which: NDArray[np.bool_]) -> float:
+def _most(case: Case, which: Mask) -> float:
     return float(case.rises[which].max(initial=0))
 
 
@@ -79,10 +74,7 @@ def _by_finger(case: Case, parts: Parts, finger: float) -> Case:
 
 
 def coarsest(
-    families: Iterator[FamilyT],
-    cases: Sequence[Case],
-    rtol: float,
-    frequency: NDArray[np.float64],
+    families: Iterator[FamilyT], cases: Sequence[Case], rtol: float, frequency: Real
 ) -> tuple[FamilyT, float]:
     """First family whose error in these cases keeps its share of the tolerance, and that error.
 
@@ -117,7 +109,7 @@ def unreduced(scene: Scene, circuit: Circuit, rtol: float, highest: float) -> Fa
     return resolved(scene, circuit, 1, rtol / SHARE, cases, np.array([highest]))[0]
 
 
-def error_of(family: Family, case: Case, rtol: float, frequency: NDArray[np.float64]) -> float:
+def error_of(family: Family, case: Case, rtol: float, frequency: Real) -> float:
     """Estimated relative error of Rs and Cp by the mesh alone. frequency: Hz, ascending."""
     loss = (case.variation or family.scene.skin.foam).loss
     weights, foam = weights_of_case(family, case), family.foam_of(case)
@@ -136,7 +128,7 @@ def finer_families(
     modes: int,
     rtol: float,
     presses: Sequence[Press],
-    frequency: NDArray[np.float64],
+    frequency: Real,
 ) -> Iterator[Family]:
     """Families on finer and finer meshes, for these presses of pixels and frequencies in Hz."""
     if scene.skin.torn:
@@ -163,11 +155,7 @@ def _rises(presses: Sequence[Press]) -> Iterator[float]:
 
 
 def _triangulations(
-    scene: Scene,
-    circuit: Circuit,
-    rtol: float,
-    presses: Sequence[Press],
-    frequency: NDArray[np.float64],
+    scene: Scene, circuit: Circuit, rtol: float, presses: Sequence[Press], frequency: Real
 ) -> Iterator[Triangulation]:
     """Triangulations, each refined where the error of any press is largest on the one before."""
     ends = np.unique(frequency[[0, -1]])
@@ -180,7 +168,7 @@ def _triangulations(
         domain = finer(domain, np.unique(np.concatenate(marked)))
 
 
-def _uncertain(press: Triangles, domain: Domain, ends: NDArray[np.float64]) -> NDArray[np.float64]:
+def _uncertain(press: Triangles, domain: Domain, ends: Real) -> Real:
     return indicators(press.discretised(domain), ends).sum(axis=0)
 
 
@@ -197,7 +185,7 @@ def _everywhere(scene: Scene, rise: float) -> Press:
     return Press(tuple(Touch(i + 1, j + 1, 1 + rise) for i, j in pixels))
 
 
-def alone(pixels: NDArray[np.int64], rise: float, most: int) -> list[Case]:
+def alone(pixels: Integer, rise: float, most: int) -> list[Case]:
     """Cases of one pixel each: all of these pixels, or `most` of them, evenly spaced."""
     some = np.unique(np.linspace(0, len(pixels) - 1, most).round().astype(np.int64))
     return [Case(None, pixels[[k]], np.array([rise])) for k in some]

@@ -8,9 +8,9 @@ from functools import cached_property
 from itertools import repeat
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
+from ....arrays import Integer, Mask, Real
 from ....fem.error_estimate import both
 from ....fem.safety_factors import SINGULAR
 from ....fem.system import Films, films
@@ -59,15 +59,15 @@ class HeterogeneousFamily(Family):
         return PressCoefficients(Materials(self.scene), unpressed, None, self.circuit.fields)
 
     @property
-    def far(self) -> NDArray[np.float64] | None:
+    def far(self) -> Real | None:
         """Low-rank factor of M by solved surroundings, see `LowRankMass`; None without these."""
         return self.system.far
 
-    def finer(self, weights: Weights, factors: NDArray[np.float64]) -> Checking:
+    def finer(self, weights: Weights, factors: Real) -> Checking:
         """Space of one order more on the same mesh, and its M."""
         return self._finer.skin(weights), self._finer.mass(factors)
 
-    def estimated(self, difference: NDArray[np.float64]) -> NDArray[np.float64]:
+    def estimated(self, difference: Real) -> Real:
         """Estimated error from the difference of two orders, with a safety factor for
         singularities."""
         return SINGULAR * both(difference)
@@ -116,21 +116,19 @@ class HeterogeneousFamily(Family):
         """The mesh with elements of one order more."""
         return replace(self.mesh, order=self.mesh.order + 1)
 
-    def _sheet_term(
-        self, field: int, S: NDArray[np.float64], within: NDArray[np.bool_] | None
-    ) -> csc_matrix:
+    def _sheet_term(self, field: int, S: Real, within: Mask | None) -> csc_matrix:
         values, alone = np.zeros(len(self.system.pattern.indices)), self.circuit.field_alone(field)
         add_sheet(values, alone, self.elements, self.system.unknowns, S, within)
         return self.system.pattern.matrix(values)
 
     @property
-    def _cells_of_parts(self) -> list[NDArray[np.bool_]]:
+    def _cells_of_parts(self) -> list[Mask]:
         pixel, (rows, columns) = self._pixel_of_cell, self.scene.pixels.shape
         part_of = np.where(pixel < 0, rows * columns, pixel)
         return [part_of == part for part in range(foam_parts(self.scene))]
 
     @property
-    def _pixel_of_cell(self) -> NDArray[np.int64]:
+    def _pixel_of_cell(self) -> Integer:
         """Number of the pixel of each cell, negative beyond all pixels."""
         return self.domain.pixel
 
@@ -142,7 +140,7 @@ class HeterogeneousFamily(Family):
         where = self.circuit, self.elements, unknowns, self._coefficients
         return around(parts, self._cells_of_parts, *where)
 
-    def _parts(self, mode_at_points: NDArray[np.float64]) -> Iterator[Part]:
+    def _parts(self, mode_at_points: Real) -> Iterator[Part]:
         elements, unknowns = self.elements, self.system.unknowns
         c = self._coefficients.capacitance(elements.surface.x) * mode_at_points
         values = np.zeros(len(self.system.pattern.indices))
@@ -165,7 +163,7 @@ class SquaresFamily(HeterogeneousFamily):
         """Elements of the discretisation."""
         return squares(self._squares, self.mesh.order)
 
-    def estimated(self, difference: NDArray[np.float64]) -> NDArray[np.float64]:
+    def estimated(self, difference: Real) -> Real:
         """Estimated error from the difference of two orders."""
         return both(difference)
 
@@ -174,7 +172,7 @@ class SquaresFamily(HeterogeneousFamily):
         return pixel_mesh(self.scene, self.circuit.contacts, self.mesh)
 
     @property
-    def _pixel_of_cell(self) -> NDArray[np.int64]:
+    def _pixel_of_cell(self) -> Integer:
         cells = self._squares.cells
         x, y = cells.p[:, cells.t].mean(axis=1)
         lines = [pixel_lines(self.scene, axis)[1:-1] for axis in (0, 1)]

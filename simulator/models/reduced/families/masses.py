@@ -8,19 +8,19 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix
 
+from ....arrays import Integer, Real
 from ....fem.dropped import DROPPED
 from ....fem.system import System
 from ....press.parts import Parts
 
 ROUNDING = 1e-14
-Part = tuple[NDArray[np.int64], NDArray[np.float64]]
+Part = tuple[Integer, Real]
 """Slots in a system's pattern, and values of M there in F."""
 
 
-def taken(values: NDArray[np.float64], slots: NDArray[np.int64]) -> Part:
+def taken(values: Real, slots: Integer) -> Part:
     """Values that were added at slots; they are reset to 0."""
     own = np.unique(slots)
     own = own[own != DROPPED]
@@ -46,17 +46,15 @@ class Masses:
         )
         self._by_slot = self._values.tocsr()
 
-    def mass(self, factors: NDArray[np.float64]) -> csc_matrix:
+    def mass(self, factors: Real) -> csc_matrix:
         """M in F, in the system's pattern. factors: amount of each part, shape (part,)."""
         return self._system.pattern.matrix(self._by_slot @ factors)
 
-    def at(self, entries: NDArray[np.int64] | slice) -> csr_matrix:
+    def at(self, entries: Integer | slice) -> csr_matrix:
         """Values of M at some entries of the system's pattern, F, shape (entry, part)."""
         return self._by_slot[entries]
 
-    def factors(
-        self, W: NDArray[np.float64], size: NDArray[np.float64], share: float, parts: Parts
-    ) -> NDArray[np.float64]:
+    def factors(self, W: Real, size: Real, share: float, parts: Parts) -> Real:
         """F of each part that a press may change, W'MW = F'F in F, shape (part, rank, k).
 
         W: V, shape (inner + terminals of the space, k). size, share: see `thinned`.
@@ -64,13 +62,11 @@ class Masses:
         touched = self._parts[: parts.touched]
         return compressed_factors([part.factor(W) for part in touched], size, share, parts)
 
-    def energies(
-        self, W: NDArray[np.float64], which: slice = slice(None)
-    ) -> Iterator[NDArray[np.float64]]:
+    def energies(self, W: Real, which: slice = slice(None)) -> Iterator[Real]:
         """W'MW in F of some parts, shape (k, k); it may be indefinite. W: see `factors`."""
         return (W[part.own].T @ (part.mass @ W[part.own]) for part in self._parts[which])
 
-    def plus(self, weights: NDArray[np.float64], others: Sequence[Masses]) -> Masses:
+    def plus(self, weights: Real, others: Sequence[Masses]) -> Masses:
         """Sum of these and of others, each by its weight, in each part."""
         found = copy(self)
         found.__dict__.pop("_parts", None)
@@ -100,11 +96,8 @@ class Masses:
 
 
 def compressed_factors(
-    factors: Sequence[NDArray[np.float64]] | NDArray[np.float64],
-    size: NDArray[np.float64],
-    share: float,
-    parts: Parts,
-) -> NDArray[np.float64]:
+    factors: Sequence[Real] | Real, size: Real, share: float, parts: Parts
+) -> Real:
     """Factors of as few rows as a share of their energy allows, padded with zeros.
 
     size: of the potentials in each column, V; it scales energies. share: directions with less than
@@ -126,7 +119,7 @@ def compressed_factors(
     return np.stack([np.pad(F, ((0, rank - len(F)), (0, 0))) for F in found])
 
 
-def _energies(F: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _energies(F: Real) -> tuple[Real, Real]:
     """Energies of a factor's own directions, and these directions."""
     power, turn = np.linalg.eigh(F @ F.T)
     return power, turn
@@ -139,10 +132,10 @@ class _Part:
     own: unknowns of the space that the part has. mass: M of those in F, shape (own, own).
     """
 
-    own: NDArray[np.int64]
+    own: Integer
     mass: csc_matrix
 
-    def factor(self, W: NDArray[np.float64]) -> NDArray[np.float64]:
+    def factor(self, W: Real) -> Real:
         """F with W'MW = F'F, of no more rows than columns."""
         W = W[self.own]
         if len(W) <= W.shape[1]:
@@ -150,13 +143,11 @@ class _Part:
         return _root(W.T @ (self.mass @ W))
 
     @cached_property
-    def _root(self) -> NDArray[np.float64]:
+    def _root(self) -> Real:
         return _root(self.mass.toarray())
 
 
-def _part(
-    rows: NDArray[np.int64], columns: NDArray[np.int64], values: NDArray[np.float64]
-) -> _Part:
+def _part(rows: Integer, columns: Integer, values: Real) -> _Part:
     """Part from values at rows and columns of a space, which are DROPPED outside it."""
     kept = (rows != DROPPED) & (columns != DROPPED)
     own, place = np.unique(np.stack([rows[kept], columns[kept]]), return_inverse=True)
@@ -164,7 +155,7 @@ def _part(
     return _Part(own.astype(np.int64), mass)
 
 
-def _root(M: NDArray[np.float64]) -> NDArray[np.float64]:
+def _root(M: Real) -> Real:
     """F with M = F'F to rounding, of as few rows as that needs; none for a part without skin."""
     power, turn = np.linalg.eigh(M)
     kept = power > ROUNDING * power.max(initial=0.0)

@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....arrays import Integer, Mask, Real
 from ....fem.circuit import Circuit
 from ....fem.unknowns import Unknowns
 from ....press.parts import Parts
@@ -26,7 +26,7 @@ from ...heterogeneous.surroundings_terms import (
 )
 from .masses import Part
 
-Cells = Sequence[NDArray[np.bool_]]
+Cells = Sequence[Mask]
 """Masks of the cells in each part of the foam, each of shape (cell,)."""
 
 
@@ -57,7 +57,7 @@ def _each(
     elements: Elements,
     unknowns: Unknowns,
     coefficients: PressCoefficients,
-) -> Iterator[Callable[[NDArray[np.float64]], None]]:
+) -> Iterator[Callable[[Real], None]]:
     """Functions that add each part to values in the pattern."""
     materials = coefficients.materials
     scene, where = materials.scene, (elements, unknowns, materials)
@@ -84,7 +84,7 @@ def _each(
         yield lambda M: None
 
 
-def _between(parts: Parts, cells: Cells, elements: Elements) -> Iterator[NDArray[np.int64]]:
+def _between(parts: Parts, cells: Cells, elements: Elements) -> Iterator[Integer]:
     """Facets of each wall."""
     if not parts.walls.count:
         return

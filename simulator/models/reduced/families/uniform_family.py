@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
+from ....arrays import Real
 from ....fem.assembly import EXTRA_ORDER, add_terms, fill, quadrilateral
 from ....fem.galerkin import Galerkin
 from ....fem.quadrature import CellGeometry, Rule, gauss_rule, mass_terms, stiffness_terms, surface
@@ -36,7 +36,7 @@ class UniformFamily(Family):
     def _built(self) -> tuple[PixelSystem, int]:
         return build_system(self.scene, self.circuit, self.mesh), self.mesh.order - 1
 
-    def finer(self, weights: Weights, factors: NDArray[np.float64]) -> Checking:
+    def finer(self, weights: Weights, factors: Real) -> Checking:
         """Space of one order more in the same system, and its M."""
         system = self.system if weights is None else self.varied_system(weights)
         return Galerkin(system, self.circuit, self.order + 1), self.mass(factors)
@@ -71,7 +71,7 @@ class UniformFamily(Family):
         known = self.circuit, self.system.pixels, self.system.unknowns, self.mesh.order
         return [pixel_films(*known, only=contact) for contact in resistive(self.circuit)]
 
-    def _mode_term(self, conductance: NDArray[np.float64], mode: int) -> csc_matrix:
+    def _mode_term(self, conductance: Real, mode: int) -> csc_matrix:
         rule, points, values_of_mode = self._mode_at_points(mode)
         values = np.zeros(len(self.system.pattern.indices))
         terms = stiffness_terms(rule, points, values_of_mode, np.diag(conductance))
@@ -91,7 +91,7 @@ class UniformFamily(Family):
             add_terms(values, system.slots[own], terms)
             yield taken(values, system.slots[own])
 
-    def _mode_at_points(self, mode: int) -> tuple[Rule, CellGeometry, NDArray[np.float64]]:
+    def _mode_at_points(self, mode: int) -> tuple[Rule, CellGeometry, Real]:
         """Mode at the points of a rule that is exact for it, shape (cell, point)."""
         cells, order = self.system.pixels.cells, self.mesh.order
         more = EXTRA_ORDER if cells.twist.any() else MODE_DEGREE

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....arrays import Integer, Real
 from ....fem.circuit import Circuit
 from ....mesh.domain import Domain
 from ....mesh.refining.inverted_triangles import finer
@@ -34,12 +34,7 @@ def family_on(
 
 
 def resolved(
-    scene: Scene,
-    circuit: Circuit,
-    modes: int,
-    rtol: float,
-    cases: Sequence[Case],
-    frequency: NDArray[np.float64],
+    scene: Scene, circuit: Circuit, modes: int, rtol: float, cases: Sequence[Case], frequency: Real
 ) -> tuple[IndentationFamily, float]:
     """Coarsest family whose discretisation keeps its share of the tolerance, and its error.
 
@@ -55,10 +50,7 @@ def resolved(
 
 
 def finer_families(
-    family: IndentationFamily,
-    cells: NDArray[np.int64],
-    rises: NDArray[np.float64],
-    frequency: NDArray[np.float64],
+    family: IndentationFamily, cells: Integer, rises: Real, frequency: Real
 ) -> Iterator[IndentationFamily]:
     """Families on finer and finer meshes, for a press at frequencies in Hz."""
     depth = family.applicators.depth(rises)
@@ -73,7 +65,7 @@ def _triangulations(
     circuit: Circuit,
     rtol: float,
     presses: Sequence[Deformation],
-    frequency: NDArray[np.float64],
+    frequency: Real,
     domain: Domain | None = None,
 ) -> Iterator[Triangulation]:
     """Triangulations, each refined where the error of any press is largest on the one before.
@@ -111,7 +103,7 @@ def _in_turns(known: PixelApplicators, turn: tuple[int, ...]) -> Deformation | N
 def _pressed(known: PixelApplicators, depth: dict[int, float]) -> Deformation:
     """Press of pixels to depths in m, each as if it were alone."""
 
-    def w(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def w(x: Real) -> Real:
         flat = np.reshape(x, (2, -1))
         found = np.zeros(flat.shape[1])
         for pixel, own in depth.items():

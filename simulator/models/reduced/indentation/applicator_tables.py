@@ -10,8 +10,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....arrays import Integer, Real
 from .indentation_family import IndentationFamily, PressRise
 
 DROPPED = 5e-3
@@ -28,15 +28,13 @@ class Tables:
     of the uncertainty of a rise, in all parts together, F, shape (pixel, rank, rank).
     """
 
-    bases: NDArray[np.float64]
-    parts: NDArray[np.int64]
-    matrices: NDArray[np.float64]
-    uncertainties: NDArray[np.float64]
+    bases: Real
+    parts: Integer
+    matrices: Real
+    uncertainties: Real
 
 
-def tables(
-    family: IndentationFamily, W: NDArray[np.float64], size: NDArray[np.float64], rtol: float
-) -> Tables:
+def tables(family: IndentationFamily, W: Real, size: Real, rtol: float) -> Tables:
     """Tables of all pixels.
 
     W: basis in the full space, shape (inner + N, N + n). size: typical size of coordinates, V,
@@ -60,12 +58,8 @@ def tables(
 
 
 def _of_pixel(
-    family: IndentationFamily,
-    potentials: FoamPotentials,
-    pixel: int,
-    size: NDArray[np.float64],
-    rtol: float,
-) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
+    family: IndentationFamily, potentials: FoamPotentials, pixel: int, size: Real, rtol: float
+) -> tuple[Real, Integer, Real, Real]:
     field = family.field(pixel)
     weights = potentials.weights(field.cells)
     D = potentials.potentials(field.cells) * size
@@ -90,13 +84,13 @@ def _of_pixel(
 class FoamPotentials:
     """Potentials of a basis across the foam, at the points of a family's rule."""
 
-    def __init__(self, family: IndentationFamily, W: NDArray[np.float64]) -> None:
+    def __init__(self, family: IndentationFamily, W: Real) -> None:
         """W: shape (inner + N, N + n)."""
         self._family = family
         spread = family.space.spread(W)
         self._values = np.vstack([spread, np.zeros((1, W.shape[1]))])
 
-    def potentials(self, cells: NDArray[np.int64]) -> NDArray[np.float64]:
+    def potentials(self, cells: Integer) -> Real:
         """Potentials across the foam, V, shape (cell, point, N + n)."""
         family = self._family
         elements, number = family.elements, family.system.unknowns.number
@@ -105,15 +99,13 @@ class FoamPotentials:
         across = first - others[0] if others else first
         return np.einsum("fp,fcm->cpm", elements.rule.values, across, optimize=True)
 
-    def weights(self, cells: NDArray[np.int64]) -> NDArray[np.float64]:
+    def weights(self, cells: Integer) -> Real:
         """Unpressed capacitance of the rule's points, F, shape (cell, point)."""
         family = self._family
         area = family.elements.surface.some(cells).area * family.elements.rule.weights
         return family.unpressed_capacitance[cells] * area
 
-    def thin(
-        self, press: PressRise, rest: NDArray[np.float64], values: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def thin(self, press: PressRise, rest: Real, values: Real) -> Real:
         """F of the rise F'F of M, shape (rank, N + n).
 
         values: rise of c over the unpressed c, shape (cell, point).

@@ -12,8 +12,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....arrays import Integer, Real
 from ....press.pixels import pixels_with_skin
 from ....press.touch import Touch
 from ....scene.foam_mechanics import Mechanics
@@ -44,9 +44,9 @@ class PixelApplicators:
 
     scene: Scene
     all_series: tuple[DepthSeries, ...]
-    of_pixel: NDArray[np.int64]
-    turn: NDArray[np.float64]
-    shift: NDArray[np.float64]
+    of_pixel: Integer
+    turn: Real
+    shift: Real
     far: float
 
     @property
@@ -66,7 +66,7 @@ class PixelApplicators:
         """Largest depth, m."""
         return deepest(self.scene)
 
-    def depth(self, rises: NDArray[np.float64]) -> NDArray[np.float64]:
+    def depth(self, rises: Real) -> Real:
         """Depth in m at which the factor under an applicator is 1 + rises."""
         strain = self.mechanics.strain_at(1 + np.asarray(rises, dtype=np.float64))
         return np.minimum(strain * self.thickness, self.deepest)
@@ -75,14 +75,12 @@ class PixelApplicators:
         """Depth series of a pixel with skin."""
         return self.all_series[self.of_pixel[pixel]]
 
-    def rises(
-        self, pixel: int, x: NDArray[np.float64]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def rises(self, pixel: int, x: Real) -> tuple[Real, Real]:
         """`DepthSeries.factors` of one pixel, at positions x (2, point) on the skin in m."""
         own = self.turn[pixel][:, None] * x + self.shift[pixel][:, None]
         return self.depth_series_of(pixel).factors(own, self.mechanics, self.thickness)
 
-    def deflection(self, pixel: int, depth: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    def deflection(self, pixel: int, depth: float, x: Real) -> Real:
         """Deflection by one applicator at a depth in m, at positions x (2, point) on the skin,
         m."""
         own, series = (

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....arrays import Mask
 from ....mesh.pixel_coverage import pixel_coverage
 from ....press.parts import parts_of
 from ....press.walls import require_no_walls
@@ -94,5 +94,5 @@ def separated_draws(draw: Draw, scene: Scene) -> Draw:
     return drawn
 
 
-def _only(case: Case, kept: NDArray[np.bool_]) -> Case:
+def _only(case: Case, kept: Mask) -> Case:
     return replace(case, cells=case.cells[kept], rises=case.rises[kept])

@@ -7,9 +7,9 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
+from ....arrays import Integer, Real
 from ....fem.circuit import Circuit
 from ....method_cache import cached_method
 from ....press.parts import Parts, parts_of
@@ -35,9 +35,9 @@ class PressRise(NamedTuple):
     Shapes (cell,), (cell, point) and (cell, point).
     """
 
-    cells: NDArray[np.int64]
-    rise: NDArray[np.float64]
-    uncertainty: NDArray[np.float64]
+    cells: Integer
+    rise: Real
+    uncertainty: Real
 
 
 class IndentationFamily(HeterogeneousFamily):
@@ -61,16 +61,14 @@ class IndentationFamily(HeterogeneousFamily):
         self._known: dict[int, RiseField] = {}
         super().__init__(scene, circuit, mesh, modes)
 
-    def foam_of(self, case: Case) -> NDArray[np.float64]:
+    def foam_of(self, case: Case) -> Real:
         """Factors of a case's foam, see the class."""
         rest = self.parts.resting
         if case.variation is not None:
             rest = rest * case.variation.factors(self.scene)
         return self.pressed(rest, case.cells, case.rises)
 
-    def pressed(
-        self, rest: NDArray[np.float64], cells: NDArray[np.int64], rises: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def pressed(self, rest: Real, cells: Integer, rises: Real) -> Real:
         """Unpressed parts with the fingers of a press, followed by rises under applicators."""
         foam, fingers = self.parts.by_kind(cells, rises)
         under = np.zeros(self.scene.pixels.rows * self.scene.pixels.columns)
@@ -80,7 +78,7 @@ class IndentationFamily(HeterogeneousFamily):
         )
         return np.concatenate([rest + touched, under])
 
-    def mass(self, factors: NDArray[np.float64]) -> csc_matrix:
+    def mass(self, factors: Real) -> csc_matrix:
         """M in F, in the system's pattern. factors: see the class."""
         rest, under = factors[: self.parts.count], factors[self.parts.count :]
         mass, cells = self.masses.mass(rest), np.flatnonzero(under)
@@ -97,17 +95,17 @@ class IndentationFamily(HeterogeneousFamily):
         add_foam(values, coupling, self.elements, unknowns, c, within)
         return self.system.pattern.matrix(mass.data + values)
 
-    def mass_inside(self, factors: NDArray[np.float64]) -> csc_matrix:
+    def mass_inside(self, factors: Real) -> csc_matrix:
         """M in F of the space alone. factors: see the class."""
         return self.space.restricted(self.mass(factors))
 
-    def press(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> list[PressRise]:
+    def press(self, cells: Integer, rises: Real) -> list[PressRise]:
         """Rises of c by each touch, or the one rise by all touches if any two are coupled."""
         if self.coupled(cells):
             return [self.coupled_rise(tuple(cells.tolist()), tuple(rises.tolist()))]
         return [self._alone(*each) for each in zip(cells.tolist(), rises.tolist(), strict=True)]
 
-    def coupled(self, cells: NDArray[np.int64]) -> bool:
+    def coupled(self, cells: Integer) -> bool:
         """True if the applicator of any of these pixels affects that of another."""
         return any(
             max(self.tails[k, m], self.tails[m, k]) > COUPLED * self.rtol
@@ -121,7 +119,7 @@ class IndentationFamily(HeterogeneousFamily):
         return self._known[pixel]
 
     @cached_property
-    def tails(self) -> NDArray[np.float64]:
+    def tails(self) -> Real:
         """Largest rise of c that each pixel's applicator causes under others, shape (pixel,
         pixel)."""
         count = len(self.applicators.of_pixel)
@@ -137,7 +135,7 @@ class IndentationFamily(HeterogeneousFamily):
         return found
 
     @property
-    def pressable(self) -> NDArray[np.int64]:
+    def pressable(self) -> Integer:
         """Pixels with skin."""
         return np.flatnonzero(self.applicators.of_pixel >= 0)
 
@@ -147,13 +145,13 @@ class IndentationFamily(HeterogeneousFamily):
         return parts_of(self.scene)
 
     @cached_property
-    def unpressed_capacitance(self) -> NDArray[np.float64]:
+    def unpressed_capacitance(self) -> Real:
         """c of the scene's own unpressed foam, F/m², at the points of the rule, shape (cell,
         point)."""
         return self._coefficients.capacitance(self.elements.surface.x)
 
     @cached_property
-    def part_of(self) -> NDArray[np.int64]:
+    def part_of(self) -> Integer:
         """Part of the foam that each cell belongs to, shape (cell,)."""
         pixel = self.domain.pixel
         return np.where(pixel < 0, self.scene.pixels.rows * self.scene.pixels.columns, pixel)

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....arrays import Complex, Integer, Real
 from ....fem.error_estimate import both, relative_difference
 from ....press.batch import PressBatch
 from ....sweeps import InputError
@@ -51,9 +51,7 @@ class IndentationModel(Reduced):
         given = self.scene, self.circuit, self.mesh, self.modes
         return family_on(*given, self.applicators, self.rtol)
 
-    def skin(
-        self, variation: Variation | None, pressed: NDArray[np.float64] | None = None
-    ) -> IndentationSkin:
+    def skin(self, variation: Variation | None, pressed: Real | None = None) -> IndentationSkin:
         """One skin of the family, see `Reduced.skin`."""
         return IndentationSkin(self, variation, pressed)
 
@@ -78,10 +76,7 @@ class IndentationSkin(ReducedSkin):
     reduced: IndentationModel
 
     def __init__(
-        self,
-        reduced: IndentationModel,
-        variation: Variation | None,
-        pressed: NDArray[np.float64] | None = None,
+        self, reduced: IndentationModel, variation: Variation | None, pressed: Real | None = None
     ) -> None:
         super().__init__(reduced, variation, pressed)
         assert reduced.tables is not None and reduced.applicators is not None
@@ -90,9 +85,7 @@ class IndentationSkin(ReducedSkin):
         self._matrices = np.einsum("kp,kpjrs->kjrs", of_parts, self._tables.matrices)
         self._bases = self._tables.bases @ self.turn
 
-    def touched(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64]
-    ) -> tuple[UnpressedMass, NDArray[np.int64], NDArray[np.float64]]:
+    def touched(self, cells: Integer, rises: Real) -> tuple[UnpressedMass, Integer, Real]:
         """Terms that one press adds to M, see `ReducedSkin.touched`."""
         foam, fingers = self.parts.by_kind(cells, rises)
         self._check(foam.rises)
@@ -107,15 +100,13 @@ class IndentationSkin(ReducedSkin):
             factors = self._factors(cells, rises)
         return self.pressed_by(factors), np.arange(len(factors)), np.ones(len(factors))
 
-    def map_of(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
+    def map_of(self, cells: Integer, rises: Real) -> Real:
         """Factors of a press, as the family's `mass` takes them."""
         return self.reduced.family.pressed(
             self.unpressed_factors * self.parts.resting, cells, rises
         )
 
-    def uncertainty_error(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64], s: NDArray[np.complex128]
-    ) -> NDArray[np.float64]:
+    def uncertainty_error(self, cells: Integer, rises: Real, s: Complex) -> Real:
         """Relative changes of Rs and Cp if c is higher by its whole uncertainty. s: rad/s."""
         found = self.solved(cells, rises, s)
         Y = np.stack([each for _, each in found])
@@ -123,9 +114,7 @@ class IndentationSkin(ReducedSkin):
         Z, raised = (self.combination.impedance(each) for each in (Y, Y + more))
         return both(relative_difference(raised, Z))
 
-    def charges(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64], u: NDArray[np.complex128]
-    ) -> tuple[NDArray[np.complex128], NDArray[np.complex128]]:
+    def charges(self, cells: Integer, rises: Real, u: Complex) -> tuple[Complex, Complex]:
         """Derivatives of u'Mu, and u'Mu itself, see `ReducedSkin.charges`.
 
         Those of touched pixels are by the rise under their applicators, over the unpressed c there.
@@ -143,7 +132,7 @@ class IndentationSkin(ReducedSkin):
             squares[:, cell] = by_rise / self.unpressed_factors[cell]
         return squares, whole
 
-    def _swept(self, batch: PressBatch, s: NDArray[np.complex128]) -> NDArray[np.complex128]:
+    def _swept(self, batch: PressBatch, s: Complex) -> Complex:
         from ..kernel import impedances
 
         self._check(batch.rises[batch.cells < self.parts.foam])
@@ -163,12 +152,12 @@ class IndentationSkin(ReducedSkin):
             found[some] = impedances(rest, *read, touches, s, rtol)
         return found
 
-    def _coupled(self, cells: NDArray[np.int64]) -> bool:
+    def _coupled(self, cells: Integer) -> bool:
         if len(cells) < 2:
             return False
         return self.reduced.family.coupled(cells[cells < self.parts.foam])
 
-    def _factors(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _factors(self, cells: Integer, rises: Real) -> Real:
         """F of each touch, which raises M by F'F, shape (touch, rank, N + n)."""
         foam, fingers = self.parts.by_kind(cells, rises)
         if not len(fingers.cells):
@@ -177,22 +166,18 @@ class IndentationSkin(ReducedSkin):
         back = np.argsort(np.argsort(cells >= self.parts.foam, kind="stable"))
         return np.ascontiguousarray(found[back])
 
-    def _by_fingers(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def _by_fingers(self, cells: Integer, rises: Real) -> Real:
         """F of fingers. rises: capacitance of each finger, F."""
         return np.sqrt(rises)[:, None, None] * (self.reduced.factors[cells] @ self.turn)
 
-    def _by_applicators(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def _by_applicators(self, cells: Integer, rises: Real) -> Real:
         """F of applicators."""
         power, turn = np.linalg.eigh(self._summed(cells, rises))
         roots = np.sqrt(np.maximum(power, 0.0))
         thin = (turn * roots[:, None, :]).transpose(0, 2, 1)
         return np.ascontiguousarray(thin @ self._bases[cells])
 
-    def _summed(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _summed(self, cells: Integer, rises: Real) -> Real:
         """C of each touch, F, shape (touch, rank, rank), see `tables`."""
         weights = np.zeros((len(cells), self._matrices.shape[1]))
         depth = self._applicators.depth(rises)
@@ -202,9 +187,7 @@ class IndentationSkin(ReducedSkin):
             weights[here, : found.shape[1]] = found
         return np.einsum("tj,tjrs->trs", weights, self._matrices[cells])
 
-    def _uncertain_form(
-        self, cells: NDArray[np.int64], rises: NDArray[np.float64], u: NDArray[np.complex128]
-    ) -> NDArray[np.complex128]:
+    def _uncertain_form(self, cells: Integer, rises: Real, u: Complex) -> Complex:
         """u'Eu, with E the uncertainty of M, F, shape (s,)."""
         cells, rises = self.parts.by_kind(cells, rises)[0]
         if self._coupled(cells):
@@ -218,7 +201,7 @@ class IndentationSkin(ReducedSkin):
             found += np.einsum("rs,rf,sf->f", E, y, y)
         return found
 
-    def _check(self, rises: NDArray[np.float64]) -> None:
+    def _check(self, rises: Real) -> None:
         """Raises InputError for rises outside the range of the applicators."""
         known, most = self._applicators, self._most
         if len(rises) and not (rises.min() >= 0 and rises.max() <= (most - 1) * (1 + ROUNDING)):
@@ -234,7 +217,7 @@ class IndentationSkin(ReducedSkin):
         known = self._applicators
         return float(known.mechanics.factor(np.array(known.deepest / known.thickness)))
 
-    def _families(self, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> Iterator[Family]:
+    def _families(self, cells: Integer, rises: Real) -> Iterator[Family]:
         yield self.reduced.family
         foam, _ = self.parts.by_kind(cells, rises)
         yield from finer_families(self.reduced.family, *foam, self.reduced.frequency)
@@ -244,7 +227,7 @@ SLOPE_STEP = 1e-5
 ROUNDING = 1e-9
 
 
-def _stacked(*factors: NDArray[np.float64]) -> NDArray[np.float64]:
+def _stacked(*factors: Real) -> Real:
     """Factors of touches one after the other, each padded with zeros to the largest rank."""
     rank = max(each.shape[1] for each in factors)
     return np.concatenate(
@@ -252,7 +235,7 @@ def _stacked(*factors: NDArray[np.float64]) -> NDArray[np.float64]:
     )
 
 
-def _parts(presses: NDArray[np.int64], starts: NDArray[np.int64]) -> Iterator[NDArray[np.int64]]:
+def _parts(presses: Integer, starts: Integer) -> Iterator[Integer]:
     """Groups of presses with about TOUCHES_AT_ONCE touches each."""
     if not len(presses):
         return

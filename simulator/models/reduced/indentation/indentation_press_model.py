@@ -6,8 +6,8 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....arrays import Integer, Real
 from ....press.capacitance import fingers
 from ....press.press import Press
 from ....press.touch import Depth, Indentation, Touch
@@ -30,10 +30,10 @@ class IndentationPressModel:
     rtol: tolerance of Rs and Cp. frequency: Hz, ascending.
     """
 
-    def __init__(self, scene: Scene, rtol: float, frequency: NDArray[np.float64]) -> None:
+    def __init__(self, scene: Scene, rtol: float, frequency: Real) -> None:
         self.scene, self.rtol, self.frequency = scene, rtol, frequency
 
-    def result(self, press: Press, frequency: NDArray[np.float64]) -> ModelResult:
+    def result(self, press: Press, frequency: Real) -> ModelResult:
         """Result at frequencies in Hz within those of the model, with its error.
 
         Raises InputError for touches that are no pixels, or that are deeper than the applicators
@@ -45,7 +45,7 @@ class IndentationPressModel:
         known = certified_result(self._skin, cells, rises, frequency)
         return replace(known, error=known.error + uncertainty)
 
-    def cells(self, press: Press) -> tuple[NDArray[np.int64], NDArray[np.float64], float]:
+    def cells(self, press: Press) -> tuple[Integer, Real, float]:
         """Pixels, rises of the factor under their applicators, and uncertainty of that factor.
 
         The uncertainty is relative; it comes from the depths under given forces.
@@ -84,7 +84,7 @@ class IndentationPressModel:
             found.append((touch.place, touch))
         return found
 
-    def _check_forces(self, press: Press, cells: NDArray[np.int64]) -> None:
+    def _check_forces(self, press: Press, cells: Integer) -> None:
         """Raises InputError for coupled touches if one is by force: its depth depends on the
         others."""
         by_force = any(not isinstance(touch.by, Depth) for touch in press.indented)

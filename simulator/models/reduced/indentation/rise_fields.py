@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....arrays import Integer, Mask, Real
 from ....chebyshev import barycentric
 from ....mesh.domain import Domain
 from ...heterogeneous.elements import Elements
@@ -31,13 +31,13 @@ class RiseField:
     whichever is larger, shape (cell, point).
     """
 
-    cells: NDArray[np.int64]
-    modes: NDArray[np.float64]
-    depth: NDArray[np.float64]
-    coefficients: NDArray[np.float64]
-    uncertainty: NDArray[np.float64]
+    cells: Integer
+    modes: Real
+    depth: Real
+    coefficients: Real
+    uncertainty: Real
 
-    def at(self, depth: NDArray[np.float64] | float) -> NDArray[np.float64]:
+    def at(self, depth: Real | float) -> Real:
         """Coefficients of the modes at depths in m, shape (..., mode)."""
         return barycentric(self.depth, np.asarray(depth)) @ self.coefficients
 
@@ -69,7 +69,7 @@ def field_of(known: PixelApplicators, pixel: int, elements: Elements, domain: Do
     )
 
 
-def near(domain: Domain, own: NDArray[np.bool_], far: float) -> NDArray[np.int64]:
+def near(domain: Domain, own: Mask, far: float) -> Integer:
     """Cells within a distance of the bounding box of some cells, m."""
     corners = domain.p[:2][:, domain.t]
     low, high = corners.min(axis=1), corners.max(axis=1)
