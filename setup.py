@@ -8,7 +8,7 @@ from tempfile import TemporaryDirectory
 
 from setuptools import find_packages, setup
 
-ROOMS = find_packages(include=["api*", "simulator*", "localization*", "hardware*"])
+ROOMS = find_packages(include=["simulator*", "localization*", "hardware*"])
 
 with TemporaryDirectory(ignore_cleanup_errors=True) as scratch:
     setup(
