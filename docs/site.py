@@ -8,6 +8,7 @@ link does not find ends the build.
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 import subprocess
@@ -44,6 +45,7 @@ def build(folder: Path) -> None:
         settings = Path(scratch) / "zensical.toml"
         settings.write_text(_settings(), encoding="utf-8")
         _run("zensical", "build", "--strict", "--config-file", settings)
+        _add_worker(Path(scratch) / "site")
         shutil.rmtree(folder, ignore_errors=True)
         shutil.copytree(Path(scratch) / "site", folder)
 
@@ -60,8 +62,16 @@ def stage(source: Path) -> None:
 
 
 def _shown() -> Iterator[Path]:
+    yield from (ROOT / "docs" / "assets").iterdir()
     for room in ROOMS:
         yield from (file for file in (ROOT / room).rglob("*") if file.suffix in SHOWN)
+
+
+def _add_worker(site: Path) -> None:
+    """Add the text of the search's worker to the index of a site opened from a folder."""
+    (worker,) = (site / "assets" / "javascripts" / "workers").glob("search.*.js")
+    with (site / "search.js").open("a", encoding="utf-8") as index:
+        index.write(f"\nvar SEARCH_WORKER = {json.dumps(worker.read_text(encoding='utf-8'))};\n")
 
 
 def _run(module: str, *arguments: str | Path) -> None:
