@@ -217,8 +217,9 @@ RULES: Mapping[type, Mapping[str, Rule]] = {
         "coefficients of `C` at most": _within_penalty,
         "the same coefficients twice": _copied,
         "a kernel that is rbf, of dense sweeps": lambda machine, sizes: (
-            (machine.kernel, machine._sparse, machine._effective_probability)
-            == ("rbf", False, False)
+            (machine.kernel, machine._sparse) == ("rbf", False)
+            # scikit-learn before 1.9 has the parameter alone
+            and not getattr(machine, "_effective_probability", machine.probability)
         ),
     },
     ECOCClassifier: {
