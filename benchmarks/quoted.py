@@ -42,7 +42,7 @@ class Quote:
 
 def pages() -> list[Path]:
     """Every page of the repository."""
-    rooms = ("docs", "simulator", "localization", "hardware", "benchmarks")
+    rooms = ("docs", "paper", "simulator", "localization", "hardware", "benchmarks")
     return [*ROOT.glob("*.md"), *(page for room in rooms for page in (ROOT / room).rglob("*.md"))]
 
 
