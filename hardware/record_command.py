@@ -80,7 +80,7 @@ def record(
 ) -> None:
     """Record sweeps of a scene's presses. The same command continues a stopped recording."""
     from ..simulator.requests.requested_scene import requested_scene, warn_of_earth
-    from ..simulator.scene.changed_readings import checked_interfaces
+    from ..simulator.scene.readings.changed_readings import checked_interfaces
     from ..simulator.sweeps import checked_output, sizes_text
     from .event_counter import EventCounter
     from .meter.termination import orderly_termination
@@ -145,7 +145,7 @@ def header_of(
 
     settings: requested settings of the meter. session: name of the mounting, or empty.
     """
-    from ..simulator.scene.changed_readings import restricted_to_interfaces
+    from ..simulator.scene.readings.changed_readings import restricted_to_interfaces
     from ..simulator.scene.scene_files import scene_text
     from .record.recording_journal import RecordingHeader
 

@@ -25,8 +25,8 @@ from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.dataset_plan import Plan
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.measure.sweep_touches import counts_of
-from rcskin.simulator.scene.draw_distributions import Fixed, Lognormal, Normal, Uniform
-from rcskin.simulator.scene.randomisation import DrawnPress, Randomisation, Session
+from rcskin.simulator.scene.draws.draw_distributions import Fixed, Lognormal, Normal, Uniform
+from rcskin.simulator.scene.draws.randomisation import DrawnPress, Randomisation, Session
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene
 

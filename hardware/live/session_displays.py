@@ -61,7 +61,10 @@ def other_displays(
 @contextmanager
 def _serve_page(localizer: LiveLocalizer, port: int) -> Iterator[SessionDisplay]:
     """Serve a page of the localizer's skin. Raises InputError if the scene has none."""
-    from ...simulator.scene.changed_readings import restricted_to_interfaces, with_frequencies
+    from ...simulator.scene.readings.changed_readings import (
+        restricted_to_interfaces,
+        with_frequencies,
+    )
     from ..event_counter import counted_events
     from ..page.page_document import PageDocument
     from ..page.page_thread import serve_in_thread

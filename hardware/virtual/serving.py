@@ -78,7 +78,10 @@ def simulated(scene: Scene, interfaces: Sequence[str] | None = None, seed: int =
     Raises InputError for other interfaces.
     """
     from ...simulator.measure.specimen import MeterSessionErrors, Specimen
-    from ...simulator.scene.changed_readings import checked_interfaces, restricted_to_interfaces
+    from ...simulator.scene.readings.changed_readings import (
+        checked_interfaces,
+        restricted_to_interfaces,
+    )
 
     names = checked_interfaces(interfaces, scene)
     read = restricted_to_interfaces(scene, names)
@@ -135,7 +138,7 @@ def instrument(
 
 def notes(meter: Instrument, served: ServedSkin) -> list[str]:
     """What a user must know of a served meter: how it differs from the real one."""
-    from ...simulator.scene.meter import meter_names
+    from ...simulator.scene.readout.meter import meter_names
 
     found = [meter.note] if meter.note else []
     scene, named = served.scene, meter.model != VIRTUAL_MODEL and meter.model in meter_names()

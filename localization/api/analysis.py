@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from ...simulator.calibration.prior import Kind
     from ...simulator.calibration.run import Calibration
     from ...simulator.limits.limit import Limit
-    from ...simulator.scene.draw_distributions import AnyDistribution
+    from ...simulator.scene.draws.draw_distributions import AnyDistribution
     from ...simulator.scene.scene import Scene
     from ..study.separation import Target as PixelTarget
     from ..study.study import Study, Vary

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from ...simulator.scene.meter import Readout
+from ...simulator.scene.readout.meter import Readout
 
 if TYPE_CHECKING:
     import xarray as xr

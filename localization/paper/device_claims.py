@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...simulator.models.line import HALF_POWER, PAPER_CONSTANT, interrogation_frequency
-from ...simulator.scene.foam import VACUUM_PERMITTIVITY
+from ...simulator.scene.foam.foam import VACUUM_PERMITTIVITY
 from ...simulator.scene.scene import Scene
 from .claim import Claim, listed, near
 from .paper_quantities import STATED_SHEET_RESISTANCE, capacitance_changes, totals

@@ -17,7 +17,7 @@ from ...simulator.measure.readout import read_out
 from ...simulator.measure.simulate import simulate
 from ...simulator.models.solver import Solver
 from ...simulator.progress import ProgressCallback, tracked
-from ...simulator.scene.meter import Readout
+from ...simulator.scene.readout.meter import Readout
 from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import load_scene
 from ..evaluation.evaluation import cross_validate

@@ -22,9 +22,9 @@ from ...simulator.measure.streams import AUDIT, stream
 from ...simulator.measure.symmetry import representative
 from ...simulator.press.pixels import pixels_with_skin
 from ...simulator.press.press import Press, every_press, pressed_factor
-from ...simulator.scene.meter import Experiment, Readout
+from ...simulator.scene.draws.randomisation import DrawnPress
 from ...simulator.scene.pixel_grid import Pressing
-from ...simulator.scene.randomisation import DrawnPress
+from ...simulator.scene.readout.meter import Experiment, Readout
 from ...simulator.scene.scene import Scene
 from ...simulator.sweeps import InputError
 from ..evaluation.evaluation import held_out_accuracies

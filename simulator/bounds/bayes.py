@@ -24,7 +24,7 @@ from ..measure.experiment import strengths
 from ..method_cache import cached_method
 from ..press.batch import PressBatch
 from ..progress import ProgressCallback, silent, tracked
-from ..scene.draw_distributions import AnyDistribution
+from ..scene.draws.draw_distributions import AnyDistribution
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .posterior import Templates, axes_of, posterior, starts_of

@@ -16,9 +16,9 @@ from ..measure.readout import ErrorModel, errors_of, observed, require_noise
 from ..method_cache import cached_method
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.batch import NOTHING, PressBatch
-from ..scene.draw_distributions import AnyDistribution
+from ..scene.draws.draw_distributions import AnyDistribution
 from ..scene.frequency import laplace_variable
-from ..scene.reading_setup import ReadingSetup
+from ..scene.readings.reading_setup import ReadingSetup
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .bayes import Draws, DrawScores

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arrays import Complex, Real
 from ..measure.readout import ErrorModel, Unpressed, errors_of, observed_slope
-from ..scene.reading_setup import ReadingSetup
+from ..scene.readings.reading_setup import ReadingSetup
 from ..scene.scene import Scene
 
 RIDGE = 1e-12

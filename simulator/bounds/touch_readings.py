@@ -24,7 +24,7 @@ from ..press.parts import parts_of
 from ..press.touch import Place, Rectangle, Touch
 from ..press.walls import require_no_walls
 from ..progress import ProgressCallback, silent, tracked
-from ..scene.draw_distributions import AnyDistribution
+from ..scene.draws.draw_distributions import AnyDistribution
 from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene
 from ..sweeps import InputError

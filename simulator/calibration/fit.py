@@ -16,7 +16,7 @@ from scipy.optimize import least_squares
 from ..arrays import Real
 from ..fem.factors import one_blas_thread
 from ..progress import ProgressCallback, silent
-from ..scene.meter import Readout
+from ..scene.readout.meter import Readout
 from ..sweeps import InputError
 from .centered_model import CenteredModel, centered_model, trainable_factors
 from .fit_spec import FitSpec

@@ -13,7 +13,7 @@ from ..arrays import Real
 from ..measure.readout import ErrorModel
 from ..models.parameters import KNOWN
 from ..press.press import pressed_factor
-from ..scene.meter import Readout
+from ..scene.readout.meter import Readout
 from .likelihood.student import StudentT
 from .measurements import Measurements, SessionSweep
 from .prior import Prior

@@ -22,8 +22,8 @@ from ..press.press import (
     strength_of,
 )
 from ..press.touch import Touch, place_of
-from ..scene.changed_readings import restricted_to_interfaces, with_frequencies
-from ..scene.readout_errors import ReadoutErrors
+from ..scene.readings.changed_readings import restricted_to_interfaces, with_frequencies
+from ..scene.readout.readout_errors import ReadoutErrors
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.inputs import objects

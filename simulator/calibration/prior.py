@@ -13,8 +13,8 @@ from ..models.cosine_modes.amplitudes import MAX_AMPLITUDE, NO_MODES, FittedMode
 from ..models.parameters import COSINE_MODES, FACTORS, FOAM_MODES, SHEET_MODES, own_values
 from ..models.reader_parameters import READER, reader_values, smallest_load_capacitance
 from ..models.session_spreads import SessionSpread, session_spreads
-from ..scene.meter import Readout
 from ..scene.ranges import MAX_INDUCTANCE
+from ..scene.readout.meter import Readout
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .measurements import Measurements

@@ -10,7 +10,7 @@ from ..models.effects import EFFECTS, NEEDED, effects_of
 from ..models.parameters import scene_with
 from ..models.reader_parameters import READER
 from ..progress import ProgressCallback, silent
-from ..scene.foam import VACUUM_PERMITTIVITY
+from ..scene.foam.foam import VACUUM_PERMITTIVITY
 from ..scene.scene import Scene
 from ..scene.surroundings import Body, Rim, Surroundings
 from ..surroundings.rim import rim_densities

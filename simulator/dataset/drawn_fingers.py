@@ -11,7 +11,7 @@ from ..press.finger import finger_capacitance, finger_over
 from ..press.pixels import pixels_with_skin
 from ..press.touch import Touch
 from ..press.walls import require_no_walls
-from ..scene.randomisation import DrawnPress
+from ..scene.draws.randomisation import DrawnPress
 from ..scene.scene import Scene
 from ..scene.surroundings import NO_EARTH
 from ..sweeps import InputError

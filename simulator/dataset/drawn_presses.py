@@ -12,8 +12,8 @@ from ..mesh.pixel_coverage import pixel_coverage
 from ..press.batch import PressBatch
 from ..press.press import rod_text
 from ..press.rasterized import Footprints
-from ..scene.draw_distributions import truncated_normal
-from ..scene.randomisation import CUT, DrawnPress
+from ..scene.draws.draw_distributions import truncated_normal
+from ..scene.draws.randomisation import CUT, DrawnPress
 from ..scene.scene import Scene
 from .anywhere.deflections import cell_presses, written_strengths
 from .anywhere.touch_places import drawn_places

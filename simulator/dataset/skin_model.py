@@ -19,7 +19,7 @@ from ..models.reduced.model_file import load, save
 from ..models.reduced.reduced_model import Reduced
 from ..models.uniform import uniformly_pressed
 from ..press.batch import PressBatch, TouchedCells
-from ..scene.randomisation import Session
+from ..scene.draws.randomisation import Session
 from ..scene.scene import Scene
 from .creeping import in_foam_states
 from .drawn_presses import drawn_presses

@@ -13,13 +13,13 @@ from ..measure.symmetry import describe_repeated
 from ..models.line import cut_off_frequency
 from ..models.uniform import equivalent_scene
 from ..press.pixels import pixels_with_skin
-from ..scene.contacts import Contact, Interface
 from ..scene.extent import surface
-from ..scene.maps import AnyMap
+from ..scene.maps.factor_maps import AnyMap
+from ..scene.maps.tear import Tear
 from ..scene.planar import Circle
+from ..scene.readings.contacts import Contact, Interface
 from ..scene.scene import Scene
 from ..scene.skin import EARTH, Sheet, Skin
-from ..scene.tear import Tear
 from ..sweeps.errors import InputError
 from ..sweeps.meter_bands import METER_BANDS, VIRTUAL_MODEL, outside_band
 from ..sweeps.units import prefixed

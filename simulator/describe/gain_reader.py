@@ -8,9 +8,9 @@ import numpy as np
 
 from ..models.solver import Solver
 from ..press.press import Press
-from ..scene.contacts import Interface
-from ..scene.converter import Converter
-from ..scene.readers import Load, Source
+from ..scene.readings.contacts import Interface
+from ..scene.readings.readers import Load, Source
+from ..scene.readout.converter import Converter
 from ..scene.scene import Scene
 from ..sweeps.errors import ToleranceError
 from ..sweeps.units import prefixed

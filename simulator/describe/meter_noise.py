@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..scene.meter import Readout
+from ..scene.readout.meter import Readout
 from ..scene.scene import Scene
 from .gain_reader import describe_converter
 

@@ -25,8 +25,8 @@ from ..models.uniform import equivalent_scene
 from ..models.validity import describe_thickness
 from ..press.finger import finger_capacitance
 from ..press.touch import Touch
-from ..scene.contacts import Contact
-from ..scene.foam_in_time import Relaxation
+from ..scene.foam.foam_in_time import Relaxation
+from ..scene.readings.contacts import Contact
 from ..scene.scene import Scene
 from ..scene.surroundings import Body, Rim, Surroundings
 from ..sweeps.units import prefixed

@@ -12,9 +12,9 @@ import numpy as np
 from ..arrays import Integer, Real
 from ..bounds.touch_readings import hypotheses
 from ..measure.readout import errors_of, require_noise
-from ..scene.contacts import Interface
 from ..scene.design_goals import Design
 from ..scene.multisine.reader import Multisine
+from ..scene.readings.contacts import Interface
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.reading_time import SETTLE, reading_time

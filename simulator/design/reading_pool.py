@@ -5,9 +5,9 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 
-from ..scene.contacts import Interface
+from ..scene.readings.contacts import Interface
+from ..scene.readings.wiring_checks import conductor_groups
 from ..scene.scene import Scene
-from ..scene.wiring_checks import conductor_groups
 from ..sweeps import InputError
 
 ALL_SETS = 5

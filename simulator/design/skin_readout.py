@@ -12,9 +12,9 @@ from ..models.network.network_skin import NetworkSkin
 from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.batch import NOTHING, PressBatch
-from ..scene.contacts import Interface
 from ..scene.frequency import laplace_variable
-from ..scene.reading_setup import ReadingSetup
+from ..scene.readings.contacts import Interface
+from ..scene.readings.reading_setup import ReadingSetup
 from ..scene.scene import Scene
 
 

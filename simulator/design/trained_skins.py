@@ -15,8 +15,8 @@ from ..models.parameters import HALF_WAVES, nominal
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.reduced_model import Reduced
 from ..progress import ProgressCallback, silent
-from ..scene.contacts import Interface
 from ..scene.design_goals import Design
+from ..scene.readings.contacts import Interface
 from ..scene.scene import Scene
 from .skin_readout import Material, SkinReadout, material_of
 from .touch_positions import TouchPositions

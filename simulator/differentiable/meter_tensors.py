@@ -9,8 +9,8 @@ from collections.abc import Mapping
 import torch
 from torch import Tensor
 
-from ..scene.readers import own_source
-from ..scene.reading_setup import ReadingSetup
+from ..scene.readings.readers import own_source
+from ..scene.readings.reading_setup import ReadingSetup
 from ..sweeps import InputError
 
 

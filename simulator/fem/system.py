@@ -13,7 +13,7 @@ from scipy.sparse import csc_matrix
 
 from ..arrays import Integer, Real
 from ..mesh.quadrilaterals import PixelMesh, Resolution, pixel_mesh
-from ..scene.contacts import Contact
+from ..scene.readings.contacts import Contact
 from ..scene.scene import Scene
 from ..sweeps.free_space import check_memory
 from .assembly import Group, add_terms, edge_masses, fill, groups

@@ -15,7 +15,7 @@ from skfem import ElementTriP1, ElementTriP2, ElementTriP3, ElementTriP4, MeshQu
 from skfem.assembly import Dofs
 
 from ..arrays import Integer, Real
-from ..scene.contacts import Contact
+from ..scene.readings.contacts import Contact
 from .assembly import element_pairs, quadrilateral
 from .circuit import Circuit, Terminal
 from .dropped import DROPPED

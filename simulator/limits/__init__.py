@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from ..bounds.position_bound import PositionBounds
-    from ..scene.draw_distributions import AnyDistribution
+    from ..scene.draws.draw_distributions import AnyDistribution
     from ..scene.scene import Scene
     from .random_press_limits import LimitInterval
 from ..progress import ProgressCallback, silent

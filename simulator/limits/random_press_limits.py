@@ -23,9 +23,9 @@ from ..press.batch import NOTHING, PressBatch
 from ..press.rasterized import Footprints, rasterized
 from ..press.walls import require_no_walls
 from ..progress import ProgressCallback, silent, tracked
-from ..scene.draw_distributions import AnyDistribution, truncated_normal
+from ..scene.draws.draw_distributions import AnyDistribution, truncated_normal
+from ..scene.draws.randomisation import CUT
 from ..scene.frequency import laplace_variable
-from ..scene.randomisation import CUT
 from ..scene.scene import Scene
 from ..sweeps import InputError
 

@@ -20,7 +20,7 @@ from ..bounds.position_bound import (
 )
 from ..bounds.touches.rasterization_errors import RasterizationErrors
 from ..progress import ProgressCallback, silent
-from ..scene.changed_readings import restricted_to_interfaces
+from ..scene.readings.changed_readings import restricted_to_interfaces
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.press_text import parse_touches

@@ -19,7 +19,7 @@ from ..bounds.touch_readings import Hypothesis, TouchReadings, hypotheses
 from ..bounds.touches.rasterization_errors import RasterizationErrors
 from ..measure.experiment import combined_strengths, own_presses, quantiles
 from ..progress import ProgressCallback, silent
-from ..scene.draw_distributions import AnyDistribution
+from ..scene.draws.draw_distributions import AnyDistribution
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .touch_kinds import KindAccuracies, by_finger, digits, kind_accuracies, numbers, percent

@@ -21,8 +21,8 @@ from ..models.solution import Solution
 from ..models.solver import Solver
 from ..press.foam_creep import Creep
 from ..press.press import Press, check_press
-from ..scene.meter import Timing
 from ..scene.multisine.reader import Multisine
+from ..scene.readout.meter import Timing
 from ..scene.scene import Scene
 from ..sweeps import ToleranceError
 from ..sweeps.reading_time import SETTLE, reading_time

@@ -10,8 +10,8 @@ import numpy as np
 
 from ..arrays import Real
 from ..press.pixels import pixels_with_skin
-from ..scene.contacts import EDGES
-from ..scene.fault_odds import FaultOdds
+from ..scene.draws.fault_odds import FaultOdds
+from ..scene.readings.contacts import EDGES
 from ..scene.scene import Scene
 from .skin_faults import AgedGain, DeadFoil, HalfFoil, SkinFault, StuckSpot, TornSheet
 from .skins import DrawnSkin, drawn_skin

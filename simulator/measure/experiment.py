@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import Real
 from ..press.pixels import pixels_with_skin
 from ..press.press import Press, pixel_pressed
-from ..scene.draw_distributions import AnyDistribution, Fixed, Normal
+from ..scene.draws.draw_distributions import AnyDistribution, Fixed, Normal
 from ..scene.scene import Scene
 from ..sweeps import InputError
 

@@ -14,7 +14,7 @@ from ..arrays import Mask, Real
 from ..models.solution import Solution
 from ..models.solver import Solver
 from ..press.press import Press, check_press, label_of, press_on
-from ..scene.changed_readings import with_frequencies
+from ..scene.readings.changed_readings import with_frequencies
 from ..scene.scene import Scene
 from ..scene.scene_files import scene_text
 from ..sweeps import InputError, SweepTable, concatenate, tabled

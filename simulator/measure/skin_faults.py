@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..press.pixels import pixels_with_skin
-from ..scene.contacts import EDGES, Interface
-from ..scene.one_conductor import BELOW
+from ..scene.maps.tear import Tear
+from ..scene.readings.contacts import EDGES, Interface
+from ..scene.readings.one_conductor import BELOW
 from ..scene.scene import Scene
-from ..scene.tear import Tear
 from ..sweeps import InputError
 
 OPEN = 1e12

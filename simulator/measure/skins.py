@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from ..arrays import Real
 from ..models.parameters import HALF_WAVES, Variation, mode_values
 from ..press.pixels import cell_centres
-from ..scene.draw_distributions import AnyDistribution, truncated_normal
-from ..scene.foam_in_time import AMBIENT, ambient_factors
-from ..scene.meter import Leads
-from ..scene.randomisation import CUT
+from ..scene.draws.draw_distributions import AnyDistribution, truncated_normal
+from ..scene.draws.randomisation import CUT
+from ..scene.foam.foam_in_time import AMBIENT, ambient_factors
+from ..scene.readout.meter import Leads
 from ..scene.scene import Scene
 from .streams import SKIN, stream
 

@@ -17,12 +17,12 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import Real
-from ..scene.contacts import Contact, path
-from ..scene.maps import FactorMap
+from ..scene.maps.factor_maps import FactorMap
+from ..scene.readings.contacts import Contact, path
+from ..scene.readings.wiring_checks import conductor_groups
 from ..scene.scene import Scene
 from ..scene.skin import Electrode, Sheet, Skin
 from ..scene.skin_region import curves
-from ..scene.wiring_checks import conductor_groups
 
 Pixel = tuple[int, int]
 """(row, column), counted from 1; (0, 0) is the unpressed skin."""

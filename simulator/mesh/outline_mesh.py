@@ -7,9 +7,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..arrays import Integer, Real
-from ..scene.contacts import Contact, curve_section
 from ..scene.form.outline import Curve
 from ..scene.planar import Circle
+from ..scene.readings.contacts import Contact, curve_section
 from ..scene.skin_region import curves
 from .arcs import Arcs, arc_length, on_arcs
 from .arrangement import Arrangement, Chords, arranged, chords

@@ -14,11 +14,11 @@ from skfem import MeshQuad
 
 from ..arrays import Integer, Real
 from ..press.pixels import pixel_lines
-from ..scene.contacts import Contact
 from ..scene.planar import NO_LINES, SAME_LINE, Lines, distinct
+from ..scene.readings.contacts import Contact
+from ..scene.readings.wiring_checks import ACROSS, strip, touch_at
 from ..scene.scene import Scene
 from ..scene.skin import Skin
-from ..scene.wiring_checks import ACROSS, strip, touch_at
 from .rings import QuadrilateralCells, rectangles, ringed
 
 

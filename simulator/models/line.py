@@ -18,8 +18,8 @@ from ..fem.circuit import Circuit, one_field
 from ..press.capacitance import lines, tile_map
 from ..press.pixels import pixel_lines
 from ..press.press import Press
-from ..scene.contacts import Interface
 from ..scene.frequency import laplace_variable
+from ..scene.readings.contacts import Interface
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .line_ports import LinePorts, film, segment, tanh_ratio

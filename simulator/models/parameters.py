@@ -11,11 +11,11 @@ import numpy as np
 
 from ..arrays import Complex, Real
 from ..press.parts import SOLVED, foam_parts, parts_of
-from ..scene.foam import VACUUM_PERMITTIVITY, Foam
-from ..scene.foam_in_time import IN_TIME
+from ..scene.foam.foam import VACUUM_PERMITTIVITY, Foam
+from ..scene.foam.foam_in_time import IN_TIME
 from ..scene.frequency import Loss
-from ..scene.meter import Leads
-from ..scene.reading_setup import ReadingSetup
+from ..scene.readings.reading_setup import ReadingSetup
+from ..scene.readout.meter import Leads
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .effects import EFFECTS, NEEDED, effects_of, with_effects

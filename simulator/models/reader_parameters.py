@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from ..scene.readers import Load, Source, own_source
+from ..scene.readings.readers import Load, Source, own_source
 
 if TYPE_CHECKING:
-    from ..scene.contacts import Interface
+    from ..scene.readings.contacts import Interface
     from ..scene.scene import Scene
 
 READER = ("series_resistance", "load_capacitance", "load_conductance")

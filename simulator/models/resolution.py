@@ -9,8 +9,8 @@ from ..mesh.quadrilaterals import Resolution, singular_ends
 from ..press.capacitance import lines, patch, tile_map, touched_box
 from ..press.press import Press
 from ..press.touch import AnyTouch, Touch
-from ..scene.contacts import Contact
 from ..scene.planar import Lines, distinct
+from ..scene.readings.contacts import Contact
 from ..scene.scene import Scene
 
 ONE_CELL = [(order, 1) for order in (2, 3, 4, 5, 6, 7, 9)]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Complex
-from ..scene.reading_setup import ReadingSetup
+from ..scene.readings.reading_setup import ReadingSetup
 
 NONE = np.zeros(0, dtype=np.complex128)
 """Empty array, for no cells and no terms."""

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Real
-from ..scene.draw_distributions import AnyDistribution
-from ..scene.foam_in_time import AMBIENT
+from ..scene.draws.draw_distributions import AnyDistribution
+from ..scene.foam.foam_in_time import AMBIENT
 from ..scene.scene import Scene
 from .parameters import own_values
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 import math
 
 from ..press.walls import step_capacitance
-from ..scene.contacts import Contact
 from ..scene.extent import perimeter, surface
-from ..scene.foam import VACUUM_PERMITTIVITY
+from ..scene.foam.foam import VACUUM_PERMITTIVITY
+from ..scene.readings.contacts import Contact
 from ..scene.scene import Scene
 from ..scene.skin import Electrode
 from ..scene.surroundings import Body

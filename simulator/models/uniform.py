@@ -17,7 +17,7 @@ from typing import NoReturn, TypeVar
 
 from ..press.press import Press
 from ..press.touch import AnyTouch, Rectangle, Touch
-from ..scene.foam import Foam
+from ..scene.foam.foam import Foam
 from ..scene.pixel_grid import Pressing
 from ..scene.scene import Scene
 from ..scene.skin import Sheet, Skin

@@ -9,7 +9,7 @@ takes a part of the current. `stray` has the sizes.
 
 from __future__ import annotations
 
-from ..scene.foam import ASSUMED_PERMITTIVITY
+from ..scene.foam.foam import ASSUMED_PERMITTIVITY
 from ..scene.frequency import LOSSLESS
 from ..scene.scene import Scene
 from ..sweeps.units import prefixed

@@ -26,7 +26,7 @@ from ..press.parts import Parts, parts_of
 from ..press.touch import Touch
 from ..progress import ProgressCallback, silent
 from ..scene.frequency import laplace_variable
-from ..scene.meter import Readout
+from ..scene.readout.meter import Readout
 from ..scene.scene import Scene
 from ..scene.scene_files import scene_text
 from ..sweeps import InputError

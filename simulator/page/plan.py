@@ -11,8 +11,8 @@ from ..mesh.domain import Domain
 from ..mesh.edge_numbering import edges_of
 from ..mesh.pixel_coverage import pixel_coverage
 from ..models.reduced.families.family import Family, Triangulation
-from ..scene.contacts import Contact, curve_section, path
 from ..scene.planar import Circle
+from ..scene.readings.contacts import Contact, curve_section, path
 from ..scene.scene import Scene
 from ..scene.skin import Skin
 from ..scene.skin_region import curves

@@ -18,7 +18,7 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import Real
-from ..scene.foam import Foam
+from ..scene.foam.foam import Foam
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from ..chart_style import FOIL_COLOURS, foil_offset
 from ..mesh.edge_numbering import edges_of
 from ..mesh.skin_mesh import domain
 from ..press.press import Press
-from ..scene.contacts import Contact, outwards, path
+from ..scene.readings.contacts import Contact, outwards, path
 from ..scene.scene import Scene
 from ..scene.skin_region import curves, on_skin
 

@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.foam_mechanics import Elastic
+from ..scene.foam.foam_mechanics import Elastic
 from ..scene.planar import inside
 from ..sweeps import InputError
 from .engine import MjData, MjModel, engine

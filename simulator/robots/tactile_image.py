@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.foam_mechanics import Elastic
+from ..scene.foam.foam_mechanics import Elastic
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .contact_patches import geom_kind, geom_name

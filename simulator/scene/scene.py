@@ -18,7 +18,14 @@ from pydantic import (
 
 from ..arrays import Mask, Real
 from ..sweeps import InputError
-from .contacts import (
+from .design_goals import Design
+from .draws.randomisation import Randomisation
+from .foam.foam_in_time import in_ambient
+from .foam.foam_mechanics import Mechanics
+from .keys.changing import put
+from .multisine.scene_tones import scene_reader
+from .pixel_grid import Pixels, Pressing
+from .readings.contacts import (
     MAX_CONTACTS,
     MAX_INTERFACES,
     Contact,
@@ -27,24 +34,17 @@ from .contacts import (
     max_foil_distance,
     taken,
 )
-from .converter import check_readout
-from .design_goals import Design
-from .foam_in_time import in_ambient
-from .foam_mechanics import Mechanics
-from .keys.changing import put
-from .meter import AnyReadout, Experiment, Leads, Readout, Sweep
-from .multisine.scene_tones import scene_reader
-from .one_conductor import with_earth, without_earth
-from .pixel_grid import Pixels, Pressing
-from .randomisation import Randomisation
-from .readers import sources_of_others
-from .reading_setup import ReadingSetup
-from .readings_short_form import Readings, expanded_readings
+from .readings.one_conductor import with_earth, without_earth
+from .readings.readers import sources_of_others
+from .readings.reading_setup import ReadingSetup
+from .readings.readings_short_form import Readings, expanded_readings
+from .readings.wiring_checks import DrivenByTouch, check_wiring, driven_by_touch
+from .readout.converter import check_readout
+from .readout.meter import AnyReadout, Experiment, Leads, Readout, Sweep
 from .skin import Name, Skin
 from .surroundings import NO_COVER, NO_EARTH, AnySurroundings
 from .touch_capacitance import with_drawn_factor, with_factor
 from .validation import Table, one_line
-from .wiring_checks import DrivenByTouch, check_wiring, driven_by_touch
 
 BOTH = {
     "pixels": ("pixels.rows", "pixels.columns"),

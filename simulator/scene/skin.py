@@ -17,16 +17,16 @@ from pydantic import (
     model_validator,
 )
 
-from .foam import Foam
+from .foam.foam import Foam
 from .form.mesh_data import MeshData, read_along
 from .form.mesh_extent import check_extent
 from .form.outline import Outline, check_outline
 from .form.shape import Shape, Stretch
 from .frequency import penetration_depth
 from .keys.key_paths import OrText
-from .maps import FactorMap
+from .maps.factor_maps import FactorMap
+from .maps.tear import SheetMap, Tear
 from .ranges import Angle, Length, Piezoresistance, SheetResistance
-from .tear import SheetMap, Tear
 from .validation import Number, Table, short, single_line
 
 MIN_DEPTH = 1e-6

@@ -17,7 +17,7 @@ from pydantic import (
     model_validator,
 )
 
-from .foam import VACUUM_PERMITTIVITY
+from .foam.foam import VACUUM_PERMITTIVITY
 from .keys.key_paths import OrTable, OrText
 from .ranges import Air, Distance, PerArea, PerLength, Permittivity, Thickness
 from .skin import Electrode

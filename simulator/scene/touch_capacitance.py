@@ -8,13 +8,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Literal
 
-from .draw_distributions import AnyDistribution, Fixed, Normal, Uniform
+from .draws.draw_distributions import AnyDistribution, Fixed, Normal, Uniform
 from .ranges import MAX_FACTOR
 from .validation import short
 
 if TYPE_CHECKING:
+    from .draws.randomisation import DrawnPress
     from .pixel_grid import Pixels, Pressing
-    from .randomisation import DrawnPress
     from .skin import Skin
 
 Added = Literal["capacitance to earth"]

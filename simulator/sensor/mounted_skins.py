@@ -16,8 +16,8 @@ from ..models.heterogeneous.materials import gauged
 from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.batch import PressBatch
-from ..scene.meter import Leads
-from ..scene.reading_setup import ReadingSetup
+from ..scene.readings.reading_setup import ReadingSetup
+from ..scene.readout.meter import Leads
 from ..scene.scene import Scene
 from ..sweeps.free_space import check_memory
 from .skin_stack import SkinStack

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.reading_setup import ReadingSetup
+from ..scene.readings.reading_setup import ReadingSetup
 from ..sweeps.reading_quantities import reading_name
 from .given_press import PressLabel
 from .reading_clock import DueReading

@@ -16,9 +16,9 @@ from ..models.reduced.cases import Case
 from ..models.reduced.compressing import COMPRESSED_SHARE, compressed
 from ..models.reduced.reduced_model import Reduced
 from ..press.foam_creep import Creep
-from ..scene.draw_distributions import Fixed, Uniform
+from ..scene.draws.draw_distributions import Fixed, Uniform
+from ..scene.draws.randomisation import DrawnPress, Randomisation, Session
 from ..scene.pixel_grid import Pressing
-from ..scene.randomisation import DrawnPress, Randomisation, Session
 from ..scene.scene import Scene
 from ..sweeps import InputError
 

@@ -13,7 +13,7 @@ from ..mesh.edge_numbering import edges_of
 from ..mesh.refining.refinement import refined
 from ..mesh.skin_mesh import domain
 from ..press.press import Press
-from ..scene.foam import VACUUM_PERMITTIVITY, Foam
+from ..scene.foam.foam import VACUUM_PERMITTIVITY, Foam
 from ..scene.pixel_grid import Pressing
 from ..scene.scene import Scene
 from ..scene.skin import Sheet

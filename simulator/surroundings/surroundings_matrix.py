@@ -13,7 +13,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from ..arrays import Real
-from ..scene.foam import VACUUM_PERMITTIVITY
+from ..scene.foam.foam import VACUUM_PERMITTIVITY
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from . import array_cache

@@ -10,13 +10,13 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from ..arrays import Integer, Real
-from ..scene.contacts import path
+from ..scene.readings.contacts import path
 
 if TYPE_CHECKING:
     from ..mesh.domain import Domain
     from ..press.press import Press
     from ..press.touch import Touch
-    from ..scene.contacts import Contact, Interface
+    from ..scene.readings.contacts import Contact, Interface
     from ..scene.scene import Scene
     from .skin_surface import SkinSurface
 

@@ -18,7 +18,7 @@ from .foils import Foil, SkinMesh, foils
 if TYPE_CHECKING:
     from ..press.press import Press
     from ..press.touch import AnyTouch
-    from ..scene.contacts import Interface
+    from ..scene.readings.contacts import Interface
     from ..scene.scene import Scene
     from .skin_surface import SkinSurface
 

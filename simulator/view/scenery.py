@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from ..models.solution_fields import SolutionFields
     from ..press.press import Press
-    from ..scene.contacts import Interface
+    from ..scene.readings.contacts import Interface
     from ..scene.scene import Scene
     from .displayed_quantity import DisplayedQuantity
     from .quantities import ViewedQuantity

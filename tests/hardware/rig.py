@@ -8,7 +8,10 @@ from pathlib import Path
 from rcskin.__main__ import meter as app
 from rcskin.hardware.virtual import serving
 from rcskin.hardware.virtual.recorded_skin import exact_readout
-from rcskin.simulator.scene.changed_readings import checked_interfaces, restricted_to_interfaces
+from rcskin.simulator.scene.readings.changed_readings import (
+    checked_interfaces,
+    restricted_to_interfaces,
+)
 from rcskin.simulator.sweeps import InputError
 
 R, C = 10e3, 1e-9

@@ -23,7 +23,7 @@ from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.parts import parts_of
 from rcskin.simulator.press.press import parse_press, press_on
-from rcskin.simulator.scene.draw_distributions import Uniform
+from rcskin.simulator.scene.draws.draw_distributions import Uniform
 from rcskin.simulator.sweeps import InputError, impedance, open_zarr
 
 RTOL, CLOSELY = 2e-3, 2e-4

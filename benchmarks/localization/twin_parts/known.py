@@ -18,9 +18,9 @@ from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.measure.readout import errors_of, observed
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.draw_distributions import truncated_normal
+from rcskin.simulator.scene.draws.draw_distributions import truncated_normal
+from rcskin.simulator.scene.draws.randomisation import CUT
 from rcskin.simulator.scene.frequency import laplace_variable
-from rcskin.simulator.scene.randomisation import CUT
 from rcskin.simulator.scene.scene import Scene
 
 

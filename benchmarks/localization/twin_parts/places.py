@@ -25,7 +25,7 @@ from rcskin.localization.inversion.classifier import simulated
 from rcskin.localization.inversion.position import ModelBasedPosition
 from rcskin.simulator.dataset.skin_model import reduced
 from rcskin.simulator.models.reduced.reduced_model import Reduced
-from rcskin.simulator.scene.draw_distributions import Normal
+from rcskin.simulator.scene.draws.draw_distributions import Normal
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import scene_text
 

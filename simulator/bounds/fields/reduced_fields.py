@@ -22,7 +22,7 @@ from ...models.response import Response, at_meter
 from ...models.uniform import equivalent_scene
 from ...progress import silent
 from ...scene.frequency import laplace_variable, slopes_of_s
-from ...scene.reading_setup import ReadingSetup
+from ...scene.readings.reading_setup import ReadingSetup
 from ...scene.scene import Scene
 from ..touches.area_rasterizer import AreaRasterizer, TouchSize
 from .full_fields import CELLS_PER_PIXEL, Maps

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...measure.creeping_sweeps import reading_moments, spans_of
-from ...scene.meter import Timing
+from ...scene.readout.meter import Timing
 from ...scene.scene_files import scene_of_sweeps
 from ...sweeps import InputError
 from ...sweeps.reading_subset import read_mask

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ...chart_style import COLOURS, UNPRESSED_COLOUR, chart, foil_offset
 from ...report.from_above import MM, draw_outline, ribbon
-from ...scene.contacts import Interface
+from ...scene.readings.contacts import Interface
 from ...scene.scene import Scene
 from ..search import SearchStep
 from ..sensitivity import SensitivityCurve

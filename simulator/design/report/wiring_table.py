@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from ...scene.contacts import Interface
+from ...scene.readings.contacts import Interface
+from ...scene.readings.wiring_checks import conductor_groups
 from ...scene.scene import Scene
-from ...scene.wiring_checks import conductor_groups
 
 
 class WiringRow(NamedTuple):

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Real
-from ...scene.maps import Grid
+from ...scene.maps.factor_maps import Grid
 from ...scene.scene import Scene
 from ..parameters import FOAM_MODES, HALF_WAVES, SHEET_MODES, mode_values
 

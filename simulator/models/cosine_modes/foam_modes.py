@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ...scene.maps import Grid
+from ...scene.maps.factor_maps import Grid
 from ...scene.scene import Scene
 from ...sweeps import InputError
 from ..parameters import FOAM_MODES

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Complex, Real
-from ...scene.maps import Grid
+from ...scene.maps.factor_maps import Grid
 from ...scene.scene import Scene
 from ...scene.skin import Electrode
 from ...sweeps import InputError

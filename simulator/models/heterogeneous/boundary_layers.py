@@ -11,8 +11,8 @@ from ...press.capacitance import patch
 from ...press.press import Press
 from ...press.touch import Rectangle, Touch
 from ...scene.planar import NO_LINES, Lines
+from ...scene.readings.wiring_checks import strip
 from ...scene.scene import Scene
-from ...scene.wiring_checks import strip
 from ..resolution import ResolutionHierarchy, all_lines, depth_of, reached_by_field, strongest
 from ..uniform import equivalent_scene
 from .materials import strain_of

@@ -10,7 +10,7 @@ from ...fem.unknowns import TRIANGLES
 from ...mesh.domain import Domain
 from ...mesh.refining.exponents import SheetAtCorners
 from ...mesh.refining.wedges import stretched
-from ...scene.contacts import Contact
+from ...scene.readings.contacts import Contact
 from .coefficients import ELECTRODES, PressCoefficients
 from .elements import on_triangles
 

@@ -18,8 +18,8 @@ from ...mesh.refining.wedges import around, between
 from ...mesh.rings import RATIO
 from ...press.capacitance import Patch, patch
 from ...press.press import Press
-from ...scene.contacts import Contact
 from ...scene.planar import distinct
+from ...scene.readings.contacts import Contact
 from ...scene.scene import Scene
 from ...scene.skin import Electrode
 from ..resolution import all_lines

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Real
-from ...scene.foam_mechanics import strain_of
+from ...scene.foam.foam_mechanics import strain_of
 from ...scene.form.shape import Stretch
 from ...scene.planar import SAME_EDGE, Lines, distinct
 from ...scene.scene import Scene

@@ -15,7 +15,7 @@ from ...fem.circuit import Circuit, Terminal
 from ...fem.low_rank import LowRankMass, Mass
 from ...fem.system import System, films
 from ...fem.unknowns import Unknowns, number_unknowns
-from ...scene.contacts import Contact
+from ...scene.readings.contacts import Contact
 from .coefficients import PressCoefficients
 from .elements import Elements
 from .forms import add_along, add_foam, add_sheet

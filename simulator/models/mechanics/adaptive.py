@@ -12,7 +12,7 @@ from ...fem.safety_factors import DEFLECTION
 from ...press.press import Press
 from ...press.touch import Depth
 from ...progress import ProgressCallback, silent
-from ...scene.foam_mechanics import Mechanics
+from ...scene.foam.foam_mechanics import Mechanics
 from ...sweeps import InputError
 from ...sweeps.errors import ToleranceError
 from ..time_estimate import RemainingTime, check_within_reach

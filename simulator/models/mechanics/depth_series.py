@@ -11,7 +11,7 @@ from ...arrays import Integer, Real
 from ...chebyshev import barycentric, extrema
 from ...press.press import Press
 from ...press.touch import Depth, Indentation, Touch
-from ...scene.foam_mechanics import Elastic, Mechanics
+from ...scene.foam.foam_mechanics import Elastic, Mechanics
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
 from .adaptive import adaptive_deflection, deflection_uncertainty

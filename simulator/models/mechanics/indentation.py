@@ -17,7 +17,7 @@ from ...mesh.drawing import polygon_of, polygonal
 from ...press.press import Press, check_press
 from ...press.touch import Disc
 from ...progress import ProgressCallback, silent
-from ...scene.foam_mechanics import Mechanics
+from ...scene.foam.foam_mechanics import Mechanics
 from ...scene.planar import ring
 from ...scene.scene import Scene
 from .deformation import Deformation, check_depths

@@ -13,7 +13,7 @@ from ...mesh.drawing import shape_of
 from ...press.capacitance import touched_box
 from ...press.press import Press, order
 from ...press.touch import Box, Depth, Place, Touch, touch_at
-from ...scene.foam_mechanics import Elastic, Mechanics
+from ...scene.foam.foam_mechanics import Elastic, Mechanics
 from ...scene.planar import SAME_EDGE, Circle, area, inside, ring
 from ...scene.scene import Scene
 from ...sweeps import InputError

@@ -11,7 +11,7 @@ from ...arrays import Complex, Integer, Real
 from ...fem.excitation import Combination, Excitation, combination
 from ...fem.terminal_network import allowed_potentials
 from ...press.batch import PressBatch
-from ...scene.contacts import Interface
+from ...scene.readings.contacts import Interface
 from ...sweeps import InputError
 from ..heterogeneous.materials import gauged
 from ..reduced.reduced_skin import ReducedSkin

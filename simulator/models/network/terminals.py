@@ -14,9 +14,9 @@ from typing import TypedDict, TypeVar
 
 from ...arrays import Real
 from ...progress import ProgressCallback, silent
-from ...scene.contacts import Contact, Interface
+from ...scene.readings.contacts import Contact, Interface
+from ...scene.readings.wiring_checks import check_wiring, conductor_groups
 from ...scene.scene import Scene
-from ...scene.wiring_checks import check_wiring, conductor_groups
 from ...sweeps import InputError
 from ..heterogeneous.mesh_choice import single_field
 from ..reduced.cases import Draw

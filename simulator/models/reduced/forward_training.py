@@ -13,7 +13,7 @@ from ...press.capacitance import touched_cells
 from ...press.parts import parts_of
 from ...press.press import Press
 from ...press.random_presses import random_presses
-from ...scene.meter import FrequencyGrid
+from ...scene.readout.meter import FrequencyGrid
 from ...scene.scene import Scene
 from ..cosine_modes.sheet_modes import random_amplitudes, variation_with_modes
 from ..parameters import Variation, own_values, variation_of

@@ -25,8 +25,8 @@ from ...fem.lanczos import potentials_of_all
 from ...fem.system import check_grid_fits
 from ...press.parts import parts_of
 from ...progress import ProgressCallback, silent
-from ...scene.contacts import Interface
 from ...scene.frequency import laplace_variable
+from ...scene.readings.contacts import Interface
 from ...scene.scene import Scene
 from ...sweeps import ToleranceError
 from ..heterogeneous.mesh_choice import circuit_of

@@ -10,9 +10,9 @@ from typing import Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from ..draw_distributions import Fixed
-from ..map_file import MapFile
-from ..maps import Grid
+from ..draws.draw_distributions import Fixed
+from ..maps.factor_maps import Grid
+from ..maps.map_file import MapFile
 from ..scene import Scene
 from ..validation import NumberRange, constraints_of, unit_of
 from .key_paths import Location, OrTable, OrText, inner, keys

@@ -10,7 +10,7 @@ import numpy as np
 from .reader import Multisine
 
 if TYPE_CHECKING:
-    from ..contacts import Interface
+    from ..readings.contacts import Interface
 
 NAME = "multisine"
 

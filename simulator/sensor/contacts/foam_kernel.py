@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiled import compiled
-from ...scene.foam_mechanics import DENSIFICATION
+from ...scene.foam.foam_mechanics import DENSIFICATION
 
 LINEAR_BELOW = 1e-6
 """Difference of strains below which the mean pressure between them is that of their middle."""

@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...scene.foam import Foam
-from ...scene.foam_mechanics import HALVINGS, Elastic, Elastomer
+from ...scene.foam.foam import Foam
+from ...scene.foam.foam_mechanics import HALVINGS, Elastic, Elastomer
 
 STRAINS = 8192
 PRESSURES = 8192

@@ -21,7 +21,7 @@ from rcskin.hardware.virtual.faults import Fault
 from rcskin.hardware.virtual.serving import instrument as instrument_of
 from rcskin.hardware.virtual.serving import simulated
 from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
-from rcskin.simulator.scene.changed_readings import with_frequencies
+from rcskin.simulator.scene.readings.changed_readings import with_frequencies
 from rcskin.simulator.sweeps import InputError
 
 INSTRUMENTS_SERVED = [model for model in VIRTUAL_MODELS if model in INSTRUMENTS]

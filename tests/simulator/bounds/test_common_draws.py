@@ -13,7 +13,7 @@ from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.parameters import nominal
 from rcskin.simulator.models.reduced.cases import pixel_touches
-from rcskin.simulator.scene.reading_setup import ReadingSetup
+from rcskin.simulator.scene.readings.reading_setup import ReadingSetup
 from rcskin.simulator.sweeps import InputError
 from rcskin.tests.simulator.bounds.every_strength import compared, exact
 

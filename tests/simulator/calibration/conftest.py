@@ -11,8 +11,8 @@ from rcskin.simulator.models.network.terminals import reduced_for
 from rcskin.simulator.models.parameters import scene_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.meter import Readout, Sweep
 from rcskin.simulator.scene.pixel_grid import Pressing
+from rcskin.simulator.scene.readout.meter import Readout, Sweep
 
 METER = Readout(
     magnitude_accuracy=3e-3,

@@ -14,8 +14,8 @@ from rcskin.simulator.measure.streams import PRESSES, SKIN, stream
 from rcskin.simulator.press.capacitance import capacitance_map, grid_map
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.press.touch import Touch
-from rcskin.simulator.scene.draw_distributions import Uniform
-from rcskin.simulator.scene.randomisation import CUT, SLOW_MODES
+from rcskin.simulator.scene.draws.draw_distributions import Uniform
+from rcskin.simulator.scene.draws.randomisation import CUT, SLOW_MODES
 from rcskin.simulator.scene.scene_files import load_scene
 
 SCENE = load_scene("sheet-3x3")

@@ -7,8 +7,8 @@ from rcskin.simulator.dataset.dataset_plan import Plan
 from rcskin.simulator.dataset.drawn_session import drawn_sessions
 from rcskin.simulator.dataset.store import finish
 from rcskin.simulator.measure.readout import displayed
-from rcskin.simulator.scene.draw_distributions import Fixed
-from rcskin.simulator.scene.meter import Readout
+from rcskin.simulator.scene.draws.draw_distributions import Fixed
+from rcskin.simulator.scene.readout.meter import Readout
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError, impedance, open_zarr, read
 

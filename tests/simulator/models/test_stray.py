@@ -7,7 +7,7 @@ from rcskin.simulator.models.line import Line
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.walls import step_capacitance
 from rcskin.simulator.scene.extent import perimeter, surface
-from rcskin.simulator.scene.foam import VACUUM_PERMITTIVITY
+from rcskin.simulator.scene.foam.foam import VACUUM_PERMITTIVITY
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.scene.surroundings import Body
 

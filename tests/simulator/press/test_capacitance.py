@@ -10,7 +10,7 @@ from rcskin.simulator.press.capacitance import (
 )
 from rcskin.simulator.press.pixels import pixel_lines
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.foam import VACUUM_PERMITTIVITY, Foam
+from rcskin.simulator.scene.foam.foam import VACUUM_PERMITTIVITY, Foam
 from rcskin.simulator.sweeps import InputError
 
 SIZE = {"length": 0.1, "width": 0.08, "rows": 4, "columns": 5, "c": 1.0}

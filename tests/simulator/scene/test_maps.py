@@ -4,7 +4,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.scene.maps import SHORTEST, Constant, Gradient, Grid, Random, random_field
+from rcskin.simulator.scene.maps.factor_maps import (
+    SHORTEST,
+    Constant,
+    Gradient,
+    Grid,
+    Random,
+    random_field,
+)
 
 SIDES = (0.12, 0.08)
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from rcskin.simulator.scene.form.outline import Curve
 from rcskin.simulator.scene.planar import Circle, area, gap, inside, regular, sides
+from rcskin.simulator.scene.readings.wiring_checks import conductor_groups
 from rcskin.simulator.scene.scene_files import BUILTIN, parse_scene, scene_text
-from rcskin.simulator.scene.wiring_checks import conductor_groups
 from rcskin.simulator.sweeps import InputError
 
 SHEET = (BUILTIN / "sheet-3x3.toml").read_text(encoding="utf-8")

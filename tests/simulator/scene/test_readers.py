@@ -1,7 +1,7 @@
 """Keys of readers of gains: what they refuse, and that a scene keeps them."""
 
 import pytest
-from rcskin.simulator.scene.changed_readings import restricted_to_interfaces
+from rcskin.simulator.scene.readings.changed_readings import restricted_to_interfaces
 from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 

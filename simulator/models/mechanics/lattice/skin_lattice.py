@@ -9,7 +9,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from ....arrays import Real
-from ....scene.foam_mechanics import Mechanics
+from ....scene.foam.foam_mechanics import Mechanics
 from ....scene.scene import Scene
 from ....scene.skin_region import covers
 

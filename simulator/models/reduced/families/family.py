@@ -28,8 +28,8 @@ from ....fem.low_rank import LowRankMass, Mass
 from ....fem.system import Films, System
 from ....mesh.domain import Domain
 from ....mesh.quadrilaterals import Resolution
-from ....scene.contacts import Contact
 from ....scene.frequency import Loss, laplace_variable
+from ....scene.readings.contacts import Contact
 from ....scene.scene import Scene
 from ....sweeps import InputError
 from ...heterogeneous.materials import gauged, gauges

@@ -16,7 +16,7 @@ import numpy as np
 from ....arrays import Integer, Real
 from ....press.pixels import pixels_with_skin
 from ....press.touch import Touch
-from ....scene.foam_mechanics import Mechanics
+from ....scene.foam.foam_mechanics import Mechanics
 from ....scene.scene import Scene
 
 if TYPE_CHECKING:

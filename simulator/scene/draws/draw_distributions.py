@@ -8,8 +8,8 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, ValidationError, model_validator
 
-from ..arrays import Real
-from .validation import Number, NumberRange, Table, one_line, within
+from ...arrays import Real
+from ..validation import Number, NumberRange, Table, one_line, within
 
 Finite = Annotated[Number, within(-1e15, 1e15, "", "no drawn quantity is larger")]
 

@@ -8,9 +8,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
+from ..skin import Name
+from ..validation import Table
 from .contacts import MAX_INTERFACES
-from .skin import Name
-from .validation import Table
 
 
 def _listed(given: object) -> object:

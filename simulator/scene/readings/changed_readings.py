@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..arrays import Mask, Real
+from ...arrays import Mask, Real
+from ..readout.meter import Sweep
+from ..scene import Scene, checked_interface, interface_names
 from .contacts import Interface
-from .meter import Sweep
 from .readers import with_sources
-from .scene import Scene, checked_interface, interface_names
 
 
 def checked_interfaces(names: Sequence[str] | None, scene: Scene) -> tuple[str, ...]:

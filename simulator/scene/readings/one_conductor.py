@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from .skin import EARTH, Earth
+from ..skin import EARTH, Earth
 
 BELOW = "earth below "
 """Start of the name of a contact of earth, before the name of the contact above it."""

@@ -7,11 +7,11 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field
 
-from ..arrays import Real
-from .maps import AnyMap, Constant, FactorMap, Gradient, Grid, Random, Sides, refuse_file
-from .planar import Lines
-from .ranges import Length
-from .validation import Number, by_kind
+from ...arrays import Real
+from ..planar import Lines
+from ..ranges import Length
+from ..validation import Number, by_kind
+from .factor_maps import AnyMap, Constant, FactorMap, Gradient, Grid, Random, Sides, refuse_file
 
 TORN = 1e9
 """Sheet resistance within a tear over that around it. Across a gap of 0.1 mm it leaves the current

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
-from ..arrays import Real
-from ..sweeps import InputError, inputs
-from ..sweeps.units import plain_number
-from .form.mesh_data import names_a_file
-from .maps import MAX_VALUES, Factor
-from .planar import shared
-from .validation import Table, Whole, one_line
+from ...arrays import Real
+from ...sweeps import InputError, inputs
+from ...sweeps.units import plain_number
+from ..form.mesh_data import names_a_file
+from ..planar import shared
+from ..validation import Table, Whole, one_line
+from .factor_maps import MAX_VALUES, Factor
 
 if TYPE_CHECKING:
     from PIL import Image

@@ -8,10 +8,10 @@ from functools import cached_property
 
 import numpy as np
 
-from ..arrays import Complex, Mask, Real
-from ..sweeps.reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, ReadingKind
+from ...arrays import Complex, Mask, Real
+from ...sweeps.reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, ReadingKind
+from ..readout.meter import Leads
 from .contacts import Interface, taken
-from .meter import Leads
 from .node_gain import DrivenTerminals, NodeGain, driven_terminals, single_gain
 from .readers import own_source
 

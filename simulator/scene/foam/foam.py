@@ -6,13 +6,13 @@ from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
-from ..arrays import Real
+from ...arrays import Real
+from ..frequency import Loss
+from ..maps.factor_maps import Map
+from ..ranges import Leak, LossTangent, PerArea, Permittivity, Thickness
+from ..validation import Number, Table, short
 from .foam_in_time import Humidity, Hysteresis, Relaxations, Temperature
 from .foam_mechanics import Mechanics, strain_of
-from .frequency import Loss
-from .maps import Map
-from .ranges import Leak, LossTangent, PerArea, Permittivity, Thickness
-from .validation import Number, Table, short
 
 GREATEST_STRAIN = 0.99
 """Largest strain of a foam without mechanics: a hundredth of its thickness is left."""

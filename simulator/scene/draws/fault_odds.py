@@ -6,8 +6,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
+from ..validation import Number, Table, Whole
 from .draw_distributions import Distribution, Uniform, drawn_within
-from .validation import Number, Table, Whole
 
 Odds = Annotated[Number, Field(ge=0, le=1)]
 

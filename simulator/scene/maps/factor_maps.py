@@ -8,10 +8,10 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import AfterValidator, BeforeValidator, model_validator
 
-from ..arrays import Integer, Real
-from .planar import NO_LINES, Lines
-from .ranges import Length, MapFactor, Seed, Slope
-from .validation import Number, Table, by_kind, within
+from ...arrays import Integer, Real
+from ..planar import NO_LINES, Lines
+from ..ranges import Length, MapFactor, Seed, Slope
+from ..validation import Number, Table, by_kind, within
 
 GAP = 6.0
 """Period beyond the side over the correlation length: opposite edges correlate by 1.5e-8."""

@@ -17,18 +17,18 @@ from pydantic import (
     model_validator,
 )
 
-from ..arrays import Complex, Real
+from ...arrays import Complex, Real
+from ..foam.foam_in_time import Celsius, Humid
+from ..keys.key_paths import OrTable, OrText
+from ..multisine.noise import multisine_deviation, smallest_deviation
+from ..multisine.reader import Multisine
+from ..ranges import Capacitance, Frequency, Inductance, Phase, Resistance, Seed, Share
+from ..validation import Number, Table, Whole, one_line, within
 from .converter import Converter
-from .foam_in_time import Celsius, Humid
-from .keys.key_paths import OrTable, OrText
-from .multisine.noise import multisine_deviation, smallest_deviation
-from .multisine.reader import Multisine
-from .ranges import Capacitance, Frequency, Inductance, Phase, Resistance, Seed, Share
 from .readout_errors import spread_over
 from .readout_tables import DataSheet, SpreadTable
-from .validation import Number, Table, Whole, one_line, within
 
-METERS = Path(__file__).parents[1] / "meters"
+METERS = Path(__file__).parents[2] / "meters"
 
 
 class FrequencyGrid(Table):

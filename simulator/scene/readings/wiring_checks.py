@@ -9,15 +9,15 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ..arrays import Mask, Real
+from ...arrays import Mask, Real
+from ..form.mesh_file import foil_lines
+from ..validation import short
 from .contacts import check_edge, curve_section
-from .form.mesh_file import foil_lines
 from .readers import check_readers
-from .validation import short
 
 if TYPE_CHECKING:
+    from ..skin import Skin
     from .contacts import Contact, Interface
-    from .skin import Skin
 
 
 MIN_GAP = 5e-6

@@ -6,7 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ..arrays import Complex, Real
+from ...arrays import Complex, Real
 
 
 class ReadoutErrors(Protocol):

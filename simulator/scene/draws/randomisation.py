@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, model_serializer
 
+from ..foam.foam_in_time import AMBIENT, ambient_factors
+from ..validation import Number, Table, Whole
 from .draw_distributions import Distribution, Lognormal, Normal, Uniform, drawn_within
 from .fault_odds import FaultOdds
-from .foam_in_time import AMBIENT, ambient_factors
-from .validation import Number, Table, Whole
 
 if TYPE_CHECKING:
-    from .foam import Foam
+    from ..foam.foam import Foam
 
 
 CUT = 3.0

@@ -6,13 +6,13 @@ from typing import TYPE_CHECKING, Annotated
 
 from pydantic import Field
 
-from .ranges import Seconds
-from .validation import Number, Table, short, within
+from ..ranges import Seconds
+from ..validation import Number, Table, short, within
 
 if TYPE_CHECKING:
+    from ..readout.meter import Experiment
+    from ..skin import Skin
     from .foam import Foam
-    from .meter import Experiment
-    from .skin import Skin
 
 Creep = Annotated[
     Number, within(1e-6, 10.0, "of the strain at once", "a material that creeps more is a liquid")

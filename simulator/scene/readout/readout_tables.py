@@ -8,12 +8,12 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, ValidationError, model_validator
 
-from ..arrays import Complex, Integer, Real
-from ..meters.accuracy_table import ACCURACY_TABLES, AccuracyTable
-from ..meters.offset_accuracy import OffsetAccuracy
-from .keys.key_paths import OrText
-from .ranges import Frequency, Resistance
-from .validation import Number, Table, one_line, within
+from ...arrays import Complex, Integer, Real
+from ...meters.accuracy_table import ACCURACY_TABLES, AccuracyTable
+from ...meters.offset_accuracy import OffsetAccuracy
+from ..keys.key_paths import OrText
+from ..ranges import Frequency, Resistance
+from ..validation import Number, Table, one_line, within
 
 OF_UNIFORM = 1 / np.sqrt(3)
 """Standard deviation over the bound of an error that is uniform between its bounds. Where nothing

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Annotated, Self
 import numpy as np
 from pydantic import Field, model_validator
 
-from ..arrays import Complex, Real
-from .validation import Number, Table, Whole, within
+from ...arrays import Complex, Real
+from ..validation import Number, Table, Whole, within
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from .contacts import Interface
+    from ..readings.contacts import Interface
     from .meter import Readout
 
 NO_SUCH = "no source or converter has such a value"

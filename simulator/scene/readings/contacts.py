@@ -17,11 +17,14 @@ from pydantic import (
     model_validator,
 )
 
-from ..arrays import Mask, Real
-from .form.outline import Outline
-from .keys.key_paths import OrText
-from .meter import ascending
-from .ranges import FilmResistance, Frequency, Overlap
+from ...arrays import Mask, Real
+from ..form.outline import Outline
+from ..keys.key_paths import OrText
+from ..ranges import FilmResistance, Frequency, Overlap
+from ..readout.meter import ascending
+from ..skin import Electrode, Name, Skin
+from ..skin_region import curves, on_skin
+from ..validation import Number, Table, whole_within_rounding
 from .readers import (
     GAIN_KEYS,
     Load,
@@ -31,9 +34,6 @@ from .readers import (
     check_reader,
     checked_sources,
 )
-from .skin import Electrode, Name, Skin
-from .skin_region import curves, on_skin
-from .validation import Number, Table, whole_within_rounding
 
 MAX_CONTACTS = 200
 """Limit: all pairs are compared, and a mesh has rings around the ends of each contact."""

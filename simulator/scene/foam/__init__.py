@@ -1,0 +1,1 @@
+"""The foam: capacitance and losses, mechanics, and changes with time, temperature and humidity."""

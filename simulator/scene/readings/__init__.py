@@ -1,0 +1,1 @@
+"""Readings: foils, interfaces and readers, and the impedances from which gains follow."""
