@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import inspect
-import re
 from collections.abc import Iterator
+from functools import cached_property
 from importlib import import_module
 from typing import Any
 
 import rcskin
+
+from .docstrings import call, described, errors_of, first, linked, parts, table
 
 HEAD = """# Every name of `import rcskin`
 
@@ -76,71 +78,96 @@ CLASSES = {
     "ToleranceError": ("simulator.sweeps.errors", ()),
 }
 """Module of each class that a user meets, and its members that the page explains."""
+BUILT_BY_USERS = ("Sensor", "PointContacts", "DepthImage", "PressureImage")
+"""Classes whose constructor a user calls."""
+COLUMNS = ("type", "default", "shape", "unit", "meaning")
+PAGES = {"xr.Dataset": "files.md#sweeps", "contacts": "#sensorstep"}
 
 
 def page() -> str:
     """The whole page, in Markdown."""
-    index = [f"| [`{name}`](#{name}) | {_first(getattr(rcskin, name))} |" for name in EXAMPLES]
-    index += [
-        f"| [`{name}`](#class-{name.lower()}) | {_first(_class_of(name))} |" for name in CLASSES
-    ]
-    table = ["| name | purpose |", "| --- | --- |", *index, ""]
-    functions = [line for name in EXAMPLES for line in _function(name)]
-    classes = [line for name in CLASSES for line in _class(name)]
-    return "\n".join([HEAD, *table, *functions, *classes]).rstrip() + "\n"
+    functions = [(_link(name), first(getattr(rcskin, name))) for name in EXAMPLES]
+    classes = [(_link(name), first(_class_of(name))) for name in CLASSES]
+    lines = [*table(("function", "purpose"), functions), *table(("class", "purpose"), classes)]
+    lines += [line for name in EXAMPLES for line in _function(name)]
+    lines += [line for name in CLASSES for line in _class(name)]
+    return "\n".join([HEAD, *lines]).rstrip() + "\n"
 
 
 def _function(name: str) -> Iterator[str]:
-    """A heading, what the function does, its arguments, its errors and the example."""
-    function = getattr(rcskin, name)
+    """A heading, what the function does, its arguments, its result, its errors and the example."""
+    yield from _called(name, f"rcskin.{name}", getattr(rcskin, name))
+    yield from ("Example:", "", "```python", EXAMPLES[name], "```", "")
+
+
+def _called(heading: str, name: str, function: Any, level: str = "##") -> Iterator[str]:
+    """A heading, the call, what it does, its arguments, its result and its errors."""
     signature = inspect.signature(function)
-    text, arguments, errors = parts(function, list(signature.parameters))
-    yield from (f"## {name}", "", f"{_first(function)} {text}".strip(), "")
-    yield from ("| argument | type | default | meaning |", "| --- | --- | --- | --- |")
+    text, meanings, errors = parts(function, list(signature.parameters))
+    yield from (f"{level} {heading}", "", f"{first(function)} {text}".strip(), "")
+    yield from ("```python", call(name, signature), "```", "")
+    yield from _arguments(signature, meanings)
+    result = str(signature.return_annotation).replace("Self", heading.partition(".")[0])
+    if result != "None":
+        yield from (f"Returns {linked(result, _link)}.", "")
+    yield from errors_of(errors, _link)
+
+
+def _arguments(signature: inspect.Signature, meanings: dict[str, str]) -> Iterator[str]:
+    """A table of the arguments of a call."""
+    rows = []
     for each in signature.parameters.values():
-        default = "must be given" if each.default is each.empty else f"`{each.default!r}`"
-        kind = str(each.annotation).replace("|", r"\|")
-        yield f"| `{each.name}` | `{kind}` | {default} | {arguments.get(each.name, '')} |"
-    yield from ("", " ".join([f"Returns `{signature.return_annotation}`.", *errors]), "")
-    yield from ("```python", EXAMPLES[name], "```", "")
+        if each.name != "self":
+            default = "must be given" if each.default is each.empty else f"`{each.default!r}`"
+            rows.append(_row(each.name, each.annotation, default, meanings.get(each.name, "")))
+    if rows:
+        yield from table(("argument", *COLUMNS), rows)
+
+
+def _row(name: str, annotation: Any, default: str, text: str) -> tuple[str, ...]:
+    meaning, shape, unit = described(text)
+    shape = f"`{shape}`" if shape else ""
+    return (f"`{name}`", linked(annotation, _link), default, shape, unit, meaning)
 
 
 def _class(name: str) -> Iterator[str]:
-    """A heading, what the class is, and a line for each attribute and explained member."""
+    """A heading, what the class is, its constructor, its attributes and its methods."""
     kind, members = _class_of(name), CLASSES[name][1]
-    text, attributes, _ = parts(kind, list(getattr(kind, "__annotations__", ())) or ["times"])
-    yield from (f"## Class {name}", "", f"{_first(kind)} {text}".strip(), "")
-    yield from (f"- `{each}`: {meaning}" for each, meaning in attributes.items())
-    for each in members:
-        member = getattr(kind, each)
-        call = "" if isinstance(member, property) else "(...)"
-        yield f"- `{each}{call}`: {' '.join((inspect.getdoc(member) or '').split())}"
-    yield from [""] if attributes or members else []
+    signature = inspect.signature(kind) if name in BUILT_BY_USERS else inspect.Signature()
+    annotations = getattr(kind, "__annotations__", {})
+    text, meanings, errors = parts(kind, [*signature.parameters, *annotations, "times"])
+    yield from (f"## Class {name}", "", f"{first(kind)} {text}".strip(), "")
+    if signature.parameters:
+        yield from ("```python", call(f"rcskin.{name}", signature), "```", "")
+        yield from _arguments(signature, meanings)
+    attributes = [
+        _row(each, annotations.get(each, "float | None"), "", meaning)
+        for each, meaning in meanings.items()
+        if each not in signature.parameters
+    ]
+    properties = [each for each in members if not inspect.isfunction(getattr(kind, each))]
+    attributes += [_property(each, getattr(kind, each)) for each in properties]
+    if attributes:
+        yield from table(("attribute", *COLUMNS), attributes)
+    yield from errors_of(errors, _link)
+    for each in (each for each in members if each not in properties):
+        yield from _called(f"{name}.{each}", each, getattr(kind, each), "###")
+
+
+def _property(name: str, member: property | cached_property) -> tuple[str, ...]:
+    function: Any = member.func if isinstance(member, cached_property) else member.fget
+    annotation = inspect.signature(function).return_annotation
+    return _row(name, annotation, "", " ".join((inspect.getdoc(function) or "").split()))
+
+
+def _link(name: str) -> str:
+    """A name as code, with a link to its heading if it has one."""
+    if name in EXAMPLES:
+        return f"[`{name}`](#{name})"
+    if name in CLASSES:
+        return f"[`{name}`](#class-{name.lower()})"
+    return f"[`{name}`]({PAGES[name]})" if name in PAGES else f"`{name}`"
 
 
 def _class_of(name: str) -> type:
     return getattr(import_module(f"rcskin.{CLASSES[name][0]}"), name)
-
-
-def parts(documented: Any, names: list[str]) -> tuple[str, dict[str, str], list[str]]:
-    """The text of a docstring after its first line: in general, by name, and on errors."""
-    one = "|".join(names)
-    body = " ".join((inspect.getdoc(documented) or "").partition("\n")[2].split())
-    general, *rest = re.split(rf"(?:^|(?<=\. ))(?=(?:(?:{one})(?:, (?:{one}))*: |Raises ))", body)
-    meanings, errors = {}, []
-    for part in filter(None, rest):
-        if part.startswith("Raises "):
-            errors.append(part.strip())
-            continue
-        called, _, meaning = part.partition(": ")
-        meanings |= dict.fromkeys(called.split(", "), _sentence(meaning))
-    return general.strip(), meanings, errors
-
-
-def _first(documented: Any) -> str:
-    return (inspect.getdoc(documented) or "").partition("\n")[0]
-
-
-def _sentence(text: str) -> str:
-    text = text.strip().replace("|", r"\|")
-    return text[:1].upper() + text[1:]

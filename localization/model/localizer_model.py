@@ -231,8 +231,9 @@ class Model(Tabular):
     ) -> tuple[NDArray, Real]:
         """Classes, shape (K,), and their calibrated probabilities, shape (sweep, K).
 
-        All probabilities are equal for a sweep without a baseline before it. Raises InputError as
-        `usable_features`, and for a model of positions.
+        All probabilities are equal for a sweep without a baseline before it. sweeps: sweeps to
+        localize. rest: baseline sweeps, if the model needs them and they are not among `sweeps`.
+        Raises InputError for sweeps unlike those of the training, and for a model of positions.
         """
         if isinstance(self.learned, Regressor):
             raise InputError("a model of positions gives deviations, not probabilities")
@@ -245,8 +246,8 @@ class Model(Tabular):
         """Centre in mm and strength of a touch, and their standard deviations, (sweep, 3) each.
 
         Every sweep gets a position; `answers` says if there is one touch. Both are NaN for a sweep
-        without a baseline before it. Raises InputError as `usable_features`, and for a model of
-        classes.
+        without a baseline before it. sweeps, rest: as for `probabilities`. Raises InputError for
+        sweeps unlike those of the training, and for a model of classes.
         """
         if isinstance(self.learned, Classifier):
             raise InputError(f"a model of `target` {self.target} gives no positions")
@@ -259,7 +260,8 @@ class Model(Tabular):
         """The smallest region that contains the touch with 95 % probability, for each sweep.
 
         None for a sweep without a baseline before it. For regressors without a posterior it is the
-        ellipse of their deviations. Raises as `positions`.
+        ellipse of their deviations. sweeps, rest: as for `probabilities`. Raises InputError for
+        sweeps unlike those of the training, and for a model of classes.
         """
         if isinstance(self.learned, Classifier):
             raise InputError(f"a model of `target` {self.target} gives no regions")

@@ -51,11 +51,17 @@ class Study(Tabular):
         return spacing(self.axes)
 
     def write(self, path: str | Path) -> None:
-        """Write a table, .csv or .nc. Raises InputError for another ending or an absent folder."""
+        """Write a table.
+
+        path: .csv or .nc. Raises InputError for another ending or an absent folder.
+        """
         write_table(self.findings, checked_output(path, ENDINGS))
 
     def plot(self, path: str | Path) -> None:
-        """Draw a chart, .png, .svg or .pdf. Raises InputError as `write` does."""
+        """Draw a chart.
+
+        path: .png, .svg or .pdf. Raises InputError for another ending or an absent folder.
+        """
         draw_study(self.findings, self.axes, self.experiment, checked_chart(path))
 
     def _table(self) -> tuple[str, list[tuple[str, ...]]]:

@@ -278,7 +278,8 @@ class Scene(Table):
 
         Items of lists are named by number from 1 or by name: "contact.left-top.resistance".
         "pixels" changes both counts, "skin.sheet_resistance" both sheets; None removes a key.
-        Raises InputError naming the key.
+        changes: new values by key. Raises InputError for a key or value that the scene does not
+        take.
         """
         table = self.model_dump(mode="json", by_alias=True, exclude_none=True)
         for name, value in changes.items():

@@ -46,9 +46,9 @@ class Sensor:
     multisine, and then begins again. A reading is that of the contacts at its middle, and is there
     from its end on. Results depend on contacts, times and seed alone, not on how steps are divided.
 
-    scene: the scene, its name or the path of its file. skins: their number, or a list of their
-    numbers in the session: skin k of a batch equals the sensor of `skins=[k]`. seed: of all random
-    numbers. rtol: relative tolerance of readings, without the errors of the meter. session:
+    scene: the scene, its name or the path of its file. skins: number of skins, or a list of their
+    numbers in the session: skin k of a batch equals the sensor of `skins=[k]`. seed: seed of all
+    random numbers. rtol: relative tolerance of readings, without the errors of the meter. session:
     "nominal", the scene's own skin, or "drawn", each skin as `dataset.session` draws it. noise:
     False for readings without errors of the meter and without rounding to its digits. faults: texts
     of faults that all skins have from the start, such as "dead foil top-left" or "stuck spot
@@ -94,7 +94,10 @@ class Sensor:
         self._begin(seed)
 
     def reset(self, seed: int | None = None) -> None:
-        """Start again at 0 s with unpressed skins. seed: a new one, which draws other skins."""
+        """Start again at 0 s with unpressed skins.
+
+        seed: seed of other skins and noise; by default the same seed.
+        """
         self._begin(self.seed if seed is None else seed)
 
     @property
@@ -160,8 +163,8 @@ class Sensor:
 
         contacts: None, the text of a press ("2,3", "disc(0.03,0.05,0.008):1.5"), a Press,
         PointContacts, a DepthImage or a PressureImage; one for all skins, or a list of one for each
-        skin. They stay the same during the step. Raises InputError for contacts that the scene does
-        not take, and for a time that is not > 0.
+        skin. They stay the same during the step. dt: duration of the step, > 0, s. Raises
+        InputError for contacts that the scene does not take, and for a time that is not > 0.
         """
         if not 0 < dt < np.inf:
             raise InputError(f"`dt` must be > 0 s and finite, got {dt!r}")

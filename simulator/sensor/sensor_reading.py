@@ -54,11 +54,11 @@ class VectorLayout:
 class SensorReading:
     """Latest value of each reading of a batch of skins, NaN before the first one.
 
-    time: s of the sensor's clock. values: shape (quantity, skin, interface, frequency), read-only.
-    taken_at: end of each reading, s, shape (interface, frequency), NaN before the first one. fresh:
-    True for readings that ended within the last step, shape (interface, frequency). limited: True
-    for skins whose contacts would compress the foam further than it can be, or than the model
-    covers, and are limited to that, shape (skin,).
+    time: time by the sensor's clock, s. values: shape (quantity, skin, interface, frequency),
+    read-only. taken_at: end of each reading, s, shape (interface, frequency), NaN before the first
+    one. fresh: True for readings that ended within the last step, shape (interface, frequency).
+    limited: True for skins whose contacts would compress the foam further than it can be, or than
+    the model covers, and are limited to that, shape (skin,).
     """
 
     time: float

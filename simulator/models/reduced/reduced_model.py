@@ -19,10 +19,11 @@ class Reduced(Projection, Tabular):
     """Reduced model of a scene's family of skins and presses."""
 
     def impedance(self, press: Press | str, frequency: Real) -> Complex:
-        """Z in ohm of the scene's own skin, shape (interface, frequency). frequency: Hz.
+        """Z in ohm of the scene's own skin, shape (interface, frequency).
 
-        press: a press or its text. A touch that is no whole pixel counts in each pixel by the area
-        that it covers there. Raises InputError for a text that is no press on the scene.
+        frequency: frequencies, Hz, shape (frequency,). press: a press or its text. A touch that is
+        no whole pixel counts in each pixel by the area that it covers there. Raises InputError for
+        a text that is no press on the scene.
         """
         pressed = press_on(self.scene, press) if isinstance(press, str) else press
         s = laplace_variable(frequency, self.scene.skin.foam.loss)

@@ -24,14 +24,14 @@ class PointContacts:
     (radius), a sphere (curvature_radius) or a flat rectangle (size). Arrays have the shape
     (contact,), or (skin, contact) for many skins; one number applies to all contacts.
 
-    x, y: position on the flat skin, m; x runs along the length and y along the width. force:
-    normal to the skin, >= 0, N. radius: of a round patch, m; with curvature_radius, the limit of
-    the sphere's patch. curvature_radius: of a spherical indenter, m; the foam's law gives its patch
-    (Hertz's contact on a Winkler foundation). size: width along x and height along y, m, shape
-    (..., 2). depth: indentation of the foam under the point, m. factor: capacitance of the patch
-    over the unpressed one. count: number of valid contacts of each skin, the first in its row,
-    shape (skin,); all by default. Raises InputError unless exactly one strength is given, and if
-    arrays do not match.
+    x, y: position on the flat skin, m; x runs along the length and y along the width. force: force
+    normal to the skin, >= 0, N. radius: radius of a round patch, m; with curvature_radius, the
+    limit of the sphere's patch. curvature_radius: radius of a spherical indenter, m; the foam's law
+    gives its patch (Hertz's contact on a Winkler foundation). size: width along x and height along
+    y, m, shape (..., 2). depth: indentation of the foam under the point, m. factor: capacitance of
+    the patch over the unpressed one. count: number of valid contacts of each skin, the first in its
+    row, shape (skin,); all by default. Raises InputError unless exactly one strength is given, and
+    if arrays do not match.
     """
 
     x: ArrayLike
@@ -149,8 +149,8 @@ class DepthImage(SkinImage):
 
     Row 0 lies at y = 0, column 0 at x = 0.
 
-    depth: m, >= 0, shape (row, column), or (skin, row, column) for many skins. Raises InputError
-    for another shape.
+    depth: indentation, >= 0, m, shape (row, column) or (skin, row, column). Raises InputError for
+    another shape.
     """
 
     kind = "depth image"
@@ -166,7 +166,7 @@ class PressureImage(SkinImage):
 
     Row 0 lies at y = 0, column 0 at x = 0.
 
-    pressure: Pa, >= 0, shape (row, column), or (skin, row, column) for many skins. Raises
+    pressure: normal to the skin, >= 0, Pa, shape (row, column) or (skin, row, column). Raises
     InputError for another shape.
     """
 
