@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import re
+import selectors
 import socket
 import time
 from collections import deque
 from contextlib import suppress
 from dataclasses import dataclass
+from math import inf
 from threading import Condition, Thread
 from typing import Protocol
 
@@ -25,7 +27,12 @@ ADDRESS = re.compile(r"(?P<host>\[[^\]]+\]|[^:\[\]]+):(?P<port>\d{1,5})")
 
 
 class _Stream(Protocol):
-    """Bytes of a device. `read` gives b"" if none came in POLL seconds, and raises at the end."""
+    """Bytes of a device. `read` gives b"" if none came in POLL seconds, and raises at the end.
+
+    empty: latest moment at which no byte waited, s (monotonic): what was read later came later.
+    """
+
+    empty: float
 
     def read(self) -> bytes: ...
     def write(self, sent: bytes) -> None: ...
@@ -34,9 +41,13 @@ class _Stream(Protocol):
 
 @dataclass(frozen=True)
 class ReceivedLine:
-    """One line. text: None if it was too long. ended: arrival of its end, s (monotonic)."""
+    """One line. text: None if it was too long. Its end came after `since` and before `ended`.
+
+    Both are s (monotonic). They differ while lines wait in buffers of the system.
+    """
 
     text: str | None
+    since: float
     ended: float
 
 
@@ -51,23 +62,24 @@ class LineCutter:
     def __init__(self) -> None:
         self._rest, self._overlong = b"", False
 
-    def feed(self, received: bytes, at: float) -> list[ReceivedLine]:
-        """Lines that these bytes end, without empty ones. at: their arrival, s."""
+    def feed(self, received: bytes, since: float, ended: float) -> list[ReceivedLine]:
+        """Lines that these bytes end, but no empty one. They came between these moments, s."""
         found = []
         *ends, rest = re.split(rb"[\r\n]+", received)
         for part in ends:
-            found += self._line(self._rest + part, at)
+            found += [ReceivedLine(text, since, ended) for text in self._texts(self._rest + part)]
             self._rest, self._overlong = b"", False
         self._rest += rest
         if len(self._rest) > MAX_LINE:
             self._rest, self._overlong = b"", True
         return found
 
-    def _line(self, raw: bytes, at: float) -> list[ReceivedLine]:
+    def _texts(self, raw: bytes) -> list[str | None]:
+        """The text of a line, as far as it has one."""
         if self._overlong or len(raw) > MAX_LINE:
-            return [ReceivedLine(None, at)]
+            return [None]
         text = "".join(chr(byte) if 32 <= byte < 127 else "?" for byte in raw).strip()
-        return [ReceivedLine(text, at)] if text else []
+        return [text] if text else []
 
 
 class LinePort:
@@ -120,7 +132,8 @@ class LinePort:
                 return
             if received:
                 with self._arrival:
-                    self._lines.extend(cutter.feed(received, time.monotonic()))
+                    now = time.monotonic()
+                    self._lines.extend(cutter.feed(received, self._stream.empty, now))
                     self._arrival.notify_all()
 
     def _check_open(self) -> None:
@@ -181,9 +194,13 @@ class _SerialStream:
         from serial import Serial
 
         self._opened = Serial(port, baud, timeout=POLL, write_timeout=timeout)
+        self.empty = -inf
 
     def read(self) -> bytes:
-        return self._opened.read(max(1, self._opened.in_waiting))
+        looked, waiting = time.monotonic(), self._opened.in_waiting
+        if not waiting:
+            self.empty = looked
+        return self._opened.read(max(1, waiting))
 
     def write(self, sent: bytes) -> None:
         self._opened.write(sent)
@@ -197,13 +214,17 @@ class _TcpStream:
 
     def __init__(self, host: str, port: int, timeout: float) -> None:
         self._opened = socket.create_connection((host, port), timeout)
-        self._opened.settimeout(POLL)
+        self._arrivals = selectors.DefaultSelector()
+        self._arrivals.register(self._opened, selectors.EVENT_READ)
+        self.empty = -inf
 
     def read(self) -> bytes:
-        try:
-            received = self._opened.recv(65_536)
-        except TimeoutError:
-            return b""
+        looked = time.monotonic()
+        if not self._arrivals.select(0):
+            self.empty = looked
+            if not self._arrivals.select(POLL):
+                return b""
+        received = self._opened.recv(65_536)
         if not received:
             raise ConnectionError("the reader closed it")
         return received
@@ -212,4 +233,5 @@ class _TcpStream:
         self._opened.sendall(sent)
 
     def close(self) -> None:
+        self._arrivals.close()
         self._opened.close()

@@ -188,15 +188,16 @@ class ReaderDriver:
     def _next_sweep(self) -> Sweep:
         begun, before = time.monotonic(), -np.inf
         if self._follows and begun - self._ended < self._sweep_seconds:
-            begun = before = self._ended
+            begun = before = -np.inf
         else:
             self._assembly = self._new_assembly()
         self._notes.clear()
         span, since = self._timeout + TRIES * self._sweep_seconds, time.monotonic()
         while time.monotonic() < since + span * (1 if self._notes else SLOW_FACTOR):
             line = self._next_line(time.monotonic() + self._line_seconds)
-            measured_since, before = before, line.ended
+            measured_since, before = before, line.since
             if measured_since < begun:
+                self._assembly.take_banner(line.text)
                 continue
             sweep = self._assembly.feed(line.text)
             if sweep is not None:

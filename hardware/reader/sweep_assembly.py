@@ -51,12 +51,7 @@ class SweepAssembly:
             self._unread += 1
             self._discard(TOO_LONG, "a line never ended")
             return None
-        if self._is_comment(text):
-            return None
-        if self.line_format.banner and self.line_format.banner in text:
-            self._restarted(f"it sent {text[:SHOWN]!r}")
-            self._latest = None
-            self.on_banner()
+        if self._is_comment(text) or self.take_banner(text):
             return None
         try:
             content = parse_line(text, self.line_format)
@@ -65,6 +60,16 @@ class SweepAssembly:
             self._discard(fault.kind, str(fault))
             return None
         return self._take(content, text)
+
+    def take_banner(self, text: str | None) -> bool:
+        """Take a line if it is the banner of a restart. True if it was."""
+        banner = self.line_format.banner
+        if not banner or text is None or banner not in text:
+            return False
+        self._restarted(f"it sent {text[:SHOWN]!r}")
+        self._latest = None
+        self.on_banner()
+        return True
 
     def _take(self, content: LineContent, text: str) -> dict[str, Complex] | None:
         before, self._latest = self._latest, content

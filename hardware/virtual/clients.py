@@ -75,6 +75,9 @@ class Client:
     answered: bool = False
     heard: float = field(default_factory=time.monotonic)
 
+    def __post_init__(self) -> None:
+        self.writer.transport.set_write_buffer_limits(0)  # `say` ends once the system has all bytes
+
     async def lines(self) -> AsyncIterator[str | None]:
         """Whole lines; None for each that is too long.
 

@@ -20,6 +20,7 @@ from rcskin.hardware.meter.errors import (
     NoConnectionError,
 )
 from rcskin.hardware.meter.meter_identity import sweep_origin
+from rcskin.hardware.reader import line_port
 from rcskin.hardware.reader.line_format import LineFormat
 from rcskin.hardware.reader.line_port import check_line_resource, is_line_resource
 from rcskin.hardware.reader.reader_driver import ReaderTerminals, open_reader
@@ -172,6 +173,24 @@ def test_every_sweep_is_newer_than_its_request(line):
     assert reports == []
 
 
+@pytest.mark.parametrize("line", LINES)
+def test_lines_that_waited_in_the_system_are_older_than_the_request(line, monkeypatch):
+    """A busy computer reads them late: their arrival is not known, so they are not used."""
+    if line == "serial" and sys.platform == "win32":
+        pytest.skip("Windows has no pseudo-terminals")
+    stream = getattr(line_port, {"tcp": "_TcpStream", "serial": "_SerialStream"}[line])
+    idle, read = threading.Event(), stream.read
+    monkeypatch.setattr(stream, "read", lambda self: idle.wait() and read(self))
+    idle.set()
+    bench = Bench()
+    with opened(bench, line) as (reader, terminals, _):
+        idle.clear()
+        time.sleep(0.06)  # lines of the press before wait unread
+        bench.sweep = 5
+        threading.Timer(0.02, idle.set).start()
+        np.testing.assert_allclose(swept(reader, terminals)["left"], truth(5)["left"], rtol=1e-12)
+
+
 def test_a_live_session_uses_every_sweep():
     """A sweep may begin where the one before ended: nothing is skipped between two requests."""
     bench = Bench()
@@ -198,7 +217,9 @@ def test_start_and_stop_commands_are_sent():
     assert bench.received == b"go\nhalt\n"
 
 
-def test_a_device_that_restarts_is_started_again(monkeypatch):
+@pytest.mark.parametrize("pause", [0.0, 0.05])
+def test_a_device_that_restarts_is_started_again(pause, monkeypatch):
+    """Within a sweep, or while nothing was requested."""
     monkeypatch.setattr("rcskin.hardware.reader.reader_driver.START_INTERVAL", 0.0)
     bench = Bench(wait_for_start=True)
 
@@ -209,6 +230,7 @@ def test_a_device_that_restarts_is_started_again(monkeypatch):
     with opened(bench, start="go") as (reader, terminals, reports):
         swept(reader, terminals)
         bench.spoil = restart
+        time.sleep(pause)
         np.testing.assert_allclose(swept(reader, terminals)["left"], truth(0)["left"])
         np.testing.assert_allclose(swept(reader, terminals)["left"], truth(0)["left"])
     assert "restarts of the device" in reports and bench.received == b"go\n"

@@ -227,7 +227,7 @@ def test_bytes_are_cut_into_lines_however_they_come():
     for step in (1_000_000, 50_000, 7):
         cutter, lines = LineCutter(), []
         for k in range(0, len(sent), step):
-            lines += cutter.feed(sent[k : k + step], float(k))
+            lines += cutter.feed(sent[k : k + step], float(k), float(k))
         assert [line.text for line in lines] == ["one", "two", "thr?ee", None, "four"]
 
 
