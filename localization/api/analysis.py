@@ -7,7 +7,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .arguments import checked, scene_of, sweeps_of
+from ...simulator.requests.argument_types import scene_of
+from .arguments import checked, sweeps_of
 
 if TYPE_CHECKING:
     import xarray as xr

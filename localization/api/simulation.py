@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .arguments import checked, path_of, refuse, scene_of, sweeps_of
+from ...simulator.requests.argument_types import refuse, scene_of
+from .arguments import checked, path_of, sweeps_of
 
 if TYPE_CHECKING:
     import xarray as xr

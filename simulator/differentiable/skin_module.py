@@ -19,8 +19,8 @@ from ..models.reduced.reduced_model import Reduced
 from ..press.capacitance import touched_cells
 from ..press.parts import parts_of
 from ..press.press import Press, press_on
+from ..requests.argument_types import scene_of, typed
 from ..scene.scene import Scene
-from ..scene.scene_files import load_scene
 from ..sweeps import InputError
 from .admittance_forms import AdmittanceForms, AllowedPotentials, Terminals
 from .meter_tensors import at_meter, check_reading, quantities
@@ -44,6 +44,7 @@ class SkinModule(nn.Module):
     frequency: Tensor
     nominal_weights: Tensor
 
+    @typed
     def __init__(
         self,
         scene: Scene | str | Path | Reduced,
@@ -63,7 +64,7 @@ class SkinModule(nn.Module):
         """
         super().__init__()
         own = scene.scene if isinstance(scene, Reduced) else scene
-        self.scene = own if isinstance(own, Scene) else load_scene(own)
+        self.scene = scene_of(own)
         _check_scene(self.scene)
         self.reduced = (
             scene

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..requests.argument_types import scene_of, typed
 from ..scene.scene import Scene
-from ..scene.scene_files import load_scene
 from ..sensor.contacts.contact_types import DepthImage, PointContacts
 from ..sensor.sensor import Sensor
 from ..sweeps import InputError
@@ -50,6 +50,7 @@ class MujocoSkin:
     `Sensor`. Raises InputError for a name that the model lacks, and for what `Sensor` refuses.
     """
 
+    @typed
     def __init__(
         self,
         model: MjModel,
@@ -68,7 +69,7 @@ class MujocoSkin:
         mujoco = engine()
 
         self.model = model
-        self.scene = scene if isinstance(scene, Scene) else load_scene(scene)
+        self.scene = scene_of(scene)
         self.mount = mounted(model, self.scene, site, uv, geoms)
         foam = self.scene.skin.foam
         if foam.mechanics is None or foam.thickness is None:

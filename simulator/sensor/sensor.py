@@ -13,8 +13,8 @@ import numpy as np
 from ..dataset.dataset_plan import MAX_SEED
 from ..measure.skin_faults import SkinFault, parse_fault
 from ..press.parts import foam_parts
+from ..requests.argument_types import real, scene_of, typed, whole
 from ..scene.scene import Scene
-from ..scene.scene_files import load_scene
 from ..sweeps import InputError
 from .cell_spreading import SkinCells
 from .completed_sweeps import CompletedSweep, as_dataset
@@ -57,6 +57,7 @@ class Sensor:
     scene that cannot be mounted, ToleranceError if rtol is not reached.
     """
 
+    @typed
     def __init__(
         self,
         scene: Scene | str | Path,
@@ -69,13 +70,13 @@ class Sensor:
         faults: Sequence[str] = (),
         keep: int = SWEEPS_KEPT,
     ) -> None:
-        self.scene = scene if isinstance(scene, Scene) else load_scene(scene)
+        self.scene = scene_of(scene)
         if session not in ("nominal", "drawn"):
             raise InputError(f'`session` must be "nominal" or "drawn", got {session!r}')
         if not 0 < rtol < 1:
             raise InputError(f"`rtol` must be between 0 and 1, got {rtol}")
-        numbers = range(skins) if isinstance(skins, int) else [*skins]
-        if len(numbers) < 1 or not all(isinstance(k, int) and k >= 0 for k in numbers):
+        numbers = range(skins) if whole(skins) else skins
+        if not (isinstance(numbers, Sequence) and numbers and all(map(_is_number, numbers))):
             raise InputError(f"`skins` must be >= 1, or a list of numbers >= 0, got {skins!r}")
         self.numbers, self.rtol, self.noise = numbers, rtol, noise
         if keep < 1:
@@ -93,6 +94,7 @@ class Sensor:
         self._mounted: MountedSkins | None = None
         self._begin(seed)
 
+    @typed
     def reset(self, seed: int | None = None) -> None:
         """Start again at 0 s with unpressed skins.
 
@@ -105,6 +107,7 @@ class Sensor:
         """Texts of the faults that the skins have now."""
         return tuple(map(str, self._faults))
 
+    @typed
     def fail(self, fault: str) -> None:
         """Give all skins a further fault from now on, until `reset`.
 
@@ -166,7 +169,7 @@ class Sensor:
         skin. They stay the same during the step. dt: duration of the step, > 0, s. Raises
         InputError for contacts that the scene does not take, and for a time that is not > 0.
         """
-        if not 0 < dt < np.inf:
+        if not (real(dt) and 0 < dt < np.inf):
             raise InputError(f"`dt` must be > 0 s and finite, got {dt!r}")
         self._hold(self._press(contacts))
         until = self._now + in_ticks(dt)
@@ -299,3 +302,8 @@ class Sensor:
         self._sweeps.append(CompletedSweep(middle, labels, self._values.copy()))
         self._completed += 1
         self._labels = []
+
+
+def _is_number(skin: object) -> bool:
+    """True if a skin can have this number in the session."""
+    return whole(skin) and skin >= 0

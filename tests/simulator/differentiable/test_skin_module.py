@@ -308,6 +308,13 @@ def test_refused_parameters(name):
         module(module.rises(["1,2"]), given)
 
 
+def test_refused_types():
+    with pytest.raises(InputError, match="`free` must be a list of texts, got 'capacitance'"):
+        rcskin.SkinModule(STRIP, "capacitance")
+    with pytest.raises(InputError, match="`scene` must be a Scene, a name or a path, got 3"):
+        rcskin.SkinModule(3)  # pyright: ignore[reportArgumentType]
+
+
 def test_refused_rises():
     module = rcskin.SkinModule(rcskin.reduce(STRIP, 1e-2))
     with pytest.raises(InputError, match=r"`rises` must have shape \(press, 3\), got \(1, 2\)"):

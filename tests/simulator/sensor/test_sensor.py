@@ -149,11 +149,18 @@ def test_a_press_that_changes_within_a_sweep_has_no_label():
         ({"rtol": 0.0}, "`rtol` must be between 0 and 1"),
         ({"rtol": 1e-8}, "`rtol` must be larger: 1e-08 needs"),
         ({"rtol": 2.0}, "`rtol` must be between 0 and 1"),
+        ({"rtol": "1e-3"}, "`rtol` must be a number, got '1e-3'"),
+        ({"seed": 1.5}, "`seed` must be a whole number, got 1.5"),
+        ({"noise": "no"}, "`noise` must be True or False, got 'no'"),
+        ({"faults": "dead foil top-left"}, "`faults` must be a list of texts"),
+        ({"skins": [0, "1"]}, "or a list of numbers >= 0, got"),
     ],
 )
 def test_refused_arguments(change, message):
     with pytest.raises(rcskin.InputError, match=message):
         sensor(**change)
+    with pytest.raises(rcskin.InputError, match="`scene` must be a Scene, a name or a path, got 3"):
+        rcskin.Sensor(3)  # pyright: ignore[reportArgumentType]
 
 
 @pytest.mark.parametrize(
@@ -165,6 +172,7 @@ def test_refused_arguments(change, message):
         (3.0, 0.1, "`contacts` must be None, the text of a press, .*got float"),
         ("", 0.1, "press"),
         (None, 0.0, "`dt` must be > 0 s"),
+        (None, "0.1", "`dt` must be > 0 s and finite, got '0.1'"),
     ],
 )
 def test_refused_contacts(contacts, dt, message):

@@ -78,3 +78,5 @@ def test_a_fault_that_the_skin_cannot_have_is_refused():
         Sensor(SCENE, faults=("dead foil right",))
     with pytest.raises(InputError, match="must be one of dead foil NAME"):
         Sensor(SCENE).fail("broken")
+    with pytest.raises(InputError, match="`fault` must be a text, got 3"):
+        Sensor(SCENE).fail(3)  # pyright: ignore[reportArgumentType]
