@@ -19,6 +19,8 @@ from typing import TypeVar
 Given = TypeVar("Given")
 Made = TypeVar("Made")
 SECONDS_TO_END = 1.0
+MAX_ON_WINDOWS = 61
+"""Largest number of processes of a pool on Windows, which waits for at most 63 handles at once."""
 
 
 class WorkerError(RuntimeError):
@@ -32,12 +34,15 @@ def worker_pool(
     """Yields a pool of worker processes; None for a single worker: this process does the work.
 
     The workers start with the first task; what they import is preloaded while this process works.
-    needed: modules that every task needs. Raises WorkerError with the advice if a worker is killed.
-    Unfinished tasks are abandoned when the block ends.
+    On Windows there are at most MAX_ON_WINDOWS. needed: modules that every task needs. Raises
+    WorkerError with the advice if a worker is killed. Unfinished tasks are abandoned when the block
+    ends.
     """
     if workers <= 1:
         yield None
         return
+    if sys.platform == "win32":
+        workers = min(workers, MAX_ON_WINDOWS)
     others = multiprocessing.active_children()
     with (
         _server_ends_early(),
@@ -74,10 +79,12 @@ def _server_ends_early() -> Iterator[None]:
 def _preloading_context(needed: Sequence[str]) -> BaseContext:
     """Context whose processes are forked from a server that has imported what is needed.
 
-    The server is started here without waiting, and ends with this process. On systems without fork
-    servers (Windows), each process imports for itself.
+    The server is started here without waiting, and ends with this process. Each process imports for
+    itself on Windows, which has no fork servers, and on macOS, whose libraries may crash in forked
+    processes (https://docs.python.org/3/library/multiprocessing.html#contexts-and-start-methods).
     """
-    if "forkserver" not in multiprocessing.get_all_start_methods():
+    methods = multiprocessing.get_all_start_methods()
+    if sys.platform == "darwin" or "forkserver" not in methods:
         return multiprocessing.get_context("spawn")
     from multiprocessing import forkserver, resource_tracker
 
