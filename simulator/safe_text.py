@@ -10,8 +10,7 @@ import html
 import re
 import unicodedata
 import warnings
-from abc import ABC, abstractmethod
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -24,8 +23,6 @@ if TYPE_CHECKING:
 CONTROL_CATEGORIES = {"Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp"}
 """Unicode categories: control, format (direction marks), surrogates, unassigned, separators."""
 PRINTABLE_ASCII = re.compile(r"[ -~]*")
-MAX_ROWS = 20
-"""Largest number of rows that a script or a notebook prints of a result."""
 
 
 def escaped(text: object) -> str:
@@ -123,36 +120,6 @@ def template_environment(folder: Path, **options: Any) -> Environment:
 def plotly_text(text: str) -> str:
     """The text on one line with HTML escaped, because plotly reads text as HTML."""
     return html.escape(escaped(text), quote=False)
-
-
-class Tabular(ABC):
-    """A result that prints as a table: as text in Python, as HTML in a notebook."""
-
-    @abstractmethod
-    def _table(self) -> tuple[str, Sequence[Sequence[object]]]:
-        """The title, and rows of cells; the first row is the header."""
-
-    def _cells(self) -> tuple[str, list[list[str]]]:
-        title, rows = self._table()
-        cells = [[escaped(cell) for cell in row] for row in rows[: MAX_ROWS + 1]]
-        more = len(rows) - len(cells)
-        return escaped(f"{title} ({more} more rows)" if more else title), cells
-
-    def __repr__(self) -> str:
-        title, rows = self._cells()
-        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-        lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
-        return "\n".join([title, *lines])
-
-    def _repr_html_(self) -> str:
-        title, (header, *rows) = self._cells()
-        parts = [_html_row("th", header), *(_html_row("td", row) for row in rows)]
-        return f"<table><caption>{html.escape(title)}</caption>{''.join(parts)}</table>"
-
-
-def _html_row(tag: str, cells: Sequence[str]) -> str:
-    inside = "".join(f"<{tag}>{html.escape(cell)}</{tag}>" for cell in cells)
-    return f"<tr>{inside}</tr>"
 
 
 def _lines(text: str) -> str:

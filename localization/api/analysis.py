@@ -41,6 +41,7 @@ def limits(
     drawn. against_rest: number of baseline sweeps whose mean each sweep is compared with; 0: none.
     Raises InputError for a meter without noise.
     """
+    from ...simulator.bounds.touch_readings import best_guess, hypotheses
     from ...simulator.limits import bayes_accuracy
     from ...simulator.limits.limit import Limit
     from ...simulator.models.mechanics.force_depths import foldable
@@ -50,7 +51,7 @@ def limits(
     share, error = bayes_accuracy(
         known, target, factors, seed=seed, draws=draws, against_rest=against_rest
     )
-    return Limit(target, share, error)
+    return Limit(target, share, error, best_guess(hypotheses(known, target)))
 
 
 def _factors(

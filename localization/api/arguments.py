@@ -61,10 +61,17 @@ def sweeps_of(given: xr.Dataset | str | Path, name: str = "sweeps") -> xr.Datase
     from ...simulator.sweeps import read
 
     if isinstance(given, str | Path):
-        return read(given)
+        return with_view(read(given))
     if isinstance(given, xr.Dataset):
-        return given
+        return with_view(given)
     refuse(name, "an xarray.Dataset or a path", given)
+
+
+def with_view(sweeps: xr.Dataset) -> xr.Dataset:
+    """The sweeps themselves; from now on all have the attribute `rcskin` that shows them."""
+    from ...simulator.check import sweeps_view  # noqa: F401
+
+    return sweeps
 
 
 def path_of(given: str | Path, name: str = "path") -> str | Path:

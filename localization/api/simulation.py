@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...simulator.requests.argument_types import refuse, scene_of
-from .arguments import checked, path_of, sweeps_of
+from .arguments import checked, path_of, sweeps_of, with_view
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -54,7 +54,7 @@ def sweep(
     scene = scene_of(scene)
     parsed = every_press(scene) if presses is None else _presses(scene, presses)
     check_fits(scene, len(parsed))
-    return simulate(Solver(scene, rtol, checked_model(model)), parsed)
+    return with_view(simulate(Solver(scene, rtol, checked_model(model)), parsed))
 
 
 def _presses(scene: Scene, given: Sequence[str | Press]) -> list[Press]:
@@ -103,7 +103,8 @@ def dataset(
     from ...simulator.dataset.memory_dataset import in_memory
     from ...simulator.models.mechanics.force_depths import foldable
 
-    return in_memory(Plan(foldable(scene_of(scene), "a data set", creeps=True), sweeps, seed, rtol))
+    plan = Plan(foldable(scene_of(scene), "a data set", creeps=True), sweeps, seed, rtol)
+    return with_view(in_memory(plan))
 
 
 @checked

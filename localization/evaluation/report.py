@@ -6,11 +6,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...simulator.chart_style import chart
+from ...simulator.notebook_display import SmallChart
 from ...simulator.report.files import filled_at_once, write_rows
+from ...simulator.report.rate_bars import rate_bars
 from ..inputs.targets import COORDINATES
-from ..trust.rates import rate_text
+from ..trust.rates import rate_text, with_intervals
 from .confusion import write_csv
-from .evaluation import ClassScore, PositionScore
+from .evaluation import ClassScore, PositionScore, Score
 from .skin_outline import draw_skin_outline
 
 if TYPE_CHECKING:
@@ -73,6 +75,15 @@ def write_report(
             write_rows(made / "positions.csv", POSITIONS, flat)
             _draw_positions(score, scene, made / f"positions{ending}")
             _draw_regions(score, scene, made / f"regions{ending}")
+
+
+def small_chart(score: Score) -> SmallChart:
+    """Chart for a notebook: rates of classes with their intervals, or errors of positions."""
+    from .confusion_chart import draw_errors
+
+    if isinstance(score, ClassScore):
+        return rate_bars(with_intervals(score.rates()))
+    return SmallChart(lambda figure: draw_errors(figure.subplots(), score.distance))
 
 
 def _draw_confusion(score: ClassScore, path: Path) -> None:

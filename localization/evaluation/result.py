@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ...simulator.safe_text import Tabular
+from ...simulator.notebook_display import SmallChart, Tabular
 from ...simulator.sweeps import InputError
 from .evaluation import Nested, Score, score
 
@@ -73,6 +73,11 @@ class Evaluation(Tabular):
             for name, (value, spread) in self.figures.items()
         ]
         return f"Evaluation of {self.target}", [("figure", "value", "spread over folds"), *rows]
+
+    def _chart(self) -> SmallChart:
+        from .report import small_chart
+
+        return small_chart(self.score)
 
 
 def evaluated(learned: Classifier | Regressor, samples: Samples) -> Evaluation:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from sklearn.pipeline import Pipeline
 
-from ...simulator.safe_text import Tabular
+from ...simulator.notebook_display import SmallChart, Tabular
 from ...simulator.scene.scene_files import carried_scene
 from ...simulator.sweeps import InputError
 from ..inputs.baselines import check_baselines
@@ -75,6 +75,11 @@ class Model(Tabular):
         features = ", ".join(self.quantities)
         row = (self.target, self.estimator, features, len(self.frequencies), *known)
         return "Model", [header, row]
+
+    def _chart(self) -> SmallChart | None:
+        from .held_out_chart import held_out_chart
+
+        return held_out_chart(self)
 
     @property
     def version_differences(self) -> str:

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...simulator.chart_style import checked_chart
+from ...simulator.notebook_display import Tabular
 from ...simulator.progress import ProgressCallback, silent
-from ...simulator.safe_text import Tabular
 from ...simulator.scene.scene import Scene
 from ...simulator.sweeps import checked_output
 from . import execution

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...simulator.safe_text import Tabular
+from ...simulator.notebook_display import Tabular
 from ...simulator.sweeps import InputError
 from .rates import CONFIDENCE, lower_bound
 

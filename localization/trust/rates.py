@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+
+from ...simulator.report.rate_bars import Rate
 
 CONFIDENCE = 0.95
 MANY = 500
@@ -42,3 +45,12 @@ def interval(right: int, total: int) -> tuple[float, float]:
 
     found = binomtest(right, total).proportion_ci(CONFIDENCE, "exact")
     return float(found.low), float(found.high)
+
+
+def with_intervals(counts: Mapping[str, tuple[int, int]]) -> list[Rate]:
+    """Rates for a chart from counts and totals by name; those of none are left out."""
+    return [
+        Rate(name, count / total, *interval(count, total))
+        for name, (count, total) in counts.items()
+        if total
+    ]

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections import defaultdict
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal, get_args
@@ -114,6 +116,14 @@ def hypotheses(scene: Scene, target: str, size: float | None = None) -> list[Hyp
     if scene.press.finger:
         found = [_with_fingers(scene, each, size) for each in found]
     return sorted(found, key=lambda each: each.answer)
+
+
+def best_guess(among: Sequence[Hypothesis]) -> float:
+    """Accuracy of the best answer without a sweep: the largest probability of an answer."""
+    chances: dict[tuple[int, ...], float] = defaultdict(float)
+    for each in among:
+        chances[each.answer] += each.chance
+    return max(chances.values())
 
 
 def kinds(scene: Scene, size: float | None = None) -> list[Hypothesis]:

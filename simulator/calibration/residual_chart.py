@@ -9,12 +9,14 @@ import numpy as np
 
 from ..arrays import Real
 from ..chart_style import COLOURS, UNPRESSED_COLOUR, chart, frequency_axis
+from ..notebook_display import CLOSE_LEGEND, SmallChart
 from ..sweeps import parallel_capacitance
 from .fit import Fit
 from .measurements import SessionSweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from .run import Calibration
 
@@ -51,6 +53,8 @@ def residuals(fit: Fit) -> dict[str, Real]:
 LIKELY = 2.0
 MAX_NAMED = 6
 FAINT = 0.35
+SMALL = (4.8, 2.6)
+"""Size of the small chart, inches."""
 
 
 def draw_residuals(calibration: Calibration, interface: int, path: Path) -> None:
@@ -79,10 +83,37 @@ def draw_residuals(calibration: Calibration, interface: int, path: Path) -> None
         )
 
 
-def _draw(axes: Axes, frequency: Real, values: Real, readings: tuple[SessionSweep, ...]) -> None:
+def small_residual_chart(calibration: Calibration) -> SmallChart:
+    """Residuals of amplitude and phase at the first interface, for a notebook."""
+    return SmallChart(lambda figure: _draw_small(figure, calibration), *SMALL, top=0.6)
+
+
+def _draw_small(figure: Figure, calibration: Calibration) -> None:
+    measured = calibration.fit.spec.measurements
+    read = measured.read[0]
+    found = list(residuals(calibration.fit).items())[:2]
+    panels = figure.subplots(1, len(found), sharey=True, squeeze=False)[0]
+    for axes, (name, values) in zip(panels, found, strict=True):
+        frequency = measured.scene.frequencies[read]
+        _draw(axes, frequency, values[:, 0, read], measured.sweeps, marker="")
+        axes.set_title(name)
+        frequency_axis(axes)
+    panels[0].set_ylabel("(measured - fitted) / error")
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="upper center", ncols=4, **CLOSE_LEGEND)
+
+
+def _draw(
+    axes: Axes,
+    frequency: Real,
+    values: Real,
+    readings: tuple[SessionSweep, ...],
+    marker: str = ".",
+) -> None:
     """Draws baseline sweeps black and presses in colours, each as a line while they are few.
 
-    With more sweeps, those of a column are dots, and their mean is a line.
+    With more sweeps, those of a column are faint, and their mean is a line. marker: "" draws lines
+    alone.
     """
     kHz, few = frequency / 1e3, len(readings) <= MAX_NAMED + 1
     axes.axhspan(-LIKELY, LIKELY, color="0.93", label="within 2 errors")
@@ -90,9 +121,10 @@ def _draw(axes: Axes, frequency: Real, values: Real, readings: tuple[SessionSwee
     for label, colour in dict.fromkeys(labels):
         group = values[[each == (label, colour) for each in labels]]
         if len(group) > 1:
-            axes.plot(kHz, group.T, ".", color=colour, alpha=FAINT, markersize=3, label="_")
+            faint = {"alpha": FAINT, "markersize": 3, "linewidth": 0.5, "label": "_"}
+            axes.plot(kHz, group.T, marker or "-", color=colour, **faint)
             label = f"{label}, mean"
-        axes.plot(kHz, group.mean(axis=0), marker=".", linewidth=1, color=colour, label=label)
+        axes.plot(kHz, group.mean(axis=0), marker=marker, linewidth=1, color=colour, label=label)
 
 
 def _label_and_colour(reading: SessionSweep, few: bool) -> tuple[str, str]:

@@ -17,8 +17,8 @@ from ..models.mechanics.force_depths import forces_as_depths
 from ..models.parameters import own_values, scene_with
 from ..models.reader_parameters import READER
 from ..models.uniform import folded
+from ..notebook_display import SmallChart, Tabular
 from ..progress import ProgressCallback, silent
-from ..safe_text import Tabular
 from ..scene.scene import Scene
 from .centered_model import CenteredModel, Model, centered_model, checked_model, model_of
 from .estimates import HEADER, FittedQuantity, intervals, quantile, quantities, weakly_identified
@@ -84,6 +84,11 @@ class Calibration(Tabular):
 
     def _table(self) -> tuple[str, list[tuple[str, ...]]]:
         return f"Calibration of {self.scene.name}", [HEADER, *(q.cells for q in self.quantities)]
+
+    def _chart(self) -> SmallChart:
+        from .residual_chart import small_residual_chart
+
+        return small_residual_chart(self)
 
     @property
     def strengths(self) -> list[Real]:

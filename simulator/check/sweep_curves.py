@@ -121,17 +121,32 @@ def draw_curves(
     with chart(path, 1.6 + 3.3 * across, 0.6 + 2.5 * down) as figure:
         each = figure.subplots(down, across, squeeze=False).ravel()
         for axes, (shown, interface) in zip(each, panels, strict=False):
-            for number, sweeps in enumerate(recordings):
-                alpha = 1.0 if sweeps.sizes["sweep"] <= FEW else 0.5
-                for press, x, y in curves_of(sweeps, interface, shown):
-                    look = _look(rows.get(press, number + 1))
-                    axes.plot(x, y, color=of_press[press], alpha=alpha, **look)
-            _dress(axes, shown, interface if several else "")
+            draw_panel(axes, recordings, shown, interface, of_press, rows)
+            axes.set_title(interface if several else "")
         for axes in each[len(panels) :]:
             axes.remove()
         line_names = names or [f"row {row}" for row in range(1, max(rows.values(), default=0) + 1)]
-        figure.legend(*_legend(colours, labels.values(), line_names), loc="outside right upper")
+        figure.legend(
+            *legend_entries(colours, labels.values(), line_names), loc="outside right upper"
+        )
     return path
+
+
+def draw_panel(
+    axes: Axes,
+    recordings: Sequence[xr.Dataset],
+    shown: CurveQuantity,
+    interface: str,
+    colours: Mapping[str, str],
+    rows: Mapping[str, int],
+) -> None:
+    """Draws a quantity of all sweeps at an interface. colours: by press. rows: see `rows_of`."""
+    for number, sweeps in enumerate(recordings):
+        alpha = 1.0 if sweeps.sizes["sweep"] <= FEW else 0.5
+        for press, x, y in curves_of(sweeps, interface, shown):
+            look = _look(rows.get(press, number + 1))
+            axes.plot(x, y, color=colours[press], alpha=alpha, **look)
+    _dress(axes, shown)
 
 
 def panels_of(
@@ -149,7 +164,7 @@ def panels_of(
 def curves_of(
     sweeps: xr.Dataset, interface: str, shown: CurveQuantity
 ) -> Iterator[tuple[str, Real, Real]]:
-    """Press, x and y of each curve: x in kHz, or ohm in Nyquist's plot; at most MOST_DRAWN."""
+    """Press, x and y of each curve: x in kHz, or ohm in Nyquist's plot; at most MAX_DRAWN."""
     if interface not in sweeps["interface"].values:
         return
     own = read_at(sweeps, interface)
@@ -239,10 +254,9 @@ def colours_of(labels: Iterable[str]) -> dict[str, str]:
     return {"unpressed": UNPRESSED_COLOUR} | dict(zip(pressed, shades, strict=True))
 
 
-def _dress(axes: Axes, shown: CurveQuantity, title: str) -> None:
+def _dress(axes: Axes, shown: CurveQuantity) -> None:
     from matplotlib.ticker import MaxNLocator, NullFormatter
 
-    axes.set_title(title)
     if shown is QUANTITIES["nyquist"]:
         axes.set_yscale("log", nonpositive="mask")
         axes.yaxis.set_minor_formatter(NullFormatter())
@@ -256,9 +270,10 @@ def _dress(axes: Axes, shown: CurveQuantity, title: str) -> None:
         axes.set_ylabel(f"{shown.name} ({shown.unit})")
 
 
-def _legend(
-    colours: dict[str, str], labels: Iterable[str], names: Sequence[str]
+def legend_entries(
+    colours: Mapping[str, str], labels: Iterable[str], names: Sequence[str] = ()
 ) -> tuple[list[Line2D], list[str]]:
+    """Lines and texts of a legend: each label once, then the names of line styles."""
     from matplotlib.lines import Line2D
 
     distinct = list(dict.fromkeys(labels))

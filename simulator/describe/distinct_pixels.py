@@ -47,6 +47,9 @@ def label_position(pixel: Pixel, scene: Scene) -> tuple[Real, float]:
     from scipy.ndimage import distance_transform_edt
 
     found, within = _places(pixel, scene)
+    if within.all():
+        wide, high = np.ptp(found, axis=1) * SAMPLES / (SAMPLES - 1)
+        return found.mean(axis=1), float(min(wide, NAME_SHAPE * high))
     on = within if within.any() else np.ones_like(within)
     step = np.ptp(found, axis=1) / (SAMPLES - 1)
     free = np.pad(on.reshape(SAMPLES, SAMPLES), 1)

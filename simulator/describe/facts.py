@@ -45,7 +45,21 @@ def facts(scene: Scene) -> list[Fact]:
     return [Fact(*each) for each in _facts(scene)]
 
 
+def key_facts(scene: Scene) -> list[Fact]:
+    """Facts about skin, wiring and meter that need no solution of the skin."""
+    return [Fact(*each) for each in (*_of_skin(scene), *_of_meter(scene))]
+
+
 def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
+    yield from _of_skin(scene)
+    if not scene.skin.one_conductor:
+        yield from secondary_effects(scene)
+    yield "symmetry", indistinguishable_pixels(scene, pixels_with_skin(scene))
+    yield from _of_meter(scene)
+    yield "assumed", ", ".join(assumed(scene)) or "nothing: the file sets every key"
+
+
+def _of_skin(scene: Scene) -> Iterator[tuple[str, str]]:
     skin, pixels = scene.skin, scene.pixels
     yield "skin", _skin(skin)
     yield from _sheets(skin)
@@ -70,15 +84,14 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
     yield "frequencies", _frequencies(scene)
     for each in scene.interfaces:
         yield "cut-off", _cut_off(scene, each)
-    if not skin.one_conductor:
-        yield from secondary_effects(scene)
-    yield "symmetry", indistinguishable_pixels(scene, pixels_with_skin(scene))
+
+
+def _of_meter(scene: Scene) -> Iterator[tuple[str, str]]:
     if scene.reading.gain:
         yield from (("gain", each) for each in describe_gains(scene))
     if scene.readout.multisine is not None:
         yield "multisine", describe_multisine(scene, scene.readout.multisine)
     yield "noise", noise_in_words(scene)
-    yield "assumed", ", ".join(assumed(scene)) or "nothing: the file sets every key"
 
 
 def _sheets(skin: Skin) -> Iterator[tuple[str, str]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import deepcopy
+from importlib import import_module
 from typing import Annotated, Any, Self
 
 import numpy as np
@@ -51,6 +52,8 @@ BOTH = {
     "skin.sheet_resistance": ("skin.top.sheet_resistance", "skin.bottom.sheet_resistance"),
 }
 
+VIEW = "..describe.notebook_scene"
+"""Module that shows a scene in a notebook; it is imported then, because its room lies above."""
 PLACEHOLDER_INTERFACE = {"name": "placeholder", "high": ["placeholder"], "low": ["placeholder"]}
 """Placeholder for the interfaces of invalid readings."""
 
@@ -111,6 +114,10 @@ class Scene(Table):
     def _earth_as_given(self, everything: SerializerFunctionWrapHandler) -> dict[str, object]:
         kept = everything(self)
         return without_earth(kept) if self.skin.one_conductor else kept
+
+    def _repr_html_(self) -> str:
+        above = import_module(VIEW, __package__)
+        return above.scene_display(self)
 
     @property
     def frequencies(self) -> np.ndarray:

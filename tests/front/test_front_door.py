@@ -1,6 +1,7 @@
 """`import rcskin`: light, complete by tab, and the same answers as the command line."""
 
 import inspect
+import re
 import subprocess
 import sys
 from importlib.metadata import version
@@ -129,6 +130,8 @@ def test_a_model_is_trained_in_memory_and_on_disk_and_asked_by_its_path(skins, t
     with pytest.raises(InputError, match="of `target` column has no figure 'median error, mm'"):
         _ = found.median_error
     assert "ksvm-ovo" in repr(model) and len(repr(model).splitlines()) == 3
+    assert "guess without a sweep" in model._repr_html_() and "calibration error" in repr(found)
+    assert "accuracy of answers" in found._repr_html_() and found._repr_html_().count("<svg") == 1
     assert rcskin.train(known, estimator="model-based").target == "column"
 
 
@@ -180,13 +183,14 @@ def test_a_reduced_model_answers_as_the_sweep(scene):
     Z = reduced.impedance("1,2:2", scene.frequencies)
     np.testing.assert_allclose(Z.real, exact["Rs"].values[0], rtol=2e-3)
     assert "3 x 3" in repr(reduced) and len(repr(reduced).splitlines()) == 3
+    assert all(each in reduced._repr_html_() for each in ("Rs (", "Cp (", "3,3", "unpressed"))
 
 
 def test_limits_are_a_share(scene):
     limit = rcskin.limits(scene, "column", draws=200)
     assert 1 / 3 < limit.accuracy <= 1 and 0 <= limit.standard_error < 0.1
     assert tuple(limit) == (limit.accuracy, limit.standard_error)
-    assert f"{limit.accuracy:.4f}" in repr(limit) and "<table>" in limit._repr_html_()
+    assert f"{limit.accuracy:.4f}" in repr(limit) and limit._repr_html_().count("<svg") == 1
     given = {"distribution": "uniform", "low": 1.01, "high": 1.02}
     assert rcskin.limits(scene, presses=given, draws=200).accuracy < limit.accuracy
 
@@ -209,7 +213,10 @@ def test_values_by_ratio_stand_on_a_logarithmic_axis(scene, values, even):
 
 def test_a_skin_is_calibrated_to_its_own_sweeps(scene, sweeps):
     found = rcskin.calibrate(scene, sweeps)
-    assert "both in series  " in repr(found) and "<td>loss_tangent</td>" in found._repr_html_()
+    assert "both in series  " in repr(found) and "loss_tangent" in found._repr_html_()
+    assert {"|Z|", "phase", "unpressed"} <= set(
+        re.findall("<text[^>]*>([^<]*)", found._repr_html_())
+    )
     both = found.scene.skin.top.sheet_resistance + found.scene.skin.bottom.sheet_resistance
     assert both == pytest.approx(2 * scene.skin.top.sheet_resistance, rel=1e-2)
 

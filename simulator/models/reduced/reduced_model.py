@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...arrays import Complex, Real
+from ...notebook_display import SmallChart, Tabular
 from ...press.capacitance import touched_cells
 from ...press.press import Press, press_on
-from ...safe_text import Tabular
 from ...scene.frequency import laplace_variable
 from ..parameters import Variation
 from .projection import Projection
@@ -34,6 +34,11 @@ class Reduced(Projection, Tabular):
         numbers = f"{self.size}", f"{rows} x {columns}", f"{self.rtol:g}", f"{self.mesh_error:.1e}"
         header = "size of the basis", "pixels", "rtol", "estimated error of the mesh"
         return f"Reduced model of {self.scene.name}", [header, numbers]
+
+    def _chart(self) -> SmallChart:
+        from .curves_chart import curves_chart
+
+        return curves_chart(self)
 
     def skin(self, variation: Variation | None, pressed: Real | None = None) -> ReducedSkin:
         """One skin of the family; the scene's own skin if `variation` is None.

@@ -1,0 +1,76 @@
+"""A scene in a notebook: its key quantities, and the skin from above."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..notebook_display import CLOSE_LEGEND, MARGINS, TOP, SmallChart, Table, display
+from ..press.pixels import pixels_with_skin
+from ..report.from_above import MM, draw_foils, draw_outline, draw_pixels
+from ..scene.scene import Scene
+from .distinct_pixels import label_position
+from .facts import key_facts
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+WIDTH = 3.2
+LOWEST, HIGHEST = 0.5, 2.6
+"""Limits of the height of the skin in the drawing, inches."""
+MAX_NAMED, MAX_PIXELS = 8, 60
+"""Largest number of pixels along a side that have names, and that are drawn."""
+LAST = ("interface", "foil", "cut-off")
+"""Topics of many lines, which stand below the others."""
+BESIDE = 0.09
+"""Space beside the skin over its longer side."""
+
+
+def scene_display(scene: Scene) -> str:
+    """A scene as HTML: a table of its key quantities, and a drawing in mm."""
+    return display(lambda: _table(scene), lambda: _chart(scene))
+
+
+def _table(scene: Scene) -> Table:
+    found = sorted(
+        key_facts(scene), key=lambda fact: LAST.index(fact.about) + 1 if fact.about in LAST else 0
+    )
+    name = f"{scene.name}: {scene.description}" if scene.description else scene.name
+    return f"Scene {name}", [("about", "value"), *found]
+
+
+def _chart(scene: Scene) -> SmallChart:
+    length, width = scene.skin.sides
+    skin = (WIDTH - MARGINS["left"] - MARGINS["right"]) * width / length
+    high = float(np.clip(skin, LOWEST, HIGHEST)) + MARGINS["bottom"] + TOP
+    return SmallChart(lambda figure: _draw(figure, scene), WIDTH, high)
+
+
+def _draw(figure: Figure, scene: Scene) -> None:
+    axes = figure.subplots()
+    axes.set_aspect("equal")
+    axes.grid(False)
+    length, width = scene.skin.sides
+    beside = BESIDE * max(length, width)
+    axes.set_xlim(-MM * beside, MM * (length + beside))
+    axes.set_ylim(-MM * beside, MM * (width + beside))
+    axes.set_xlabel("x (mm)")
+    axes.set_ylabel("y (mm)")
+    _draw_pixels(axes, scene)
+    draw_outline(axes, scene, zorder=3)
+    draw_foils(axes, scene, linewidth=2)
+    figure.legend(loc="upper center", ncols=2, **CLOSE_LEGEND)
+
+
+def _draw_pixels(axes: Axes, scene: Scene) -> None:
+    """Draws lines between pixels and their names, as far as there is room for them."""
+    most = max(scene.pixels.shape)
+    if most <= MAX_PIXELS:
+        draw_pixels(axes, scene, color="0.6")
+    if most > MAX_NAMED:
+        return
+    for pixel in pixels_with_skin(scene):
+        x, y = MM * np.array(label_position(pixel, scene)[0])
+        axes.text(x, y, "{},{}".format(*pixel), size=6, color="0.35", ha="center", va="center")
