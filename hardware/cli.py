@@ -98,7 +98,7 @@ def identify(
     baud: Baud = 9600,
 ) -> None:
     """List the meters that answer, with their resources."""
-    from .meter.discovery import find_resources, probe
+    from .meter.link.discovery import find_resources, probe
 
     names = resources or find_resources()
     answers = [(name, probe(name, timeout, baud)) for name in names]
@@ -134,7 +134,7 @@ def correct(
     from .meter.correction import correct as acquire
     from .meter.instruments import open_meter
     from .meter.lcr_meter import LcrMeter
-    from .meter.termination import orderly_termination
+    from .meter.restoring.termination import orderly_termination
     from .record.managed_meter import ManagedMeter
 
     with orderly_termination() as report:

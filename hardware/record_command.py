@@ -83,7 +83,7 @@ def record(
     from ..simulator.scene.readings.changed_readings import checked_interfaces
     from ..simulator.sweeps import checked_output, sizes_text
     from .event_counter import EventCounter
-    from .meter.termination import orderly_termination
+    from .meter.restoring.termination import orderly_termination
     from .record.recorder import RecordingTask
     from .record.recorder import record as record_task
     from .record.recording_journal import RecordingJournal

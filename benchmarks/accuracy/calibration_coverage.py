@@ -22,13 +22,13 @@ import xarray as xr
 from rcskin.benchmarks.accuracy.coverage_parts.metered import metered
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.hardware.meter.errors import FailedReadingError
-from rcskin.simulator.calibration.centered_model import Model, model_of
-from rcskin.simulator.calibration.fit import model_tolerance
-from rcskin.simulator.calibration.fit_options import Options
-from rcskin.simulator.calibration.measurements import measurements_of
-from rcskin.simulator.calibration.prior import Kind, Prior, priors
+from rcskin.simulator.calibration.fitting.centered_model import Model, model_of
+from rcskin.simulator.calibration.fitting.fit import model_tolerance
+from rcskin.simulator.calibration.fitting.fit_options import Options
+from rcskin.simulator.calibration.fitting.measurements import measurements_of
+from rcskin.simulator.calibration.fitting.prior import Kind, Prior, priors
+from rcskin.simulator.calibration.results.sheet_intervals import sheets
 from rcskin.simulator.calibration.run import Calibration, calibrate
-from rcskin.simulator.calibration.sheet_intervals import sheets
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.parameters import FACTORS, VALUES, own_values, scene_with

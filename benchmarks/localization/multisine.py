@@ -30,13 +30,13 @@ from rcskin.simulator.limits import bayes_accuracy, position_bound
 from rcskin.simulator.limits.amplitude_shares import fitted, shared_amplitudes
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.meters.reading_time import SETTLE
 from rcskin.simulator.models.reduced.reduced_model import Reduced
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import impedance
-from rcskin.simulator.sweeps.reading_time import SETTLE
 
 CASES = {"sheet-5x5": "column", "sheet-5x5-two-interfaces": "pixel"}
 METER = 0.36

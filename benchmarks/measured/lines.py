@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 from rcskin.benchmarks.bench import HERE, Run, launch, publish
-from rcskin.simulator.calibration.estimates import FittedQuantity
-from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.fitting.fit_options import Options
 from rcskin.simulator.calibration.likelihood.student import FAR_OFF
+from rcskin.simulator.calibration.results.estimates import FittedQuantity
 from rcskin.simulator.calibration.run import Calibration, calibrate
 from rcskin.simulator.chart_style import COLOURS, chart
 from rcskin.simulator.scene.frequency import REFERENCE

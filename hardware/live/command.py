@@ -105,14 +105,14 @@ def live(
     from ...localization.filtering.touch_dynamics import TouchDynamics
     from ...simulator.sweeps import InputError
     from ..event_counter import EventCounter
-    from ..meter.termination import orderly_termination
+    from ..meter.restoring.termination import orderly_termination
     from ..record.source_options import SourceOptions, source_setup
     from ..record.sweep_checks import SweepLimits
     from ..switch.switch_options import switch_from_options
+    from .displays.session_displays import other_displays, session_display
     from .live_localizer import localizer_of
     from .live_meter import LiveMeter
     from .live_session import LiveSession
-    from .session_displays import other_displays, session_display
     from .session_log import SessionLog
 
     _check_options(sweeps, log, port if not page else None, certain, filtered, adaptive)

@@ -12,8 +12,8 @@ from ...simulator.sweeps import InputError
 from ..meter.errors import FailedReadingError, MeterError, NoConnectionError
 from ..meter.instruments import instrument_of
 from ..meter.reading_source import ReadingSource
-from ..meter.settings_snapshot import require_settings, restore_settings
-from ..meter.termination import shielded
+from ..meter.restoring.settings_snapshot import require_settings, restore_settings
+from ..meter.restoring.termination import shielded
 from ..record.managed_meter import ManagedMeter
 from ..record.measured_sweep import (
     MeasuredSweep,

@@ -9,7 +9,7 @@ from contextlib import suppress
 from ...simulator.sweeps import InputError
 from .errors import CorrectionError, MeterError, RefusedError
 from .lcr_meter import LcrMeter
-from .termination import shielded
+from .restoring.termination import shielded
 
 ADVICE = {
     "open": "check that the leads are apart, connected to nothing, and shielded",

@@ -11,7 +11,7 @@ from ...simulator.meters.accuracy_table import (
     GeneratorLevel,
     ReadingConditions,
 )
-from ...simulator.sweeps.meter_bands import METER_BANDS
+from ...simulator.meters.meter_bands import METER_BANDS
 from .errors import GarbledError
 from .lcr_meter import LcrMeter
 from .meter_reading import MeterReading, parse_reading

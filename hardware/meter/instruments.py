@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from .connection import Connection, connect
-from .conversation import Conversation
 from .errors import LostConnectionError, NoConnectionError, WrongMeterError
 from .hioki import HIOKI
 from .keysight_analyser import E4990A
 from .keysight_lcr import KEYSIGHT_LCR
 from .lcr_meter import LcrMeter
+from .link.connection import Connection, connect
+from .link.conversation import Conversation
 from .meter_identity import MeterIdentity, parse_identity
 
 INSTRUMENTS: dict[str, type[LcrMeter]] = {

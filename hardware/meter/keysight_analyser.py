@@ -10,8 +10,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 from ...simulator.meters.accuracy_table import OUTPUT_RESISTANCE, AccuracyTable, ReadingConditions
+from ...simulator.meters.meter_bands import METER_BANDS
 from ...simulator.sweeps import InputError
-from ...simulator.sweeps.meter_bands import METER_BANDS
 from .errors import FailedReadingError
 from .keysight_meter import CORRECTION_SECONDS, KeysightMeter, reading_of, state_of, values_of
 from .keysight_settings import NumbersFormat, NumbersSetting

@@ -17,8 +17,8 @@ from ...simulator.meters.accuracy_table import (
     AccuracyTable,
     ReadingConditions,
 )
+from ...simulator.meters.meter_bands import METER_BANDS
 from ...simulator.sweeps import InputError
-from ...simulator.sweeps.meter_bands import METER_BANDS
 from .errors import FailedReadingError
 from .keysight_meter import CORRECTION_SECONDS, KeysightMeter, reading_of, state_of
 from .keysight_settings import (

@@ -8,14 +8,14 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
+from ...simulator.meters.meter_bands import METER_BANDS
 from ...simulator.sweeps import InputError
-from ...simulator.sweeps.meter_bands import METER_BANDS
-from .connection import Connection
-from .conversation import Conversation
 from .errors import MeterError
+from .link.connection import Connection
+from .link.conversation import Conversation
 from .meter_identity import MeterIdentity, parse_identity
-from .original_settings import SETTINGS_STORE, not_restored_message, restore_original
 from .reading_source import SettingValue
+from .restoring.original_settings import SETTINGS_STORE, not_restored_message, restore_original
 from .setting import MeterProperty, Setting
 
 if TYPE_CHECKING:

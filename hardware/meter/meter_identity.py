@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from ...simulator.sweeps.meter_bands import METER_BANDS
+from ...simulator.meters.meter_bands import METER_BANDS
 from ...simulator.sweeps.schema import MEASURED, VIRTUAL
 
 MODELS = tuple(METER_BANDS)

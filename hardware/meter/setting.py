@@ -9,7 +9,7 @@ from ...simulator.sweeps import InputError
 from .setting_formats import ValueFormat
 
 if TYPE_CHECKING:
-    from .conversation import Conversation
+    from .link.conversation import Conversation
 
 T = TypeVar("T")
 

@@ -17,7 +17,7 @@ from ..meter.errors import GarbledError, MeterError, NoAnswerError
 from ..meter.meter_identity import VIRTUAL_SERIAL, MeterIdentity
 from ..meter.meter_reading import MeterReading
 from ..meter.reading_source import SettingValue
-from ..meter.termination import raise_pending_signal
+from ..meter.restoring.termination import raise_pending_signal
 from .line_format import LineFormat
 from .line_port import LinePort, ReceivedLine, open_line_port
 from .sweep_assembly import SweepAssembly

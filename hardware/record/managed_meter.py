@@ -10,13 +10,13 @@ from dataclasses import dataclass, field
 from threading import Thread
 from typing import Any
 
-from ..meter.conversation import ANSWER_TIMES
 from ..meter.errors import MeterError, WrongMeterError
+from ..meter.link.conversation import ANSWER_TIMES
 from ..meter.meter_identity import MeterIdentity
-from ..meter.original_settings import SETTINGS_STORE, not_restored_message, settings_text
 from ..meter.reading_source import ReadingSource
-from ..meter.settings_snapshot import restore_settings
-from ..meter.termination import raise_pending_signal, shielded
+from ..meter.restoring.original_settings import SETTINGS_STORE, not_restored_message, settings_text
+from ..meter.restoring.settings_snapshot import restore_settings
+from ..meter.restoring.termination import raise_pending_signal, shielded
 from .recording_journal import RecordingHeader, RecordingJournal
 
 GIVE_UP_AFTER, SLOW_LINE_FACTOR, PAUSE, POLL_INTERVAL = 2.0, 2.0, 0.2, 0.05

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...simulator.meters.meter_bands import outside_band
 from ...simulator.sweeps import InputError
-from ...simulator.sweeps.meter_bands import outside_band
 from ...simulator.sweeps.reading_quantities import IMPEDANCE
 from ..meter.meter_reading import BY_CODE, MeterReading
 from ..meter.reading_source import ReadingSource

@@ -15,8 +15,8 @@ from ...simulator.sweeps import InputError
 from ..meter.errors import MeterError
 from ..meter.instruments import instrument_of
 from ..meter.reading_source import ReadingSource
-from ..meter.settings_snapshot import require_settings, restore_settings
-from ..meter.termination import shielded
+from ..meter.restoring.settings_snapshot import require_settings, restore_settings
+from ..meter.restoring.termination import shielded
 from ..switch.switch import Switch
 from .managed_meter import ManagedMeter
 from .measured_sweep import MeasuredSweep, check_frequencies, measure_sweep, now

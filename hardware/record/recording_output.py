@@ -58,7 +58,7 @@ def gather(
 def _warn_if_meter_changed(journal: RecordingJournal) -> None:
     """Log the original settings of a meter that a killed command left changed."""
     from ...simulator.sweeps import InputError
-    from ..meter.original_settings import settings_text
+    from ..meter.restoring.original_settings import settings_text
 
     with suppress(InputError), journal.lock():  # a running recording has the lock
         if found := journal.original_settings():

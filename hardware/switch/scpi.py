@@ -7,8 +7,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TypeVar
 
-from ..meter.connection import Connection, connect
 from ..meter.errors import GarbledError, LostConnectionError, MeterError, NoAnswerError
+from ..meter.link.connection import Connection, connect
 from .errors import (
     GarbledSwitchError,
     NoSwitchError,

@@ -16,8 +16,8 @@ from pydantic import (
     model_validator,
 )
 
+from ...simulator.meters.reading_time import SETTLE
 from ...simulator.sweeps import InputError, inputs
-from ...simulator.sweeps.reading_time import SETTLE
 from .relays import NUMERALS, Closed, LcusBoard, NumatoBoard, SerialLine
 from .scpi import ROUTINGS, ScpiSwitch, open_scpi
 from .switch import DeviceSwitch

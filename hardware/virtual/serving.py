@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...simulator.meters.accuracy_table import DERIVED_TABLE, read_table
+from ...simulator.meters.meter_bands import VIRTUAL_MODEL, outside_band
 from ...simulator.sweeps import UNPRESSED, InputError
-from ...simulator.sweeps.meter_bands import VIRTUAL_MODEL, outside_band
 from ...simulator.sweeps.reading_quantities import IMPEDANCE
 from ..page.page_address import LOOPBACK
 from .control import ControlPort

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ...simulator.bounds.touch_readings import Target
-    from ...simulator.calibration.prior import Kind
+    from ...simulator.calibration.fitting.prior import Kind
     from ...simulator.calibration.run import Calibration
     from ...simulator.limits.limit import Limit
     from ...simulator.scene.draws.draw_distributions import AnyDistribution
@@ -129,8 +129,8 @@ def calibrate(
     accepts sweeps of another skin. Raises InputError if sweeps and scene do not match,
     ToleranceError if no model reaches the tolerance.
     """
-    from ...simulator.calibration.fit_options import Options
-    from ...simulator.calibration.prior import checked_kind
+    from ...simulator.calibration.fitting.fit_options import Options
+    from ...simulator.calibration.fitting.prior import checked_kind
     from ...simulator.calibration.run import calibrate as calibrated
     from ...simulator.models.mechanics.force_depths import foldable
     from ...simulator.scene.scene_files import scene_text

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ...simulator.arrays import Mask
-    from ...simulator.calibration.estimates import FittedQuantity
+    from ...simulator.calibration.results.estimates import FittedQuantity
 
 BEFORE, AFTER = "before", "after"
 

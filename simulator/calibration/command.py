@@ -110,10 +110,10 @@ def calibrate(
     from ..scene.scene_files import scene_text
     from ..sweeps import checked_folder, read_joined
     from ..sweeps.same_skin import check_same_skin
-    from .explanations import explanations
-    from .fit_options import Options
-    from .prior import checked_kind
-    from .report import WRITTEN, correlations, table, write_report
+    from .fitting.fit_options import Options
+    from .fitting.prior import checked_kind
+    from .results.explanations import explanations
+    from .results.report import WRITTEN, correlations, table, write_report
     from .run import calibrate as calibrated
 
     folder, ending = checked_folder(output, *WRITTEN), checked_ending(charts)

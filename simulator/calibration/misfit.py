@@ -10,21 +10,21 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from ..arrays import Complex, Real
-from ..fem.factors import one_blas_thread
+from ..fem.matrices.factors import one_blas_thread
 from ..models.effects import EFFECTS, effects_of
 from ..models.parameters import own_values
 from ..progress import ProgressCallback, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError, ToleranceError
-from .centered_model import CenteredModel, Model, checked_model, model_of
-from .estimates import change_text
-from .fit import EXPLAINED, Fit, best_fit, model_tolerance, solve_from
-from .fit_options import Options, candidates
-from .fit_spec import FitSpec
-from .measurements import measurements_of
-from .prior import Prior, effect_prior, noise_of, priors
-from .problem import LeastSquaresProblem, difference
-from .surroundings_trials import Trials, addable_effects, effect_text
+from .fitting.centered_model import CenteredModel, Model, checked_model, model_of
+from .fitting.fit import EXPLAINED, Fit, best_fit, model_tolerance, solve_from
+from .fitting.fit_options import Options, candidates
+from .fitting.fit_spec import FitSpec
+from .fitting.measurements import measurements_of
+from .fitting.prior import Prior, effect_prior, noise_of, priors
+from .fitting.problem import LeastSquaresProblem, difference
+from .results.estimates import change_text
+from .trials.surroundings_trials import Trials, addable_effects, effect_text
 
 if TYPE_CHECKING:
     import xarray as xr

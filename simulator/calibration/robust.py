@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Real
-from .fit import Fit
-from .identifiability import information
+from .fitting.fit import Fit
+from .fitting.prior import Noise, display_step, with_noise
 from .likelihood.student import FAR_OFF, StudentT, fitted_tail, likeliest
-from .prior import Noise, display_step, with_noise
+from .results.identifiability import information
 
 ROUNDS = 12
 SETTLED = 0.01

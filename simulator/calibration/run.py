@@ -20,22 +20,29 @@ from ..models.uniform import folded
 from ..notebook_display import SmallChart, Tabular
 from ..progress import ProgressCallback, silent
 from ..scene.scene import Scene
-from .centered_model import CenteredModel, Model, centered_model, checked_model, model_of
-from .estimates import HEADER, FittedQuantity, intervals, quantile, quantities, weakly_identified
-from .fit import Fit, best_fit, certificate_limit, model_tolerance
-from .fit_options import Options, candidates
-from .fit_spec import FitSpec
-from .identifiability import Information, information, with_all_unknown
-from .initial_values import capacitance_offset
+from .fitting.centered_model import CenteredModel, Model, centered_model, checked_model, model_of
+from .fitting.fit import Fit, best_fit, certificate_limit, model_tolerance
+from .fitting.fit_options import Options, candidates
+from .fitting.fit_spec import FitSpec
+from .fitting.initial_values import capacitance_offset
+from .fitting.measurements import Measurements, measurements_of
+from .fitting.prior import Noise, Prior, noise_of, priors, sessions_vary_smoothly, with_noise
 from .likelihood.distributions import Distributions
 from .likelihood.student import StudentT
-from .measurements import Measurements, measurements_of
 from .misfit import IdealComparison, compare_with_ideal
-from .physics_trials import misfit_trials
-from .prior import Noise, Prior, noise_of, priors, sessions_vary_smoothly, with_noise
+from .results.estimates import (
+    HEADER,
+    FittedQuantity,
+    intervals,
+    quantile,
+    quantities,
+    weakly_identified,
+)
+from .results.identifiability import Information, information, with_all_unknown
+from .results.sheet_intervals import MISMATCH
 from .robust import robust_fit, tail_remarks
-from .sheet_intervals import MISMATCH
-from .surroundings_trials import with_effects
+from .trials.physics_trials import misfit_trials
+from .trials.surroundings_trials import with_effects
 
 if TYPE_CHECKING:
     import xarray as xr

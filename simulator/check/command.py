@@ -102,7 +102,7 @@ def import_sweeps(
     """
     from ..requests.console import note, report_written, warn
     from ..sweeps import checked_output, sizes_text, write
-    from ..sweeps.importing.branch import checked_branch
+    from ..sweeps.importing.readings.branch import checked_branch
     from ..sweeps.imports import ImportOptions, import_files
 
     checked_output(output)

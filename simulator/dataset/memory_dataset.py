@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from ..fem.factors import one_blas_thread
+from ..fem.matrices.factors import one_blas_thread
 from ..scene.scene_files import scene_text
 from ..sweeps import build
 from ..sweeps.schema import FAULT

@@ -9,7 +9,7 @@ from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
 
-from ..fem.factors import one_blas_thread
+from ..fem.matrices.factors import one_blas_thread
 from ..sweeps import inputs, kept_file
 from ..sweeps.digests import sealed_json, unsealed_json
 from . import store

@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from ..measure.symmetry import describe_repeated
+from ..meters.meter_bands import METER_BANDS, VIRTUAL_MODEL, outside_band
 from ..models.line import cut_off_frequency
 from ..models.uniform import equivalent_scene
 from ..press.pixels import pixels_with_skin
@@ -21,7 +22,6 @@ from ..scene.readings.contacts import Contact, Interface
 from ..scene.scene import Scene
 from ..scene.skin import EARTH, Sheet, Skin
 from ..sweeps.errors import InputError
-from ..sweeps.meter_bands import METER_BANDS, VIRTUAL_MODEL, outside_band
 from ..sweeps.units import prefixed
 from .distinct_pixels import indistinguishable_pixels
 from .gain_reader import describe_gains

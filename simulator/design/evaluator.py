@@ -15,12 +15,12 @@ from ..progress import ProgressCallback
 from ..scene.design_goals import POSITION, Design
 from ..scene.scene import Scene
 from ..scene.scene_files import scene_text
-from .picking import GRID, Picked, Picker, PixelPairs, PositionPairs
+from .merits.picking import GRID, Picked, Picker, PixelPairs, PositionPairs
+from .merits.scoring import AccuracyScorer, Layout, PositionScorer, merits
+from .merits.touch_positions import TouchPositions
 from .reading_pool import own_readings, pool, terminals, wirings
-from .scoring import AccuracyScorer, Layout, PositionScorer, merits
 from .search_journal import SearchJournal
 from .skin_readout import Material, material_of
-from .touch_positions import TouchPositions
 from .trained_skins import TrainedSkins
 
 

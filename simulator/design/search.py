@@ -14,9 +14,9 @@ from ..scene.scene import Scene
 from ..sweeps import InputError
 from .evaluator import SceneEvaluator, SearchSettings, first_evaluator
 from .geometry import geometries
-from .picking import Picked, sweep_time
+from .merits.picking import Picked, sweep_time
+from .merits.scoring import Layout, lowest_tenth
 from .reading_pool import check_readers
-from .scoring import Layout, lowest_tenth
 from .skin_readout import Material
 from .trained_skins import foam_bounds
 from .value_search import GOLDEN_STEPS, POINTS, Bounds, best_value, rounded_within

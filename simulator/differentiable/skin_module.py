@@ -10,7 +10,7 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from ..fem.terminal_network import allowed_potentials
+from ..fem.terminals.terminal_network import allowed_potentials
 from ..models.heterogeneous.materials import gauged
 from ..models.reduced.forward import Forward
 from ..models.reduced.forward_training import REACH

@@ -20,9 +20,13 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU
 
 from ..arrays import Complex, Real
-from .circuit import Circuit
-from .excitation import Excitation
-from .excited_terminals import (
+from .lanczos.lanczos import Pencil, Pencils, Steps
+from .matrices.factors import Factors, factorised, without_zeros
+from .matrices.low_rank import Bordered, LowRankMass, Mass
+from .system import Films, System
+from .terminals.circuit import Circuit
+from .terminals.excitation import Excitation
+from .terminals.excited_terminals import (
     ExcitedTerminals,
     Unshifted,
     excited_terminals,
@@ -30,11 +34,7 @@ from .excited_terminals import (
     shifted,
     unshifted_pencils,
 )
-from .factors import Factors, factorised, without_zeros
-from .lanczos import Pencil, Pencils, Steps
-from .low_rank import Bordered, LowRankMass, Mass
-from .system import Films, System
-from .terminal_network import Network
+from .terminals.terminal_network import Network
 
 
 class Galerkin:

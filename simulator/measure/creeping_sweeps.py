@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Mask, Real
 from ..chebyshev import barycentric, extrema
+from ..meters.reading_time import SETTLE, reading_time
 from ..models.solution import Solution
 from ..models.solver import Solver
 from ..press.foam_creep import Creep
@@ -25,7 +26,6 @@ from ..scene.multisine.reader import Multisine
 from ..scene.readout.meter import Timing
 from ..scene.scene import Scene
 from ..sweeps import ToleranceError
-from ..sweeps.reading_time import SETTLE, reading_time
 from ..sweeps.units import prefixed
 from .foam_state import FoamState
 

@@ -14,7 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from ..arrays import Integer, Real
 from ..sweeps import InputError, inputs
-from ..sweeps.reading_time import reading_time
+from .reading_time import reading_time
 
 
 @dataclass(frozen=True)

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Complex, Integer, Real
-from ..fem.excitation import Excitation
 from ..fem.galerkin import Galerkin
-from ..fem.terminal_network import allowed_potentials
+from ..fem.terminals.excitation import Excitation
+from ..fem.terminals.terminal_network import allowed_potentials
 from ..press.press import Press
 from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene

@@ -20,12 +20,12 @@ from .concatenation import concatenate
 from .errors import InputError
 from .file_kinds import check_file_kind
 from .importing.account import account
-from .importing.branch import branch_attributes, checked_branch, choose_branches
 from .importing.failures import left_out_text
 from .importing.grouping import grouped, reading_places
 from .importing.labels import Defaults, line_labels
-from .importing.reading_columns import imported_readings
-from .importing.table import read_table
+from .importing.readings.branch import branch_attributes, checked_branch, choose_branches
+from .importing.readings.reading_columns import imported_readings
+from .importing.tables.table import read_table
 from .joining import aligned
 from .schema import build
 

@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from rcskin.benchmarks.accuracy.verification_parts.chosen import Problem, capacitance
-from rcskin.simulator.fem.assembly import element_pairs, fill, quadrilateral
-from rcskin.simulator.fem.pattern import pattern_of_pairs
-from rcskin.simulator.fem.quadrature import (
+from rcskin.simulator.fem.matrices.assembly import element_pairs, fill, quadrilateral
+from rcskin.simulator.fem.matrices.pattern import pattern_of_pairs
+from rcskin.simulator.fem.matrices.quadrature import (
     gauss_rule,
     interpolated,
     mass_terms,

@@ -18,7 +18,7 @@ from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inversion.estimators import estimators
 from rcskin.localization.learners.registry import Estimator
 from rcskin.localization.model.localizer_model import Model
-from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.fitting.fit_options import Options
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.dataset.skin_model import reduced
 from rcskin.simulator.models.reduced.reduced_model import Reduced

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
 
-from ....simulator.sweeps.meter_bands import METER_BANDS, VIRTUAL_MODEL
+from ....simulator.meters.meter_bands import METER_BANDS, VIRTUAL_MODEL
 from ..event_registers import Standard
 from ..instrument import Instrument
 from ..language.meter_command import MeterCommand

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ....simulator.meters.accuracy_table import RANGES
-from ....simulator.sweeps.meter_bands import METER_BANDS, VIRTUAL_MODEL
+from ....simulator.meters.meter_bands import METER_BANDS, VIRTUAL_MODEL
 from ..language.meter_command import MeterCommand, matched_word
 from ..language.parser import CommandError
 from ..language.values import engineering, integer, number

@@ -12,8 +12,8 @@ from ..paired_samples import FEATURE_LABELS
 from ..versions import AFTER, BEFORE
 
 if TYPE_CHECKING:
-    from ....simulator.calibration.estimates import FittedQuantity
     from ....simulator.calibration.misfit import ParameterEffect
+    from ....simulator.calibration.results.estimates import FittedQuantity
     from ..gap_findings import GapFindings
     from ..mean_accuracy import MeanAccuracy
 

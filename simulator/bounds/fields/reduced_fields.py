@@ -10,8 +10,8 @@ from functools import cached_property
 import numpy as np
 
 from ...arrays import Complex, Real
-from ...fem.circuit import two_fields
-from ...fem.factors import one_blas_thread
+from ...fem.matrices.factors import one_blas_thread
+from ...fem.terminals.circuit import two_fields
 from ...models.network.terminals import chain, read
 from ...models.parameters import by_sheets
 from ...models.reduced.cases import Case

@@ -9,9 +9,9 @@ import numpy as np
 
 from ...arrays import Real
 from ...scene.scene import Scene
-from ..fit import Fit
-from ..identifiability import Information
-from ..sheet_intervals import COMMON, MISMATCH, RATIO, SUM, Product, depend_on_ratio, sheets
+from ..fitting.fit import Fit
+from ..results.identifiability import Information
+from ..results.sheet_intervals import COMMON, MISMATCH, RATIO, SUM, Product, depend_on_ratio, sheets
 from .profile import Profile, ProfiledQuantity
 from .profile_distribution import Interval, ProfileDistribution
 

@@ -16,8 +16,8 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ...arrays import Real
-from ...fem.factors import one_blas_thread
-from ..fit import INSIDE, Fit
+from ...fem.matrices.factors import one_blas_thread
+from ..fitting.fit import INSIDE, Fit
 from .profile_distribution import Interval, ProfileDistribution
 
 Gradient = Callable[[Real], tuple[float, Real]]

@@ -9,7 +9,7 @@ from typing import Any
 from ...report.page import Items, Picture, ReportSection, TableGrid
 from ...scene.scene import Scene
 from ..evaluator import SearchSettings
-from ..scoring import Layout, designed
+from ..merits.scoring import Layout, designed
 from ..search import SearchResult, SearchStep
 from ..sensitivity import SensitivityCurve
 from .merit_scale import MeritScale, scale_of

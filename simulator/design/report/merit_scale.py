@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from ...scene.design_goals import POSITION, Design
 from ...scene.scene import Scene
-from ..touch_positions import TouchPositions
+from ..merits.touch_positions import TouchPositions
 
 
 @dataclass(frozen=True)

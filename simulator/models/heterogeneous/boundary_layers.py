@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from ...fem.circuit import one_field
+from ...fem.terminals.circuit import one_field
 from ...mesh.quadrilaterals import Resolution
 from ...press.capacitance import patch
 from ...press.press import Press

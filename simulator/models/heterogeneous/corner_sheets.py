@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...fem.circuit import Circuit
-from ...fem.quadrature import rule_at
+from ...fem.matrices.quadrature import rule_at
+from ...fem.terminals.circuit import Circuit
 from ...fem.unknowns import TRIANGLES
 from ...mesh.domain import Domain
 from ...mesh.refining.exponents import SheetAtCorners

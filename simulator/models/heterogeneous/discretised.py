@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Integer, Real
-from ...fem.circuit import Circuit
 from ...fem.error_estimate import (
     KRYLOV_SHARE,
     ROUNDING,
@@ -20,12 +19,13 @@ from ...fem.error_estimate import (
     both,
     frequencies_around,
 )
-from ...fem.factors import one_blas_thread
 from ...fem.galerkin import Galerkin
-from ...fem.interface_sweep import swept
-from ...fem.lanczos import CachedSteps
-from ...fem.quadrature import interpolated
+from ...fem.lanczos.interface_sweep import swept
+from ...fem.lanczos.lanczos import CachedSteps
+from ...fem.matrices.factors import one_blas_thread
+from ...fem.matrices.quadrature import interpolated
 from ...fem.safety_factors import VARIED
+from ...fem.terminals.circuit import Circuit
 from ...fem.unknowns import on_cells
 from ...mesh.refining.graded import fewest
 from ...scene.frequency import Loss, laplace_variable

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Integer, Real
-from ...fem.quadrature import interpolated, rule_at
+from ...fem.matrices.quadrature import interpolated, rule_at
 from ...scene.scene import Scene
 from .discretised import Discretised
 from .materials import position

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...arrays import Real
-from ...fem.circuit import Circuit
 from ...fem.galerkin import Galerkin
+from ...fem.terminals.circuit import Circuit
 from ...mesh.domain import Domain
 from ...mesh.refining.exponents import corner_exponents
 from ...mesh.refining.graded import corner_parts, graded

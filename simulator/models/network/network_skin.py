@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from ...arrays import Complex, Integer, Real
-from ...fem.excitation import Combination, Excitation, combination
-from ...fem.terminal_network import allowed_potentials
+from ...fem.terminals.excitation import Combination, Excitation, combination
+from ...fem.terminals.terminal_network import allowed_potentials
 from ...press.batch import PressBatch
 from ...scene.readings.contacts import Interface
 from ...sweeps import InputError

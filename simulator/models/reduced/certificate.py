@@ -13,11 +13,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...arrays import Complex, Real
-from ...fem.circuit import Circuit
 from ...fem.error_estimate import certified
-from ...fem.excitation import Combination
 from ...fem.galerkin import Galerkin
-from ...fem.low_rank import Mass
+from ...fem.matrices.low_rank import Mass
+from ...fem.terminals.circuit import Circuit
+from ...fem.terminals.excitation import Combination
 from ...sweeps import InputError
 from .families.family import Weights
 

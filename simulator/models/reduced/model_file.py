@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...fem.excitation import Excitation
+from ...fem.terminals.excitation import Excitation
 from ...mesh.arcs import Arcs
 from ...mesh.domain import Domain
 from ...mesh.quadrilaterals import Resolution

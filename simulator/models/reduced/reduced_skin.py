@@ -9,8 +9,8 @@ import numpy as np
 
 from ...arrays import Complex, Integer, Real
 from ...fem.error_estimate import reference_susceptance
-from ...fem.excited_terminals import excited_terminals
-from ...fem.factors import one_blas_thread
+from ...fem.matrices.factors import one_blas_thread
+from ...fem.terminals.excited_terminals import excited_terminals
 from ...press.batch import NOTHING, PressBatch
 from ...press.parts import parts_of
 from ...scene.frequency import laplace_variable

@@ -27,7 +27,7 @@ from ..impedance import (
     contradiction_text,
     parallel_capacitance,
 )
-from ..importing.branch import branch_attributes, choose_branches
+from ..importing.readings.branch import branch_attributes, choose_branches
 from ..reading_quantities import GAIN, IMPEDANCE, KINDS, MAGNITUDE, kind_of
 from ..schema import SESSIONS, TAKEN, TIME, UNKNOWN_PRESS, UNNAMED, build
 from ..sweep_table import SweepTable, table_of

@@ -6,12 +6,12 @@ import numpy as np
 
 from ...arrays import Complex, Integer
 from ..reading_quantities import IMPEDANCE
-from .columns import Column
 from .failures import left_out_text
-from .gain_columns import amplifying
 from .grouping import Grouping
 from .labels import LineLabels
-from .reading_columns import ImportedReadings
+from .readings.gain_columns import amplifying
+from .readings.reading_columns import ImportedReadings
+from .tables.columns import Column
 
 PASSIVE = np.pi / 2 + np.radians(1)
 """Phase of a passive part, with 1 degree of allowance, in rad."""

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...arrays import Real
-from .table import ImportedTable, LeftOut
+from .tables.table import ImportedTable, LeftOut
 
 GOOD = ("0", "ok", "normal", "valid", "good", "no error", "none", "")
 """Status of a good reading."""

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...arrays import Mask, Real
 from .common_frequencies import CommonFrequencies, common_frequencies
 from .labels import LineLabels
-from .table import ImportedTable
+from .tables.table import ImportedTable
 
 LONG_RUN = 3
 """Number of readings from which a run of frequencies is a sweep of its own."""

@@ -12,8 +12,8 @@ from ...arrays import Real
 from ..errors import InputError
 from ..press_text import written_pixel
 from ..schema import UNKNOWN_PRESS, UNNAMED, UNPRESSED
-from .columns import Column
-from .table import ImportedTable
+from .tables.columns import Column
+from .tables.table import ImportedTable
 
 UNPRESSED_PIXEL = "0,0"
 """Another name of the unpressed skin in tables."""

@@ -7,8 +7,8 @@ import socket
 import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
+from rcskin.hardware.live.displays.page_display import PageDisplay
 from rcskin.hardware.live.live_session import AnswerSource, TimedAnswer
-from rcskin.hardware.live.page_display import PageDisplay
 from rcskin.hardware.live.touch_answer import TouchAnswer
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
 from rcskin.hardware.virtual.faults import Fault

@@ -8,8 +8,8 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from rcskin.hardware.live.displays.ros_node import ros_node
 from rcskin.hardware.live.live_session import AnswerSource, TimedAnswer
-from rcskin.hardware.live.ros_node import ros_node
 from rcskin.hardware.live.touch_answer import TouchAnswer, answer_of_classes
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
 from rcskin.hardware.virtual.faults import Fault
@@ -144,7 +144,8 @@ def test_pixels_are_nan_without_answer_and_notes_stand_in_the_diagnostics(rclpy)
 
 def test_a_long_sweep_renews_the_diagnostics(rclpy, monkeypatch):
     times = iter(np.arange(0, 100, 0.4))
-    monkeypatch.setattr("rcskin.hardware.live.ros_node.time.monotonic", lambda: next(times))
+    clock = "rcskin.hardware.live.displays.ros_node.time.monotonic"
+    monkeypatch.setattr(clock, lambda: next(times))
     with ros_node(localizer(), "skin") as shown:
         before = len(rclpy.nodes[0].published["/diagnostics"])
         for _ in range(4):

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcskin.hardware.live.line_output import LineOutput
-from rcskin.hardware.live.live_screen import LiveScreen
+from rcskin.hardware.live.displays.line_output import LineOutput
+from rcskin.hardware.live.displays.live_screen import LiveScreen
+from rcskin.hardware.live.displays.pixel_grid import MARKER, PixelGrid, fitted_grid
 from rcskin.hardware.live.live_session import AnswerSource, TimedAnswer
-from rcskin.hardware.live.pixel_grid import MARKER, PixelGrid, fitted_grid
 from rcskin.hardware.live.touch_answer import (
     CANNOT_TELL,
     NOTHING_PRESSED,

@@ -5,8 +5,8 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 import pytest
-from rcskin.hardware.meter.connection import connect
 from rcskin.hardware.meter.errors import LostConnectionError
+from rcskin.hardware.meter.link.connection import connect
 
 SOON, LATE = 0.3, 5.0
 """s."""

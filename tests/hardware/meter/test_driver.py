@@ -5,7 +5,6 @@ import re
 
 import pytest
 from rcskin.hardware.meter.correction import correct
-from rcskin.hardware.meter.discovery import probe
 from rcskin.hardware.meter.errors import (
     CorrectionError,
     FailedReadingError,
@@ -15,8 +14,9 @@ from rcskin.hardware.meter.errors import (
 )
 from rcskin.hardware.meter.hioki import IM3523
 from rcskin.hardware.meter.instruments import open_meter
+from rcskin.hardware.meter.link.discovery import probe
 from rcskin.hardware.meter.meter_reading import ReadingStatus, parse_reading
-from rcskin.hardware.meter.settings_snapshot import require_settings, restore_settings
+from rcskin.hardware.meter.restoring.settings_snapshot import require_settings, restore_settings
 from rcskin.hardware.record.measured_sweep import check_frequencies, measure_sweep
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
 

@@ -9,7 +9,7 @@ from threading import Thread
 from types import SimpleNamespace
 
 import pytest
-from rcskin.hardware.meter.termination import (
+from rcskin.hardware.meter.restoring.termination import (
     Termination,
     orderly_termination,
     raise_pending_signal,
@@ -49,12 +49,14 @@ def test_an_ignored_signal_stays_ignored(monkeypatch):
 
 def test_who_insists_gets_out(monkeypatch, capfd):
     ending = Termination(shields=1)
-    monkeypatch.setattr("rcskin.hardware.meter.termination._ending", ending)
+    monkeypatch.setattr("rcskin.hardware.meter.restoring.termination._ending", ending)
     for seconds, number in enumerate((15, 2, 15, 2, 15, 2), start=1):
         with shielded() as insisting:
             assert not insisting()
         later = 2 * seconds
-        monkeypatch.setattr("rcskin.hardware.meter.termination.monotonic", lambda now=later: now)
+        monkeypatch.setattr(
+            "rcskin.hardware.meter.restoring.termination.monotonic", lambda now=later: now
+        )
         ending.on_signal(number, None)
     with shielded() as insisting:
         assert insisting()
@@ -63,7 +65,7 @@ def test_who_insists_gets_out(monkeypatch, capfd):
 
 
 def test_a_console_of_windows_that_is_closed_is_kept_until_all_is_in_order(monkeypatch):
-    kernel, handlers = "rcskin.hardware.meter.windows_console.sys", []
+    kernel, handlers = "rcskin.hardware.meter.restoring.windows_console.sys", []
     keep = lambda handler, add: (handlers.append if add else handlers.remove)(handler)  # noqa: E731
     windll = SimpleNamespace(kernel32=SimpleNamespace(SetConsoleCtrlHandler=keep))
     monkeypatch.setattr(kernel, SimpleNamespace(platform="win32"))

@@ -5,11 +5,11 @@ import signal
 import time
 
 import pytest
-from rcskin.hardware.meter.connection import VisaConnection
 from rcskin.hardware.meter.correction import correct
 from rcskin.hardware.meter.errors import CorrectionError, MeterError
 from rcskin.hardware.meter.hioki import HiokiMeter
 from rcskin.hardware.meter.instruments import open_meter
+from rcskin.hardware.meter.link.connection import VisaConnection
 from rcskin.hardware.meter.setting import Setting
 from rcskin.hardware.record.managed_meter import ManagedMeter
 from rcskin.hardware.record.recording_journal import RecordingJournal

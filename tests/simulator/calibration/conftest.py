@@ -61,7 +61,7 @@ def models_made_once():
         return replace(known[key], scene=scene)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("rcskin.simulator.calibration.centered_model.reduced_for", train)
+        patch.setattr("rcskin.simulator.calibration.fitting.centered_model.reduced_for", train)
         yield
 
 

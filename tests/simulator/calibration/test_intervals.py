@@ -4,16 +4,16 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.fitting.fit_options import Options
+from rcskin.simulator.calibration.fitting.prior import Prior
 from rcskin.simulator.calibration.likelihood.profile import Profile, ProfiledQuantity
 from rcskin.simulator.calibration.likelihood.profile_distribution import (
     NORMAL,
     ProfileDistribution,
     cut_normal,
 )
-from rcskin.simulator.calibration.prior import Prior
+from rcskin.simulator.calibration.results.sheet_intervals import COMMON, MISMATCH, series_intervals
 from rcskin.simulator.calibration.run import calibrate
-from rcskin.simulator.calibration.sheet_intervals import COMMON, MISMATCH, series_intervals
 from rcskin.simulator.models.parameters import own_values
 from scipy.optimize import least_squares
 from scipy.special import ndtr

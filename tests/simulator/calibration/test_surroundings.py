@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.centered_model import model_of
-from rcskin.simulator.calibration.fit_options import Options
-from rcskin.simulator.calibration.measurements import measurements_of
+from rcskin.simulator.calibration.fitting.centered_model import model_of
+from rcskin.simulator.calibration.fitting.fit_options import Options
+from rcskin.simulator.calibration.fitting.measurements import measurements_of
 from rcskin.simulator.calibration.misfit import gap_by_parameter
 from rcskin.simulator.calibration.run import calibrate
-from rcskin.simulator.calibration.surroundings_trials import with_effects
+from rcskin.simulator.calibration.trials.surroundings_trials import with_effects
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.effects import EFFECTS
@@ -47,7 +47,7 @@ def model(scene):
     known = found.reduced
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
-            "rcskin.simulator.calibration.centered_model.reduced_for",
+            "rcskin.simulator.calibration.fitting.centered_model.reduced_for",
             lambda scene, *given, **more: replace(known, scene=scene),
         )
         yield found

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.fem import pattern
-from rcskin.simulator.fem.dropped import DROPPED
-from rcskin.simulator.fem.kernels import block, compressed
-from rcskin.simulator.fem.pattern import (
+from rcskin.simulator.fem.matrices import pattern
+from rcskin.simulator.fem.matrices.dropped import DROPPED
+from rcskin.simulator.fem.matrices.kernels import block, compressed
+from rcskin.simulator.fem.matrices.pattern import (
     block_readable,
     compressed_readable,
     pattern_of_pairs,

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from rcskin.simulator.sweeps import InputError, impedance, parallel_capacitance, write
-from rcskin.simulator.sweeps.importing.columns import recognised
 from rcskin.simulator.sweeps.importing.labels import Defaults
+from rcskin.simulator.sweeps.importing.tables.columns import recognised
 from rcskin.simulator.sweeps.imports import ImportOptions, import_file, import_files
 
 

@@ -10,7 +10,7 @@ from typing import TypeVar
 import numpy as np
 
 from ....arrays import Integer, Mask, Real
-from ....fem.circuit import Circuit
+from ....fem.terminals.circuit import Circuit
 from ....mesh.domain import Domain
 from ....mesh.pixel_coverage import pixel_coverage
 from ....mesh.quadrilaterals import Resolution

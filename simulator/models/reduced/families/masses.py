@@ -11,7 +11,7 @@ import numpy as np
 from scipy.sparse import csc_matrix, csr_matrix
 
 from ....arrays import Integer, Real
-from ....fem.dropped import DROPPED
+from ....fem.matrices.dropped import DROPPED
 from ....fem.system import System
 from ....press.parts import Parts
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ....arrays import Integer, Real
-from ....fem.circuit import Circuit
+from ....fem.terminals.circuit import Circuit
 from ....mesh.domain import Domain
 from ....mesh.refining.inverted_triangles import finer
 from ....press.press import Press

@@ -10,7 +10,7 @@ import numpy as np
 from scipy.sparse import csc_matrix
 
 from ....arrays import Integer, Real
-from ....fem.circuit import Circuit
+from ....fem.terminals.circuit import Circuit
 from ....method_cache import cached_method
 from ....press.parts import Parts, parts_of
 from ....press.press import Press

@@ -1,0 +1,1 @@
+"""Displays of a live session: terminal, pipe, page and ROS 2."""

@@ -1,0 +1,1 @@
+"""Connection to a meter, conversation over it, and discovery of meters."""

@@ -1,0 +1,88 @@
+"""Original settings of a meter, and their restoring."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextlib import suppress
+from contextvars import ContextVar
+from typing import Any, Protocol
+
+from ....simulator.sweeps import InputError
+from ..errors import MeterError, RefusedError, RestartedError
+from ..meter_identity import MeterIdentity
+from ..setting import Setting, SettingsOwner
+from .termination import shielded
+
+MAX_RESTARTS = 3
+"""Number of restarts of the meter that are allowed during the restoring."""
+
+
+class OriginalSettingsStore(Protocol):
+    """Store of a meter's original settings, shared by successive connections."""
+
+    def original_settings(self, identity: MeterIdentity) -> dict[str, Any]:
+        """Original settings of a meter; whoever changes a setting adds its original value.
+
+        Raises WrongMeterError if the store holds those of another meter.
+        """
+        ...
+
+    def save_original(self) -> None:
+        """Save the original settings: one was added, and the meter is about to change."""
+        ...
+
+
+SETTINGS_STORE: ContextVar[OriginalSettingsStore | None] = ContextVar("keeper", default=None)
+"""Store for the meters that are opened. None: each meter restores its own on release."""
+
+
+def restore_original(meter: SettingsOwner) -> None:
+    """Restore all changed settings. No signal ends that.
+
+    `original` then holds the settings that the meter did not confirm. Raises MeterError if the
+    connection fails or the meter restarts too often; another call continues from there.
+    """
+    kept, meter.original = meter.original or {}, None
+    everything = dict(kept)
+    try:
+        with shielded():
+            with suppress(MeterError):
+                meter.talk.check_events("the end")  # drops a pending answer
+            for _ in range(MAX_RESTARTS):
+                with suppress(RestartedError):
+                    return _restore_each(meter, kept)
+                kept.update(everything)
+            _restore_each(meter, kept)
+    finally:
+        meter.original = kept
+
+
+def _restore_each(meter: SettingsOwner, kept: dict[str, Any]) -> None:
+    """Restore each setting in `kept`, and remove those that the meter confirms."""
+    last = meter.restored_last
+    for name in sorted(kept, key=lambda name: name in last and 1 + last.index(name)):
+        setting = getattr(type(meter), name, None)
+        if not isinstance(setting, Setting):
+            continue
+        with suppress(RefusedError, InputError, TypeError, ValueError):  # values may be of a file
+            setting.restore(meter, kept[name])
+            del kept[name]
+
+
+def not_restored_message(settings: Mapping[str, Any]) -> str:
+    """Message about settings that were not restored. settings: their original values."""
+    return (
+        "the meter did not confirm these original settings; check them on the meter: "
+        f"{settings_text(settings)}"
+    )
+
+
+def settings_text(settings: Mapping[str, Any]) -> str:
+    """Settings as text: `name = value, ...`."""
+    return ", ".join(f"{name} = {_value_text(value)}" for name, value in settings.items())
+
+
+def _value_text(value: Any) -> str:
+    """One value, or the values of all ranges or registers; equal values appear once."""
+    each = value if isinstance(value, (tuple, list)) else (value,)
+    return " ".join(map(str, dict.fromkeys(each) if len(set(each)) == 1 else each))

@@ -1,0 +1,36 @@
+"""Snapshot of a meter's settings: kept with a recording, required and restored."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from ..errors import CorrectionError, RestartedError
+from ..reading_source import ReadingSource, SettingValue
+
+
+def restore_settings(meter: ReadingSource, settings: Mapping[str, SettingValue]) -> None:
+    """Restore the settings of a snapshot.
+
+    Raises CorrectionError if one that cannot be set differs, such as the open or short correction.
+    """
+    meter.apply_settings(settings)
+    now = meter.snapshot()
+    for name in meter.reported:
+        if now[name] != settings[name]:
+            again = "acquire it again (`rcskin meter correct`)"
+            raise CorrectionError(
+                f"{meter.resource}: {name.replace('_', ' ')} was {settings[name]} when the "
+                f"recording began and is {now[name]} now; "
+                f"{again if name.endswith('_correction') else 'set it again on the meter'}"
+            )
+
+
+def require_settings(meter: ReadingSource, settings: Mapping[str, SettingValue]) -> None:
+    """Raises RestartedError if any setting differs from the snapshot."""
+    now = meter.snapshot()
+    for name in {**settings, **now}:
+        if now.get(name) != settings.get(name):
+            raise RestartedError(
+                f"{meter.resource}: `{name}` is {now.get(name)} and was {settings.get(name)}; "
+                "check whether the meter lost its settings or someone changed them on its panel"
+            )

@@ -1,0 +1,1 @@
+"""The fit: parameters and their priors, measurements, residuals and their minimization."""

@@ -1,0 +1,207 @@
+"""The least-squares problem: residuals in units of the meter's error, and their exact Jacobian.
+
+Unknowns are parameters, strengths of presses, and the meter's fixed errors of each session (one for
+each range of a meter, or each interface). Each is counted from the center of its prior in standard
+deviations of that prior, so that a prior adds one residual, which is the unknown itself. The
+meter's fixed errors are unknowns of known spread; independent residuals with them are equivalent to
+residuals whitened by the covariance of `ErrorModel` over a session.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+
+from ...arrays import Complex, Integer, Real
+from ...measure.readout import observed, observed_slope
+from ...models.parameters import FACTORS, foam_parts
+from ..likelihood.qr_reduction import ReducedSystem, ResidualBlock, reduced_system
+from .centered_model import CenteredModel
+from .fit_spec import FitSpec, deviation_of
+from .measurements import SessionSweep
+
+MIN_RISE = -0.9
+
+
+class LeastSquaresProblem:
+    """Residuals and Jacobian at any unknowns, computed with one model."""
+
+    def __init__(self, spec: FitSpec, model: CenteredModel) -> None:
+        self.spec, self.model = spec, model
+        self.cells = [model.model.cells(each.press) for each in spec.measurements.sweeps]
+        self._deviation = np.stack([deviation_of(spec, each) for each in spec.measurements.sweeps])
+        self._last: tuple[bytes, list[ResidualBlock]] | None = None
+        self._turned: tuple[bytes, float, ReducedSystem] | None = None
+
+    def residuals(self, u: Real) -> Real:
+        """Residuals of all sweeps, then of all priors; shape (residual,)."""
+        found = np.empty(self._deviation.shape)
+        for block in self._blocks(u):
+            found[block.readings] = block.residuals
+        return np.concatenate([found.ravel(), u])
+
+    def jacobian(self, u: Real) -> Real:
+        """Exact derivatives of the residuals, shape (residual, unknown)."""
+        slopes = np.zeros((*self._deviation.shape, len(u)))
+        for block in self._blocks(u):
+            slopes[block.readings[:, None], :, block.columns] = block.slopes.transpose(0, 2, 1)
+        return np.vstack([slopes.reshape(-1, len(u)), np.eye(len(u))])
+
+    def reduced_system(self, u: Real, scale: float = 1.0) -> ReducedSystem:
+        """Residuals and Jacobian rotated to few more rows than unknowns.
+
+        Their products r'r, J'r and J'J stay the same. scale: divides chi-squared, but not the
+        priors of parameters. With Student's t errors chi-squared is the sum of rho.
+        """
+        if self._turned is None or self._turned[:2] != (u.tobytes(), scale):
+            tail, blocks = self.spec.tail, self._blocks(u)
+            if tail is not None:
+                blocks = [tail.damped(each) for each in blocks]
+            found = reduced_system(blocks, u, len(self.spec.fitted), scale)
+            self._turned = u.tobytes(), scale, found
+        return self._turned[2]
+
+    def squares(self, u: Real) -> Real:
+        """Squared distance of each used reading over the noise, shape (reading,)."""
+        squares = self._squares(u)
+        return squares[np.isfinite(self._deviation[:, : squares.shape[1]])]
+
+    def _squares(self, u: Real) -> Real:
+        """Squared distance of every reading over the noise, shape (sweep, reading)."""
+        residuals = self.residuals(u)[: self._deviation.size].reshape(len(self._deviation), 2, -1)
+        return (residuals**2).sum(axis=1)
+
+    def root_information(self, u: Real) -> Real:
+        """Root of the information of each number over that of a normal one; (sweep * number,)."""
+        tail = self.spec.tail
+        assert tail is not None
+        weights = tail.information * tail.weights(self._squares(u))
+        return np.sqrt(np.tile(weights, 2).ravel())
+
+    def bounds(self) -> tuple[Real, Real]:
+        """Lower and upper bounds of the unknowns: physical limits and the model's reach."""
+        low = np.full(len(self.spec.unknowns(self._centers)), -np.inf)
+        high = -low
+        for k, (name, prior) in enumerate(self.spec.fitted.items()):
+            limits = prior.low, prior.high
+            if name in FACTORS:
+                about, reach = self.model.center[name], self.model.reach(name)
+                limits = about - reach, about + reach
+            low[k], high[k] = (np.array(limits) - prior.center) / prior.deviation
+        rises, spreads = self._all_rises()
+        of_touches = slice(len(self.spec.fitted), len(self.spec.fitted) + len(rises))
+        lowest = MIN_RISE if self.spec.measurements.scene.press.by_factor else 0.0
+        low[of_touches] = np.minimum((lowest - rises) / spreads, -1e-3)
+        return low, high
+
+    def rises(self, u: Real, k: int) -> Real:
+        """Changes that the touches of one sweep make: rises of c, then fingers in F."""
+        rises, spreads = self.cells[k][1].copy(), self.spec.spreads[k]
+        unknown = u[self._firsts[k] : self._firsts[k] + len(spreads)]
+        rises[: len(spreads)] += np.array(spreads) * unknown
+        return rises
+
+    def strengths(self, u: Real, k: int) -> Real:
+        """Rises of c under the touches of one sweep."""
+        return self.rises(u, k)[self.cells[k][0] < foam_parts(self.spec.measurements.scene)]
+
+    def fitted(self, u: Real) -> Complex:
+        """Fitted Z in ohm without the meter's errors, shape (sweep, interface, frequency)."""
+        found = np.empty(
+            (len(self.cells), *self.spec.measurements.sweeps[0].Z.shape), dtype=complex
+        )
+        for block in self._blocks(u):
+            found[block.readings] = block.Z
+        return found
+
+    @property
+    def _centers(self) -> dict[str, float]:
+        return {name: prior.center for name, prior in self.spec.fitted.items()}
+
+    def _all_rises(self) -> tuple[Real, Real]:
+        """Rises of the touches of unknown strength, and their standard deviations."""
+        known = [self.cells[k][1][: len(own)] for k, own in enumerate(self.spec.spreads)]
+        rises = np.concatenate([np.zeros(0), *known])
+        return rises, np.array([each for own in self.spec.spreads for each in own])
+
+    def _blocks(self, u: Real) -> list[ResidualBlock]:
+        if self._last is None or self._last[0] != u.tobytes():
+            self._last = u.tobytes(), [self._block(u, group) for group in self._groups]
+        return self._last[1]
+
+    @cached_property
+    def _firsts(self) -> list[int]:
+        """Index of the first unknown strength of each sweep."""
+        counts = np.cumsum([0, *map(len, self.spec.spreads[:-1])])
+        return (len(self.spec.fitted) + counts).tolist()
+
+    @cached_property
+    def _groups(self) -> list[Integer]:
+        """Sweeps grouped by their number of touches and of unknown strengths."""
+        own = [(len(c), len(s)) for (c, _), s in zip(self.cells, self.spec.spreads, strict=True)]
+        return [np.flatnonzero([each == kind for each in own]) for kind in sorted(set(own))]
+
+    def _block(self, u: Real, group: Integer) -> ResidualBlock:
+        """Residuals and derivatives of one group of sweeps, over their standard deviations."""
+        spec, readings = self.spec, [self.spec.measurements.sweeps[k] for k in group]
+        cells = np.stack([self.cells[k][0] for k in group])
+        share = spec.share_of_rises(u)
+        rises = share * np.stack([self.rises(u, int(k)) for k in group])
+        response = self.model.respond_together(cells, rises, spec.values(u))
+        by_parameter = dict(response.by_parameter)
+        if spec.absolute_touches:
+            by_rises = (response.by_cell * rises[:, None, None]).sum(axis=-1)
+            by_parameter["capacitance"] = by_parameter["capacitance"] - by_rises
+        parameters = [
+            prior.deviation * observed_slope(response.Z, by_parameter[name])
+            for name, prior in spec.fitted.items()
+        ]
+        spreads = share * np.array([spec.spreads[k] for k in group])
+        touches = [
+            spread[:, None] * observed_slope(response.Z, response.by_cell[..., touch])
+            for touch, spread in enumerate(spreads.T)
+        ]
+        errors = self._errors[group]
+        stacked = [np.stack(each, axis=2) for each in (touches, parameters) if each]
+        slopes = np.concatenate([*stacked, errors], axis=2)
+        columns = self._columns(group, readings)
+        of_errors = columns[:, columns.shape[1] - errors.shape[2] :]
+        measured = np.stack([reading.Z for reading in readings])
+        off = difference(response.Z, measured) + np.einsum("kre,ke->kr", errors, u[of_errors])
+        deviation = self._deviation[group][:, :, None]
+        return ResidualBlock(
+            group, columns, len(touches), response.Z, off / deviation[..., 0], slopes / deviation
+        )
+
+    def _columns(self, group: Integer, readings: Sequence[SessionSweep]) -> Integer:
+        """Unknowns that each sweep depends on: its touches, parameters, errors of its session."""
+        spec, count = self.spec, self._errors.shape[2]
+        size = len(spec.fitted) + spec.touch_count + spec.error_count
+        sessions = [spec.measurements.sessions.index(reading.session) for reading in readings]
+        touches = len(spec.spreads[group[0]])
+        return np.column_stack(
+            [
+                np.array([self._firsts[k] for k in group])[:, None] + np.arange(touches),
+                np.tile(np.arange(len(spec.fitted)), (len(group), 1)),
+                size - spec.error_count + count * np.array(sessions)[:, None] + np.arange(count),
+            ]
+        )
+
+    @cached_property
+    def _errors(self) -> Real:
+        """Derivatives by the meter's fixed errors, shape (sweep, 2 * Z.size, error)."""
+        spec = self.spec
+        which = np.stack([reading.fixed.ravel() for reading in spec.measurements.sweeps])
+        own = np.eye(spec.measurements.fixed)[which]
+        found = np.zeros((len(which), 2, which.shape[1], 0))
+        for half, spread in spec.accuracy.items():
+            entering = spread[:, None, :, None] * np.eye(2)[half][:, None, None] * own[:, None]
+            found = np.concatenate([found, entering], axis=-1)
+        return found.reshape(len(which), 2 * which.shape[1], -1)
+
+
+def difference(Z: Complex, other: Complex) -> Real:
+    """Differences of ln |Z| and of phase, the latter within half a turn; (..., 2 * readings)."""
+    return observed(Z / other)

@@ -1,0 +1,1 @@
+"""Results of a fit: estimates with intervals, what they determine, report and chart."""

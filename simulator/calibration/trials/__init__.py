@@ -1,0 +1,1 @@
+"""Trial fits of physics and surroundings that a scene lacks."""

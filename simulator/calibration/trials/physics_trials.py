@@ -1,0 +1,113 @@
+"""Trial fits of physics that a scene lacks, where the best fit leaves structure in its residuals.
+
+Noise is independent from one frequency to the next. Residuals that are not have a cause that the
+model lacks.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from ...models.parameters import loss_of
+from ...progress import ProgressCallback, silent
+from ...sweeps.units import prefixed
+from ..fitting.fit import EXPLAINED, Fit, solve_from
+from ..fitting.fit_spec import FitSpec
+from ..fitting.prior import Noise, Prior, effect_prior
+from ..fitting.problem import LeastSquaresProblem
+from ..residual_correlation import neighbour_correlation
+from .series_element import CAPACITANCE, RESISTANCE, Element, WithSeriesElement
+from .surroundings_trials import trial_remarks
+
+STRUCTURED = 0.5
+"""Correlation of residuals at neighbouring frequencies from which a fit leaves structure."""
+SLOPE = 0.1
+"""Prior standard deviation of the change of the exponent in a decade."""
+SHARE = 0.3
+"""Initial resistance of an element in series, over the smallest |Z|."""
+ELEMENTS: Mapping[Element, str] = {
+    "line": "a second line in series",
+    "film": "a film in series",
+}
+
+
+def misfit_trials(
+    fit: Fit, freedom: float, noise: Noise, progress: ProgressCallback = silent
+) -> list[str]:
+    """Remarks on physics that the scene lacks and that would explain the remaining misfit."""
+    surroundings = [] if noise.guessed else trial_remarks(fit, freedom, progress)
+    return [*surroundings, *physics_remarks(fit, freedom, noise.stated)]
+
+
+def physics_remarks(fit: Fit, freedom: float, stated: bool) -> list[str]:
+    """A remark on the structure in the residuals, and on what each trial leaves of chi-squared.
+
+    freedom: degrees of freedom of the fit. stated: True if the noise is known, so that a fit may
+    explain the readings although its residuals are correlated. Empty without structure.
+    """
+    correlation = neighbour_correlation(fit)
+    explained = stated and fit.chi_squared < EXPLAINED * freedom
+    if correlation < STRUCTURED or explained:
+        return []
+    elements = () if fit.spec.measurements.scene.reading.gain else ELEMENTS
+    trials = [*_losses(fit), *(_element(fit, each) for each in elements)]
+    if not trials:
+        return []
+    left = {text: trial.chi_squared / fit.chi_squared for text, trial in trials}
+    shares = (
+        f"{text} leaves {100 * share:.0f} %" for text, share in sorted(left.items(), key=_share)
+    )
+    return [
+        f"the fit leaves structure: residuals at neighbouring frequencies correlate by "
+        f"{correlation:.2f}, and intervals do not include the bias by physics that the scene "
+        f"lacks; of chi-squared, in addition, {'; '.join(shares)}"
+    ]
+
+
+def _share(pair: tuple[str, float]) -> float:
+    return pair[1]
+
+
+def _losses(fit: Fit) -> list[tuple[str, Fit]]:
+    """Fits with an exponent that depends on frequency, and with a leak, and what was fitted."""
+    found = []
+    if "phase_exponent" in fit.spec.names:
+        slope = _solved(fit, {"exponent_slope": Prior(0.0, SLOPE)}, {"exponent_slope": 0.0})
+        change = slope.values["exponent_slope"]
+        found.append((f"an exponent that changes by {change:+.2g} in a decade", slope))
+    if "leak" not in fit.spec.names:
+        leak = _solved(fit, {"leak": effect_prior(fit.spec.measurements, "leak")}, {"leak": 0.0})
+        found.append((f"a leak of {leak.values['leak']:.2g} 1/s (--also leak)", leak))
+    return found
+
+
+def _solved(fit: Fit, priors: Mapping[str, Prior], at: Mapping[str, float]) -> Fit:
+    fixed = {name: value for name, value in fit.spec.fixed.items() if name not in priors}
+    spec = replace(fit.spec, fitted={**fit.spec.fitted, **priors}, fixed=fixed)
+    return solve_from(LeastSquaresProblem(spec, fit.problem.model), {**fit.values, **at})
+
+
+def _element(fit: Fit, element: Element) -> tuple[str, Fit]:
+    """The best fit with an element in series, of several starts, and what was fitted."""
+    frequency, Z = fit.spec.measurements.first
+    model = WithSeriesElement(fit.problem.model, element, loss_of(fit.values))
+    R = SHARE * float(np.abs(Z).min())
+    corners = np.exp(np.quantile(np.log(frequency), [0.25, 0.5, 0.75]))
+    fits = [_with_element(fit.spec, model, fit.values, R, float(f)) for f in corners]
+    best = min(fits, key=lambda each: each.cost)
+    R, C = (math.exp(best.values[name]) for name in (RESISTANCE, CAPACITANCE))
+    return f"{ELEMENTS[element]} of {prefixed(R, 'ohm')} and {prefixed(C, 'F')}", best
+
+
+def _with_element(
+    spec: FitSpec, model: WithSeriesElement, values: Mapping[str, float], R: float, f: float
+) -> Fit:
+    """Fit from an element of resistance R whose corner is at a frequency f."""
+    own = {RESISTANCE: math.log(R), CAPACITANCE: -math.log(2 * math.pi * f * R)}
+    priors = {name: Prior(at, math.log(1e3)) for name, at in own.items()}
+    whole = replace(spec, fitted={**spec.fitted, **priors})
+    return solve_from(LeastSquaresProblem(whole, model), {**values, **own})

@@ -1,0 +1,65 @@
+"""A model behind one more element: a second line, or a film of resistance and capacitance."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from ...arrays import Complex, Integer, Real
+from ...models.line_ports import tanh_ratio
+from ...models.line_slopes import tanh_ratio_slope
+from ...models.response import Response
+from ...scene.frequency import LOSSLESS, Loss, laplace_variable
+from ..fitting.centered_model import CenteredModel
+
+RESISTANCE, CAPACITANCE = "element_resistance", "element_capacitance"
+"""Logarithms of the element's resistance in ohm and capacitance in F, as parameters."""
+
+Element = Literal["line", "film"]
+
+
+class WithSeriesElement(CenteredModel):
+    """A fitted model behind one more element.
+
+    A line, open at its end, has Z = R / (w T(w)), T(q²) = tanh(q)/q, w = s R C, with the losses of
+    the foam. A film has Z = R / (1 + j omega R C).
+    """
+
+    def __init__(self, inner: CenteredModel, element: Element, loss: Loss) -> None:
+        super().__init__(inner.model, inner.center, inner.uneven)
+        self._element = element
+        frequency = inner.model.scene.frequencies
+        self._s = laplace_variable(frequency, loss if element == "line" else LOSSLESS)
+
+    def own(self, values: Mapping[str, float]) -> dict[str, float]:
+        """Values of the scene's parameters, without those of the element."""
+        scene = {name: at for name, at in values.items() if name not in (RESISTANCE, CAPACITANCE)}
+        return super().own(scene)
+
+    def respond_together(
+        self, cells: Integer, rises: Real, values: Mapping[str, float]
+    ) -> Response:
+        """See `CenteredModel.respond_together`."""
+        response = super().respond_together(cells, rises, values)
+        Z, by_resistance, by_capacitance = self._added(values)
+        slopes = {
+            RESISTANCE: np.broadcast_to(by_resistance, response.Z.shape),
+            CAPACITANCE: np.broadcast_to(by_capacitance, response.Z.shape),
+        }
+        by_parameter = {**response.by_parameter, **slopes}
+        return replace(response, Z=response.Z + Z, by_parameter=by_parameter)
+
+    def _added(self, values: Mapping[str, float]) -> tuple[Complex, ...]:
+        """Z of the element in ohm, and its derivatives by both parameters; (frequency,)."""
+        R, C = np.exp(values[RESISTANCE]), np.exp(values[CAPACITANCE])
+        w = self._s * R * C
+        if self._element == "film":
+            Z = R / (1 + w)
+            return Z, Z / (1 + w), -Z * w / (1 + w)
+        T = tanh_ratio(w)
+        Z = R / (w * T)
+        by_w = -Z * (1 + w * tanh_ratio_slope(w, T) / T)
+        return Z, Z + by_w, by_w

@@ -1,0 +1,163 @@
+"""Trial fits of surroundings that a scene does not state: a body, the rim and a finger."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+
+from ...models.effects import EFFECTS, NEEDED, effects_of
+from ...models.parameters import scene_with
+from ...models.reader_parameters import READER
+from ...progress import ProgressCallback, silent
+from ...scene.foam.foam import VACUUM_PERMITTIVITY
+from ...scene.scene import Scene
+from ...scene.surroundings import Body, Rim, Surroundings
+from ...surroundings.rim import rim_densities
+from ...sweeps import InputError, ToleranceError
+from ..fitting.centered_model import CenteredModel, centered_model
+from ..fitting.fit import EXPLAINED, Fit, certificate_limit, solve_from
+from ..fitting.fit_spec import FitSpec
+from ..fitting.prior import Prior, effect_prior
+from ..fitting.problem import LeastSquaresProblem
+
+BODY = 8e-3
+"""m: initial distance of an unknown body from the untouched sheet. A factor of 30 on its
+capacitance reaches from 0.3 mm to 0.24 m."""
+RIM = 0.6 * VACUUM_PERMITTIVITY
+"""F/m: initial capacitance of the rim, between the sheets and of each to earth. Charges of
+three-dimensional solves give 0.61, 0.62 and 0.62 of vacuum's for a sheet of 0.12 m with 4 mm of
+foam and a virtual earth."""
+ADDABLE = (*EFFECTS, "leak", *READER)
+"""Parameters that a scene lacks until they are requested."""
+WORTH = 0.1
+"""Smallest share of chi-squared that an effect must remove to be reported."""
+NONE = {"body": -10.0, "rim": -10.0, "finger": 0.0}
+"""Parameter values at which an effect is negligible."""
+
+
+def with_effects(scene: Scene, names: Sequence[str]) -> Scene:
+    """The scene with the surroundings and the leak that these names need as parameters.
+
+    Raises InputError for a name that is not in ADDABLE, or that the scene cannot have.
+    """
+    for name in names:
+        if name not in ADDABLE:
+            raise InputError(f"`also` must be one of {', '.join(ADDABLE)}, got {name!r}")
+    for name in names:
+        if name in READER and not scene.reading.gain:
+            raise InputError(
+                f'{scene.name} cannot have {name}: no [[interface]] has reader = "gain"'
+            )
+    if "leak" in names and scene.skin.foam.leak is None:
+        foam = scene.skin.foam.model_copy(update={"leak": 0.0})
+        scene = scene.model_copy(update={"skin": scene.skin.model_copy(update={"foam": foam})})
+    names = [name for name in names if name in EFFECTS]
+    missing = [name for name in names if name not in effects_of(scene)]
+    if not missing:
+        return scene
+    own = scene.surroundings or Surroundings()
+    opposite = "bottom" if own.touched == "top" else "top"
+    added: dict[str, object] = {}
+    if "body" in missing and not own.body:
+        added["body"] = (Body(side=opposite, distance=BODY),)
+    if "rim" in missing and not own.solved:
+        added["rim"] = Rim(mutual=RIM, top=RIM, bottom=RIM)
+    found = scene.model_copy(update={"surroundings": own.model_copy(update=added)})
+    for name in missing:
+        if name not in effects_of(found):
+            raise InputError(f"{scene.name} cannot have {name}: {NEEDED[name]}")
+    return found
+
+
+def addable_effects(scene: Scene) -> list[str]:
+    """Those of EFFECTS that a scene lacks and can have."""
+    around = scene.surroundings
+    solved = around is not None and around.solved
+    can = {
+        "body": not solved,
+        "rim": not solved,
+        "finger": not (around and around.no_finger_reason),
+    }
+    return [name for name in EFFECTS if can[name] and name not in effects_of(scene)]
+
+
+def effect_text(scene: Scene, name: str, value: float) -> str:
+    """Text of one of EFFECTS of a scene at a value of its parameter."""
+    if name == "finger":
+        return f"a finger of about {_two_digits(1e12 * value)} pF"
+    around = scene_with(scene, {name: value}).surroundings
+    assert around is not None
+    if name == "rim":
+        rim = rim_densities(scene_with(scene, {name: value}))
+        return f"a rim of about {_two_digits(1e12 * max(rim.mutual, rim.top, rim.bottom))} pF/m"
+    nearest = max(around.body, key=lambda body: body.per_area)
+    if nearest.distance is None:
+        return f"a body of about {nearest.per_area:.2g} F/m²"
+    return f"a body at about {_two_digits(1e3 * nearest.distance)} mm"
+
+
+def _two_digits(value: float) -> str:
+    """Number with two significant digits."""
+    return f"{float(f'{value:.2g}'):g}"
+
+
+def trial_remarks(fit: Fit, freedom: float, progress: ProgressCallback = silent) -> list[str]:
+    """Remarks on the misfit that would remain with each of EFFECTS that the scene lacks.
+
+    freedom: degrees of freedom of the fit. Empty where the fit explains the readings.
+    """
+    spec, left = fit.spec, fit.chi_squared / freedom
+    if left < EXPLAINED or not addable_effects(spec.measurements.scene):
+        return []
+    try:
+        trials = Trials(spec, fit.values, progress)
+        found = {name: trials.fit(name) for name in trials.names}
+    except (InputError, ToleranceError) as error:
+        return [f"surroundings of the skin were not tried: {error}"]
+    lines = [
+        f"{trials.text_of(each, name)} in addition would reduce chi-squared per degree of freedom "
+        f"from {left:.3g} to {each.chi_squared / (freedom - 1):.3g}; fit it with --also {name}"
+        for name, each in sorted(found.items(), key=lambda pair: pair[1].chi_squared)
+        if each.chi_squared < (1 - WORTH) * fit.chi_squared
+    ]
+    return lines or [
+        "neither a body near the skin nor its rim nor a finger explains the remaining misfit"
+    ]
+
+
+class Trials:
+    """Fits of a problem with one more parameter: each of EFFECTS that its scene lacks."""
+
+    def __init__(
+        self, spec: FitSpec, at: dict[str, float], progress: ProgressCallback = silent
+    ) -> None:
+        """spec: for the scene without these effects. at: initial values of its parameters."""
+        self.names = addable_effects(spec.measurements.scene)
+        scene = with_effects(spec.measurements.scene, self.names)
+        none = {name: NONE[name] for name in self.names}
+        self.spec = replace(
+            spec, measurements=replace(spec.measurements, scene=scene), fixed={**spec.fixed, **none}
+        )
+        self._at = at
+        self._ready: CenteredModel = centered_model(scene, at, certificate_limit(spec), progress)
+
+    def fit(
+        self,
+        name: str,
+        also: Mapping[str, Prior] = MappingProxyType({}),
+        at: Mapping[str, float] = MappingProxyType({}),
+    ) -> Fit:
+        """The best fit with one of these effects.
+
+        also: priors of further parameters to fit. at: initial values of these.
+        """
+        own = {name: effect_prior(self.spec.measurements, name)}
+        both = {**self.spec.fitted, **also, **own}
+        fixed = {n: value for n, value in self.spec.fixed.items() if n not in both}
+        spec = replace(self.spec, fitted=both, fixed=fixed)
+        return solve_from(LeastSquaresProblem(spec, self._ready), {**self._at, **at, name: 0.0})
+
+    def text_of(self, fit: Fit, name: str) -> str:
+        """Text of the fitted effect."""
+        return effect_text(self.spec.measurements.scene, name, fit.values[name])

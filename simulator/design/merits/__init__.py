@@ -1,0 +1,1 @@
+"""Merits of a design: information, separation, selection of readings, scores."""

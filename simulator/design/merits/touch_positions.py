@@ -1,0 +1,65 @@
+"""Information of the readings of a skin on the position of a touch."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...arrays import Real
+from ...bounds.fields import TouchSize
+from ...bounds.fields.reduced_fields import ReducedFields
+from ...bounds.position_bound import ESTIMATED, Slopes, chosen_touch, places_on, position_slopes
+from ...bounds.touches.area_rasterizer import AreaRasterizer, Point
+from ...models.reduced.cases import Case
+from ...scene.scene import Scene
+from ...sweeps import InputError
+from ..skin_readout import SkinReadout
+from .fisher_merits import PositionMerit
+from .pair_separation import Pairs
+
+CELLS = 3
+"""Number of cells along each side of a pixel on which touches are rasterized."""
+ALONG = 5
+"""Largest number of positions along each side of the skin."""
+
+
+class TouchPositions:
+    """Touches of the size of a pixel at any position on a scene."""
+
+    def __init__(self, scene: Scene) -> None:
+        """Raises InputError for pixels in groups, and for a scene with surroundings."""
+        if scene.pixels.groups is not None:
+            raise InputError(f"{scene.name}: a design for positions needs pixels without `groups`")
+        scene.require_sheets_alone("a design for positions")
+        rows, columns = (CELLS * count for count in scene.pixels.shape)
+        self.divided = scene.on_grid(rows, columns)
+        self.size: TouchSize = chosen_touch(scene)
+        self.places: list[Point] = places_on(scene, self.size, CELLS, ALONG)
+        self.sides = scene.skin.length, scene.skin.width
+        self.room = self.sides[0] - self.size.width, self.sides[1] - self.size.height
+        self.cells = AreaRasterizer.of(*self.sides, (rows, columns))
+
+    @property
+    def merit(self) -> PositionMerit:
+        """Merit of positions on this skin."""
+        return PositionMerit(self.room)
+
+    def training_touch(self, random: np.random.Generator) -> Case:
+        """A random touch to train the model with."""
+        return Case(None, *self.cells.drawn(self.size, random))
+
+    def slopes(self, on: SkinReadout, frequency: Real, against_rest: int) -> Slopes:
+        """Slopes of one skin's readings at every position; frequency in Hz, ascending."""
+        reading = on.reading(frequency)
+        return position_slopes(
+            ReducedFields(on.scene, on.skin, 1, reading),
+            self.places,
+            self.size,
+            frequency,
+            model=on.errors(frequency, against_rest),
+            rasterizer=self.cells,
+        )
+
+    def pairs(self, on: SkinReadout, frequency: Real, against_rest: int) -> Pairs:
+        """The slopes as `Pairs`, each position with its share of the weight."""
+        by = self.slopes(on, frequency, against_rest).by[..., : len(ESTIMATED)]
+        return Pairs(by, np.full(len(by), 1 / len(by)))

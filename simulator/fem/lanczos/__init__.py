@@ -1,0 +1,1 @@
+"""Sweeps from few real solves by Lanczos' method."""

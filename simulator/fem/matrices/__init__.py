@@ -1,0 +1,1 @@
+"""Matrices of elements: quadrature, assembly in a fixed pattern, and factors."""

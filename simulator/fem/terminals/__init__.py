@@ -1,0 +1,1 @@
+"""Terminals of a skin: circuit, excitations, and the network between terminals."""

@@ -1,0 +1,1 @@
+"""Impedances and gains from the columns of a table, and their agreement."""

@@ -1,0 +1,180 @@
+"""Impedance or gain from the columns of a table; all columns that depend on it are compared."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ....arrays import Complex, Mask, Real
+from ...errors import InputError
+from ...impedance import parallel_capacitance
+from ...reading_quantities import IMPEDANCE, ReadingKind
+from ..failures import failure_reasons, status_reasons
+from ..tables.columns import ANGLES, UNITS, Column
+from ..tables.table import ImportedTable
+from .agreement import agreeing_columns, all_zeros, refuse
+from .gain_columns import gain_columns, gain_kind, shown_gains
+from .quantities import PAIRS, gain_of, impedance_of
+
+DIGITS = 12
+"""Digits to which frequencies are rounded, so that 0.1 kHz equals 100 Hz."""
+ROUNDING = 1.01
+"""Factor by which a phase may exceed 180 degrees."""
+
+
+@dataclass(frozen=True)
+class ImportedReadings:
+    """Readings of all lines of a table; arrays of shape (line,).
+
+    table: without the lines that are no readings of a working meter. frequency: Hz, 12 digits. Z:
+    ohm; from Rs and Cp on the capacitive branch; or the gain. shown: quantities of sweeps as the
+    file has them, and Cp in F in any case; NaN where a reading failed. pair: the columns that gave
+    Z, one for magnitudes of gains alone. compared: columns that agree with it. failed: True for
+    lines whose frequency is known and whose reading failed; Z is NaN there. kind: of the readings.
+    """
+
+    table: ImportedTable
+    frequency: Real
+    Z: Complex
+    shown: dict[str, Real]
+    frequency_column: Column
+    pair: tuple[Column, ...]
+    compared: list[Column]
+    failed: Mask
+    kind: ReadingKind = IMPEDANCE
+
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """What the columns of the pair hold."""
+        return tuple(each.holds for each in self.pair)
+
+
+def imported_readings(table: ImportedTable) -> ImportedReadings:
+    """Frequency and impedance of every line, or gain if no columns give an impedance.
+
+    Raises InputError naming the file, and the line if there is one: no columns that give an
+    impedance or a gain, a cell that is no number, a frequency < 0, a modulus < 0, a reading of 0, a
+    phase beyond 180 degrees, a pair (Rs, Cp) without a solution for the reactance, a column that
+    contradicts the reading.
+    """
+    by, gains = table.holding("frequency")[0], gain_columns(table)
+    pair = gains or _pair(table)
+    table = table.written([by, *pair])
+    f = _frequencies(table, by)
+    idle = ["the frequency is 0" if each == 0 else "" for each in f]
+    idle = [reason or ("" if np.isfinite(each) else f"`{by.name}` is no reading")
+            for reason, each in zip(idle, f, strict=True)]  # fmt: skip
+    table, f = table.without(idle), f[[not reason for reason in idle]]
+    refuse(table, f <= 0, f"the frequency must be > 0 Hz (`{by.name}`)")
+    numbers = [table.numbers(column) for column in pair]
+    status = status_reasons(table)
+    failing = failure_reasons(table, {c.name: n for c, n in zip(pair, numbers, strict=True)})
+    reasons = [one or other for one, other in zip(status, failing, strict=True)]
+    good = np.array([not reason for reason in reasons])
+    checked = table.without(reasons)
+    numbers = [each[good] for each in numbers]
+    _check_numbers(checked, pair, numbers)
+    kind = gain_kind(gains) if gains else IMPEDANCE
+    Z = _complex(checked, pair, numbers, f[good], kind)
+    zero, letter = ("the gain is 0", "the gain") if gains else ("Z is 0 ohm", "Z")
+    refuse(checked, Z == 0, f"{zero}, which no reading is")
+    refuse(checked, ~np.isfinite(Z), f"{letter} is infinite, which no reading is")
+    compared = agreeing_columns(checked, pair, by, Z, f[good])
+    filled = np.full(len(f), np.nan, dtype=np.complex128)
+    filled[good] = Z
+    if kind is IMPEDANCE:
+        shown = {"Cp": _capacitance(checked, pair, compared, Z, f[good])}
+    else:
+        shown = shown_gains(tuple(each.holds for each in pair), numbers)
+    every = {name: np.full(len(f), np.nan) for name in shown}
+    for name, values in shown.items():
+        every[name][good] = values
+    whole = replace(table, left_out=checked.left_out)
+    return ImportedReadings(whole, f, filled, every, by, pair, compared, ~good, kind)
+
+
+def _frequencies(table: ImportedTable, column: Column) -> Real:
+    return np.array([float(f"{each:.{DIGITS}g}") for each in table.numbers(column)])
+
+
+def _pair(table: ImportedTable) -> tuple[Column, Column]:
+    """The columns that give Z: the first pair with understood units.
+
+    Raises InputError with the problem of the first pair if all have one, or if there is no pair.
+    """
+    problem = ""
+    for pair in PAIRS:
+        found = [table.holding(holds) for holds in pair]
+        if not all(found) or (pair == ("admittance", "phase") and table.holding("magnitude")):
+            continue
+        first, second = found[0][0], found[1][0]
+        problems = first.problem or second.problem
+        if not problems and not (all_zeros(table, first) or all_zeros(table, second)):
+            return first, second
+        problem = problem or problems
+    if problem:
+        raise InputError(f"{table.path}: {problem}")
+    for pair in PAIRS:
+        found = [table.holding(holds) for holds in pair]
+        if all(found):
+            return found[0][0], found[1][0]
+    known = [column for column in table.columns if column.holds in UNITS]
+    listed = ", ".join(f"`{column.name}`" for column in known)
+    raise InputError(
+        f"{table.path}: needs columns of Rs and X, of |Z| and phase, of Cs or Cp and D, Rs or Rp, "
+        f"of Ls or Lp and Rs, Rp or Q, of G and B, of |Y| and phase, or of a gain; in the header "
+        f"in line {table.header} only {listed} are understood{_not_understood(table)}"
+    )
+
+
+def _not_understood(table: ImportedTable) -> str:
+    known = {column.place for column in table.columns}
+    others = [f"`{name}`" for place, name in enumerate(table.names) if name and place not in known]
+    return f", not {', '.join(others)}" if others else ""
+
+
+def _check_numbers(table: ImportedTable, pair: tuple[Column, ...], numbers: list[Real]) -> None:
+    for column, values in zip(pair, numbers, strict=True):
+        kind = {"magnitude": "|Z|", "admittance": "|Y|", "gain": "|V / V_s|"}.get(column.holds)
+        if kind is not None:
+            refuse(table, values < 0, f"{kind} must be >= 0 (`{column.name}`)")
+        if column.holds in ("Cs", "Lp", "Rp", "Q"):
+            refuse(table, values == 0, f"{column.holds} must not be 0 (`{column.name}`)")
+        if column.holds in ANGLES:
+            beyond = np.abs(values) > np.pi * ROUNDING
+            refuse(
+                table,
+                beyond,
+                f"the phase `{column.name}` is beyond 180 degrees; is its unit right?",
+            )
+
+
+def _complex(
+    table: ImportedTable, pair: tuple[Column, ...], numbers: list[Real], f: Real, kind: ReadingKind
+) -> Complex:
+    """Readings from the numbers of the columns: Z in ohm, or gains."""
+    if kind is not IMPEDANCE:
+        return gain_of(tuple(each.holds for each in pair), numbers, f)
+    kinds, (first, second) = (pair[0].holds, pair[1].holds), numbers
+    try:
+        return impedance_of(kinds, first, second, f)
+    except InputError:
+        for (line, _), *reading in zip(table.rows, first, second, f, strict=True):
+            try:
+                impedance_of(kinds, *map(np.asarray, reading))
+            except InputError as error:
+                raise table.error(line, str(error)) from error
+        raise
+
+
+def _capacitance(
+    table: ImportedTable, pair: tuple[Column, ...], compared: list[Column], Z: Complex, f: Real
+) -> Real:
+    """Cp in F from the file where it has one, else computed from Z."""
+    found = parallel_capacitance(Z, f)
+    for column in (*pair, *compared):
+        if column.holds == "Cp":
+            values = table.readable(column)
+            return np.where(np.isfinite(values), values, found)
+    return found
