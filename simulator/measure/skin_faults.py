@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
-from typing import ClassVar, Literal, Self, get_args
+from dataclasses import dataclass, fields
+from typing import Any, ClassVar, Literal, Self, get_args, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..press.pixels import pixels_with_skin
 from ..scene.maps.tear import Tear
-from ..scene.readings.contacts import EDGES, Interface
+from ..scene.readings.contacts import Interface
 from ..scene.readings.one_conductor import BELOW
 from ..scene.scene import Scene
 from ..sweeps import InputError
 
 OPEN = 1e12
 """Z in ohm of a skin without any connection; no meter reads more."""
-NUMBER = r"\d*\.?\d+(?:[eE][+-]?\d+)?"
+PATTERNS: dict[Any, str] = {str: r".+", int: r"\d+", float: r"\d*\.?\d+(?:[eE][+-]?\d+)?"}
+"""Values in texts of faults by type; those of other types are one of a few words."""
 
 Half = Literal["low", "high"]
 TornSheets = Literal["top", "bottom", "both"]
@@ -27,19 +28,51 @@ TornSheets = Literal["top", "bottom", "both"]
 
 @dataclass(frozen=True)
 class SkinFault(ABC):
-    """A fault of a skin or of its reader; `str` gives its text, `parse_fault` reads it."""
+    """A fault of a skin or of its reader; `str` gives its text, `parse_fault` reads it.
+
+    kind: first words of its text. form: the text, with the names of the fields in braces.
+    """
 
     kind: ClassVar[str]
-    grammar: ClassVar[str]
+    form: ClassVar[str]
+
+    def __init_subclass__(cls) -> None:
+        cls.kind = cls.form.partition(" {")[0]
 
     @classmethod
-    @abstractmethod
-    def parsed(cls, rest: str) -> Self | None:
-        """The fault that the text after its kind describes; None if it describes none."""
+    def parsed(cls, text: str) -> Self | None:
+        """The fault with this text; None if the text is not of its form."""
+        types = cls._types()
+        values = {name: PATTERNS.get(each) or _one_of(each) for name, each in types.items()}
+        groups = {name: f"(?P<{name}>{pattern})" for name, pattern in values.items()}
+        found = re.fullmatch(cls.form.format(**groups), text)
+        if found is None:
+            return None
+        converted = {name: each for name, each in types.items() if each in PATTERNS}
+        return cls(**{name: converted.get(name, str)(found[name]) for name in types})
+
+    @classmethod
+    def grammar(cls) -> str:
+        """The form of its text, with words to choose from and names of values in capitals."""
+        each = cls._types().items()
+        return cls.form.format(**{name: _one_of(kind) or name.upper() for name, kind in each})
+
+    @classmethod
+    def _types(cls) -> dict[str, Any]:
+        return {field.name: get_type_hints(cls)[field.name] for field in fields(cls)}
+
+    def __str__(self) -> str:
+        each = vars(self).items()
+        texts = {name: f"{x:.4g}" if isinstance(x, float) else x for name, x in each}
+        return self.form.format(**texts)
 
     @abstractmethod
     def check(self, scene: Scene) -> None:
         """Raises InputError if the scene cannot have the fault."""
+
+    def refused(self, scene: Scene, why: str) -> InputError:
+        """The error that this scene cannot have the fault."""
+        return InputError(f"{scene.name}: fault {str(self)!r}: {why}")
 
     def changed(self, scene: Scene) -> Scene | None:
         """The scene with the fault, without interfaces that are open; None if all are.
@@ -77,24 +110,14 @@ class DeadFoil(SkinFault):
     An interface without any foil left at a terminal is open. Its meter reads the leads alone.
     """
 
-    contact: str
-    kind = "dead foil"
-    grammar = "dead foil NAME"
-
-    @classmethod
-    def parsed(cls, rest: str) -> Self | None:
-        return cls(rest) if rest else None
-
-    def __str__(self) -> str:
-        return f"{self.kind} {self.contact}"
+    name: str
+    form = "dead foil {name}"
 
     def check(self, scene: Scene) -> None:
-        _check_foil(self, self.contact, scene)
+        _check_foil(self, scene)
         if not scene.reading.one_to_one:
-            raise InputError(
-                f"{scene.name}: fault {str(self)!r} needs interfaces that are read one by one; "
-                "leave out `driven_with`"
-            )
+            needed = "needs interfaces that are read one by one; leave out `driven_with`"
+            raise self.refused(scene, needed)
 
     def changed(self, scene: Scene) -> Scene | None:
         kept = [
@@ -116,12 +139,12 @@ class DeadFoil(SkinFault):
 
     @property
     def place(self) -> str:
-        return self.contact
+        return self.name
 
     @property
     def _names(self) -> tuple[str, str]:
         """Names of the foil and of the earth below it, if there is one."""
-        return self.contact, f"{BELOW}{self.contact}"
+        return self.name, f"{BELOW}{self.name}"
 
     def _driven(self, interface: Interface) -> dict[str, tuple[str, ...]]:
         """Foils of both terminals of an interface that still have contact."""
@@ -136,39 +159,25 @@ class DeadFoil(SkinFault):
 class HalfFoil(SkinFault):
     """A foil of which one half of the length has no contact; `left` is the half that has."""
 
-    contact: str
+    name: str
     left: Half
-    kind = "half foil"
-    grammar = "half foil NAME low|high"
-
-    @classmethod
-    def parsed(cls, rest: str) -> Self | None:
-        for left in get_args(Half):
-            name = rest.removesuffix(f" {left}")
-            if name not in ("", rest):
-                return cls(name, left)
-        return None
-
-    def __str__(self) -> str:
-        return f"{self.kind} {self.contact} {self.left}"
+    form = "half foil {name} {left}"
 
     def check(self, scene: Scene) -> None:
-        _check_foil(self, self.contact, scene)
+        _check_foil(self, scene)
         if scene.skin.mesh is not None:
-            raise InputError(
-                f"{scene.name}: fault {str(self)!r} needs a foil with a span; foils of a mesh "
-                "from a file have none"
-            )
+            needed = "needs a foil with a span; foils of a mesh from a file have none"
+            raise self.refused(scene, needed)
 
     def changed(self, scene: Scene) -> Scene:
-        low, high = scene.contact(self.contact).span
+        low, high = scene.contact(self.name).span
         middle = (low + high) / 2
         span = [low, middle] if self.left == "low" else [middle, high]
-        return scene.with_({f"contact.{self.contact}.span": span})
+        return scene.with_({f"contact.{self.name}.span": span})
 
     @property
     def place(self) -> str:
-        return self.contact
+        return self.name
 
 
 @dataclass(frozen=True)
@@ -179,33 +188,17 @@ class TornSheet(SkinFault):
     edge: Literal["left", "right", "bottom", "top"]
     at: float
     length: float
-    kind = "tear"
-    grammar = "tear top|bottom|both EDGE AT LENGTH"
-
-    @classmethod
-    def parsed(cls, rest: str) -> Self | None:
-        sheets, edges = "|".join(get_args(TornSheets)), "|".join(EDGES)
-        found = re.fullmatch(rf"({sheets}) ({edges}) ({NUMBER}) ({NUMBER})", rest)
-        if found is None:
-            return None
-        return cls(found[1], found[2], float(found[3]), float(found[4]))  # type: ignore[arg-type]
-
-    def __str__(self) -> str:
-        return f"{self.kind} {self.sheets} {self.edge} {self.at:.4g} {self.length:.4g}"
+    form = "tear {sheets} {edge} {at} {length}"
 
     def check(self, scene: Scene) -> None:
         if scene.skin.one_conductor and self.sheets != "top":
-            raise InputError(
-                f"{scene.name}: fault {str(self)!r}: the bottom is earth; tear the top"
-            )
+            raise self.refused(scene, "the bottom is earth; tear the top")
         if scene.skin.outline is not None or scene.skin.mesh is not None:
-            raise InputError(f"{scene.name}: fault {str(self)!r} needs a rectangular skin")
+            raise self.refused(scene, "needs a rectangular skin")
         for name in self._torn:
             if scene.skin.sheet(name).map is not None:
-                raise InputError(
-                    f"{scene.name}: fault {str(self)!r}: the sheet has `skin.{name}.map`, and "
-                    "takes one map only"
-                )
+                taken = f"the sheet has `skin.{name}.map`, and takes one map only"
+                raise self.refused(scene, taken)
         self.changed(scene)
 
     def changed(self, scene: Scene) -> Scene:
@@ -228,22 +221,13 @@ class StuckSpot(SkinFault):
     row: int
     column: int
     factor: float
-    kind = "stuck spot"
-    grammar = "stuck spot ROW,COLUMN:FACTOR"
-
-    @classmethod
-    def parsed(cls, rest: str) -> Self | None:
-        found = re.fullmatch(rf"(\d+),(\d+):({NUMBER})", rest)
-        return None if found is None else cls(int(found[1]), int(found[2]), float(found[3]))
-
-    def __str__(self) -> str:
-        return f"{self.kind} {self.place}:{self.factor:.4g}"
+    form = "stuck spot {row},{column}:{factor}"
 
     def check(self, scene: Scene) -> None:
         if (self.row, self.column) not in pixels_with_skin(scene):
-            raise InputError(f"{scene.name}: fault {str(self)!r}: there is no such pixel")
+            raise self.refused(scene, "there is no such pixel")
         if not self.factor >= 1:
-            raise InputError(f"{scene.name}: fault {str(self)!r}: its factor must be >= 1")
+            raise self.refused(scene, "its factor must be >= 1")
 
     def foam(self, scene: Scene, grid: tuple[int, int]) -> NDArray[np.float64]:
         factors = np.ones(scene.pixels.shape)
@@ -262,20 +246,11 @@ class AgedGain(SkinFault):
 
     low: float
     high: float
-    kind = "aged gain"
-    grammar = "aged gain LOW HIGH"
-
-    @classmethod
-    def parsed(cls, rest: str) -> Self | None:
-        found = re.fullmatch(rf"({NUMBER}) ({NUMBER})", rest)
-        return None if found is None else cls(float(found[1]), float(found[2]))
-
-    def __str__(self) -> str:
-        return f"{self.kind} {self.low:.4g} {self.high:.4g}"
+    form = "aged gain {low} {high}"
 
     def check(self, scene: Scene) -> None:
         if not min(self.low, self.high) > 0:
-            raise InputError(f"{scene.name}: fault {str(self)!r}: its factors must be > 0")
+            raise self.refused(scene, "its factors must be > 0")
 
     def gain(self, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
         ends = np.log(frequency[[0, -1]])
@@ -289,14 +264,12 @@ SKIN_FAULTS: tuple[type[SkinFault], ...] = (DeadFoil, HalfFoil, TornSheet, Stuck
 
 def parse_fault(text: str, scene: Scene) -> SkinFault:
     """The fault with this text. Raises InputError if there is none or the scene cannot have it."""
-    for each in SKIN_FAULTS:
-        if text.startswith(f"{each.kind} "):
-            found = each.parsed(text.removeprefix(each.kind).strip())
-            if found is not None:
-                found.check(scene)
-                return found
-    known = ", ".join(each.grammar for each in SKIN_FAULTS)
-    raise InputError(f"fault {text!r} must be one of {known}")
+    fault = _fault_of(text)
+    if fault is None:
+        known = ", ".join(each.grammar() for each in SKIN_FAULTS)
+        raise InputError(f"fault {text!r} must be one of {known}")
+    fault.check(scene)
+    return fault
 
 
 def kind_of_fault(text: str) -> str:
@@ -306,14 +279,20 @@ def kind_of_fault(text: str) -> str:
 
 def place_of_fault(text: str) -> str:
     """The place of a fault in its text; empty for a reader's fault and for an empty text."""
-    for each in SKIN_FAULTS:
-        if text.startswith(f"{each.kind} "):
-            found = each.parsed(text.removeprefix(each.kind).strip())
-            return "" if found is None else found.place
-    return ""
+    fault = _fault_of(text)
+    return "" if fault is None else fault.place
 
 
-def _check_foil(fault: SkinFault, name: str, scene: Scene) -> None:
+def _fault_of(text: str) -> SkinFault | None:
+    each = (kind.parsed(text.strip()) for kind in SKIN_FAULTS)
+    return next((fault for fault in each if fault is not None), None)
+
+
+def _one_of(words: Any) -> str:
+    return "|".join(get_args(words))
+
+
+def _check_foil(fault: DeadFoil | HalfFoil, scene: Scene) -> None:
     names = [contact.name for contact in scene.foils]
-    if name not in names:
-        raise InputError(f"{scene.name}: fault {str(fault)!r} must name one of {', '.join(names)}")
+    if fault.name not in names:
+        raise fault.refused(scene, f"must name one of {', '.join(names)}")

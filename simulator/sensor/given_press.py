@@ -11,16 +11,15 @@ from ..method_cache import cached_method
 from ..models.mechanics.force_depths import press_by_depths
 from ..models.reduced.indentation.indentation_draws import spreads
 from ..press.batch import PressBatch
-from ..press.capacitance import touched_cells
+from ..press.capacitance import touched_box, touched_cells
 from ..press.parts import foam_parts
 from ..press.press import Press, check_press, label_of, press_on, pressed_factor
-from ..press.touch import AnyTouch, Depth, Indentation
+from ..press.touch import AnyTouch, Depth, Disc, Force, Indentation, Rectangle, Touch
 from ..scene.scene import Scene
 from ..sweeps import UNPRESSED, InputError
 from ..sweeps.schema import UNKNOWN_PRESS
 from .cell_spreading import SkinCells
-from .contacts.contact_types import Contacts
-from .contacts.press_indenters import indenters
+from .contacts.contact_types import Contacts, PointContacts
 
 if TYPE_CHECKING:
     from .contacts.rasterizer import ContactRasterizer
@@ -136,7 +135,7 @@ class PressReader:
         label = PressLabel(label_of(press, self.scene), *press.pixel)
         fixed = self._fixes_depths(press)
         if press.indented and spreads(self.scene):
-            pressed = self._rasterizer(indenters(self.scene, press))
+            pressed = self._rasterizer(_indenters(self.scene, press))
             limited = bool(pressed.limited[0])
             return GivenPress(pressed.batch, (label,), (fixed,), (limited,))
         by_factor = Press(tuple(map(self._by_factor, press_by_depths(self.scene, press).touches)))
@@ -184,3 +183,28 @@ class PressReader:
                 f"`contacts` must be of 1 or {self.skins} skins, got {given.batch.count}"
             )
         return given
+
+
+def _indenters(scene: Scene, press: Press) -> PointContacts:
+    """Point contacts of a press whose touches are all by depth or all by force.
+
+    Raises InputError for other presses, unless all touches are discs or all are pixels and
+    rectangles, and for fingers.
+    """
+    places = [touch.place for touch in press.indented]
+    forces = {isinstance(touch.by, Force) for touch in press.indented}
+    discs = [place for place in places if isinstance(place, Disc)]
+    boxes = [place for place in places if isinstance(place, Touch | Rectangle)]
+    alike = len(press.touches) in (len(discs), len(boxes)) and len(forces) == 1
+    if not alike or press.fingers:
+        raise InputError(
+            f"press {press}: where `skin.foam.mechanics.tension` spreads it, a sensor takes "
+            "touches all by depth or all by force, all disc or all pixels and rect, and no finger"
+        )
+    sides = [disc.box for disc in discs] or [touched_box(scene, box) for box in boxes]
+    x, y = ([(box[k] + box[k + 1]) / 2 for box in sides] for k in (0, 2))
+    end: dict[str, list] = {"radius": [disc.radius for disc in discs]}
+    if not discs:
+        end = {"size": [(box.right - box.left, box.top - box.bottom) for box in sides]}
+    strength = [touch.by.value for touch in press.indented]
+    return PointContacts(x, y, **{"force" if forces == {True} else "depth": strength}, **end)

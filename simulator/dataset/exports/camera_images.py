@@ -40,19 +40,23 @@ class CameraImages:
 
         Raises InputError for a file that is no image, or has another size than the first one.
         """
-        from PIL import Image, UnidentifiedImageError
-
-        try:
-            with Image.open(path) as image:
-                found = np.asarray(image.convert("RGB"))
-        except (UnidentifiedImageError, OSError, SyntaxError) as error:
-            raise InputError(f"{path}: cannot be read as an image: {error}") from error
+        found = _pixels(path)
         if found.shape[:2] != self.shape:
             raise InputError(
                 f"{path}: has {_size_text(found.shape)} pixels, but the first image of "
                 f"{self.name} has {_size_text(self.shape)}"
             )
         return found
+
+
+def _pixels(path: Path) -> NDArray[np.uint8]:
+    from PIL import Image, UnidentifiedImageError
+
+    try:
+        with Image.open(path) as image:
+            return np.asarray(image.convert("RGB"))
+    except (UnidentifiedImageError, OSError, SyntaxError) as error:
+        raise InputError(f"{path}: cannot be read as an image: {error}") from error
 
 
 def encoded(path: Path, pixels: NDArray[np.uint8]) -> dict[str, Any]:
@@ -81,16 +85,10 @@ def cameras(folders: Sequence[Path], episodes: Sequence[Episode]) -> list[Camera
 
 
 def _camera(folder: Path, name: str, episodes: Sequence[Episode]) -> CameraImages:
-    from PIL import Image, UnidentifiedImageError
-
     if "/" in name or not name.isprintable():
         raise InputError(f"{folder}: the name of a camera must be printable")
     files = [file for episode in episodes for file in _images(folder, episode)]
-    try:
-        with Image.open(files[0]) as first:
-            columns, rows = first.size
-    except (UnidentifiedImageError, OSError) as error:
-        raise InputError(f"{files[0]}: cannot be read as an image: {error}") from error
+    rows, columns, _ = _pixels(files[0]).shape
     return CameraImages(name, (rows, columns), tuple(files))
 
 

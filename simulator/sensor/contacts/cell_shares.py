@@ -8,9 +8,7 @@ from ...compiled import compiled
 
 
 @compiled()
-def _shares(
-    at: float, count: int, extent: float
-) -> tuple[int, float, float, float]:  # pragma: no cover
+def _shares(at: float, count: int, extent: float) -> tuple[int, float, float, float]:
     """First of three cells along an axis and the share of each, as in `cell_spreading`.
 
     at: position over the side of a cell. extent: of what is shared, over that side.
@@ -28,9 +26,7 @@ def _shares(
 
 
 @compiled()
-def add_point(
-    total: NDArray, u: float, v: float, amount: float, wide: float, high: float
-) -> None:  # pragma: no cover
+def add_point(total: NDArray, u: float, v: float, amount: float, wide: float, high: float) -> None:
     """Share an amount at u along x and v along y, over the sides of a cell."""
     rows, columns = total.shape
     row, low, middle, up = _shares(v, rows, high)

@@ -121,8 +121,7 @@ def _counts(count: ArrayLike | None, skins: int, contacts: int) -> NDArray[np.in
 class SkinImage:
     """Values on equal rectangles over the whole length and width of the skin.
 
-    Row 0 lies at y = 0, column 0 at x = 0. `values` has the shape (skin, row, column). kind: one of
-    KINDS.
+    `values` has the shape (skin, row, column). kind: one of KINDS.
     """
 
     kind: ClassVar[str]
@@ -133,8 +132,9 @@ class SkinImage:
         """Number of skins; 1 if the image applies to any number."""
         return len(self.values)
 
-    def _keep(self, name: str, given: ArrayLike) -> None:
-        values = np.asarray(given, dtype=np.float64)
+    def __post_init__(self) -> None:
+        name = self.kind.removesuffix(" image")
+        values = np.asarray(getattr(self, name), dtype=np.float64)
         if values.ndim not in (2, 3) or 0 in values.shape:
             raise InputError(
                 f"{type(self).__name__}: {name} must have the shape (row, column) or "
@@ -156,9 +156,6 @@ class DepthImage(SkinImage):
     kind = "depth image"
     depth: ArrayLike = field()
 
-    def __post_init__(self) -> None:
-        self._keep("depth", self.depth)
-
 
 @dataclass(frozen=True, eq=False)
 class PressureImage(SkinImage):
@@ -172,9 +169,6 @@ class PressureImage(SkinImage):
 
     kind = "pressure image"
     pressure: ArrayLike = field()
-
-    def __post_init__(self) -> None:
-        self._keep("pressure", self.pressure)
 
 
 Contacts = PointContacts | DepthImage | PressureImage

@@ -18,23 +18,34 @@ plateau stress."""
 
 
 class FoamTables(NamedTuple):
-    """Law of one foam.
+    """Law of one foam, as kernels take it.
 
-    law: 1 for an elastomer and 0 for Hooke's law; modulus, plateau stress in Pa; densification
-    strain; largest strain; thickness in m; pressure at the largest strain, Pa; scale of the
-    pressures in `strain`, Pa. relative: c times the thickness over its unpressed value, at
-    equidistant strains from 0 to the largest. strain: at pressures equidistant in log(1 + p /
-    scale).
+    elastomer: False for Hooke's law. modulus, plateau: Pa. densified: densification strain.
+    greatest: largest strain. thickness: m. closed: pressure at the largest strain, Pa. relative: c
+    times the thickness over its unpressed value, at equidistant strains from 0 to the largest.
+    strains: at pressures equidistant in log(1 + p / scale); scale: Pa.
     """
 
-    law: NDArray[np.float64]
+    elastomer: bool
+    modulus: float
+    plateau: float
+    densified: float
+    greatest: float
+    thickness: float
+    closed: float
+    scale: float
     relative: NDArray[np.float64]
-    strain: NDArray[np.float64]
+    strains: NDArray[np.float64]
+
+    @property
+    def deepest(self) -> float:
+        """Largest indentation, m."""
+        return self.greatest * self.thickness
 
     def strains_under(self, pressure: NDArray[np.float64]) -> NDArray[np.float64]:
         """Strains under pressures in Pa, shape (...); at most the largest strain."""
-        at = np.log1p(pressure / self.law[7]) / np.log1p(self.law[6] / self.law[7])
-        return np.interp(at, np.linspace(0.0, 1.0, len(self.strain)), self.strain)
+        at = np.log1p(pressure / self.scale) / np.log1p(self.closed / self.scale)
+        return np.interp(at, np.linspace(0.0, 1.0, len(self.strains)), self.strains)
 
 
 def foam_tables(foam: Foam, highest: float = np.inf) -> FoamTables:
@@ -42,23 +53,22 @@ def foam_tables(foam: Foam, highest: float = np.inf) -> FoamTables:
 
     Without a thickness as well, its thickness is 0.
     """
-    greatest, thickness = foam.greatest_strain, foam.thickness or 0.0
+    greatest, thickness = float(foam.greatest_strain), float(foam.thickness or 0.0)
     if np.isfinite(highest):
         greatest = min(greatest, float(foam.strain_at(np.array(highest))))
-    strains = np.linspace(0.0, greatest, STRAINS)
-    relative = foam.factor_at(strains) * (1 - strains)
+    at = np.linspace(0.0, greatest, STRAINS)
+    relative = foam.factor_at(at) * (1 - at)
     if foam.mechanics is None:
-        law = np.array([0.0, 0.0, 1.0, 1.0, greatest, thickness, 0.0, 1.0])
-        return FoamTables(law, relative, np.zeros(2))
+        none = np.zeros(2)
+        return FoamTables(False, 0.0, 1.0, 1.0, greatest, thickness, 0.0, 1.0, relative, none)
     elastic = foam.mechanics.elastic
+    own = (False, elastic.modulus, elastic.modulus * greatest, 1.0)
     if isinstance(elastic, Elastomer):
-        own = 1.0, elastic.modulus, elastic.plateau_stress, elastic.densification_strain
-    else:
-        own = 0.0, elastic.modulus, elastic.modulus * greatest, 1.0
+        own = True, elastic.modulus, elastic.plateau_stress, elastic.densification_strain
     closed, scale = float(elastic.stress(np.array(greatest))), SMALL * own[2]
     pressure = scale * np.expm1(np.linspace(0.0, np.log1p(closed / scale), PRESSURES))
-    law = np.array([*own, greatest, thickness, closed, scale])
-    return FoamTables(law, relative, strains_at(elastic, pressure))
+    strains = strains_at(elastic, pressure)
+    return FoamTables(*own, greatest, thickness, closed, scale, relative, strains)
 
 
 def strains_at(elastic: Elastic, pressure: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from ...scene.scene import Scene
 from ...scene.skin_region import covers
-from .cell_samples import SAMPLES
+
+SAMPLES = 16
+"""Samples along each side of a cell that the skin's edge passes, or where patches overlap."""
 
 
 class GridCells(NamedTuple):

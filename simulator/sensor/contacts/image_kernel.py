@@ -6,36 +6,38 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiled import compiled
-from .cell_samples import SAMPLES
+from ...press.batch import PressBatch
+from .cell_shares import add_point
 from .foam_kernel import rise_at, strain_under
+from .foam_tables import FoamTables
+from .grid_cells import SAMPLES, GridCells
+from .moment_kernel import PARTS
+from .stack_kernel import FAINT, empty_batch, moved_to_batch
 
 FINE, BAD_VALUE = range(2)
+ImageFault = tuple[int, int, int, int]
+"""Press, row and column of the first invalid value, and BAD_VALUE; FINE if there is none."""
 
 
 @compiled()
 def imaged_cells(
     images: NDArray,
     by_pressure: bool,
-    law: NDArray,
-    relative: NDArray,
-    strains: NDArray,
+    foam: FoamTables,
+    cells: GridCells,
     grid: tuple[int, int],
-    cut: NDArray,
-    mask: NDArray,
-) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray]:  # pragma: no cover
-    """Cells that images press, the rises of c there, starts of presses, and faults.
+    moments: bool,
+) -> tuple[PressBatch, NDArray, ImageFault]:
+    """Presses of images on a grid (rows, columns), and True for those whose foam was limited.
 
-    images: depths in m or pressures in Pa, shape (press, row, column). cut, mask: see
-    `covered_part`. Returned as well: True for presses whose foam would be compressed further than
-    it can, shape (press,); and press, row and column of the first invalid value and 1, shape (4,).
+    images: depths in m or pressures in Pa, shape (press, row, column). moments: True for cells that
+    keep moments, on a rectangular skin; else the grid is that of `cells`.
     """
     presses, high, wide = images.shape
     rows, columns = grid
-    cells = np.empty(presses * rows * columns, np.int64)
-    rises = np.empty(presses * rows * columns)
-    starts, limited = np.zeros(presses + 1, np.int64), np.zeros(presses, np.bool_)
-    fault, total = np.zeros(4, np.int64), np.zeros((rows, columns))
-    own, found = np.zeros((high, wide)), 0
+    batch, found = empty_batch(presses, presses * rows * columns), 0
+    limited, total = np.zeros(presses, np.bool_), np.zeros((rows, columns))
+    own = np.zeros((high, wide))
     for press in range(presses):
         touched = False
         for i in range(high):
@@ -45,40 +47,55 @@ def imaged_cells(
                 if value == 0.0:
                     continue
                 if not 0.0 < value < np.inf:
-                    fault[0], fault[1], fault[2], fault[3] = press, i, j, BAD_VALUE
-                    return cells[:0], rises[:0], starts, limited, fault
+                    return empty_batch(presses, 0), limited, (press, i, j, BAD_VALUE)
                 touched = True
-                own[i, j], beyond = rise_of(value, by_pressure, law, relative, strains)
+                own[i, j], beyond = _rise_of(value, by_pressure, foam)
                 limited[press] |= beyond
-        if touched:
+        if touched and moments:
+            _add_moments(own, total)
+        elif touched:
             _add_means(own, total)
             for i in range(rows):
                 for j in range(columns):
-                    rise, total[i, j] = total[i, j], 0.0
-                    if cut[i, j] >= 0:
-                        rise = _sampled(own, i, j, grid, mask[cut[i, j]])
-                    if rise != 0.0:
-                        cells[found], rises[found] = i * columns + j, rise
-                        found += 1
-        starts[press + 1] = found
-    return cells[:found], rises[:found], starts, limited, fault
+                    if cells.cut[i, j] >= 0:
+                        total[i, j] = _sampled(own, i, j, grid, cells.mask[cells.cut[i, j]])
+        if touched:
+            batch, found = moved_to_batch(total, (0, columns, 0, rows), 0.0, FAINT, batch, found)
+        batch.starts[press + 1] = found
+    batch = PressBatch(batch.cells[:found], batch.rises[:found], batch.starts)
+    return batch, limited, (0, 0, 0, FINE)
 
 
 @compiled()
-def rise_of(
-    value: float, by_pressure: bool, law: NDArray, relative: NDArray, strains: NDArray
-) -> tuple[float, bool]:  # pragma: no cover
+def _rise_of(value: float, by_pressure: bool, foam: FoamTables) -> tuple[float, bool]:
     """Rise of c at a depth [m] or pressure [Pa]; True if the foam was limited."""
     if by_pressure:
-        return rise_at(law, relative, strain_under(law, strains, min(value, law[6]))), value > law[
-            6
-        ]
-    strain = value / law[5]
-    return rise_at(law, relative, min(strain, law[4])), strain > law[4]
+        strain = strain_under(foam, min(value, foam.closed))
+        return rise_at(foam, strain), value > foam.closed
+    strain = value / foam.thickness
+    return rise_at(foam, min(strain, foam.greatest)), strain > foam.greatest
 
 
 @compiled()
-def _add_means(own: NDArray, total: NDArray) -> None:  # pragma: no cover
+def _add_moments(own: NDArray, total: NDArray) -> None:
+    """Share an image between coarse cells so that moments are kept."""
+    (high, wide), (rows, columns) = own.shape, total.shape
+    across, along = rows / high, columns / wide
+    down, right = int(np.ceil(across * PARTS)), int(np.ceil(along * PARTS))
+    area = across * along / (down * right)
+    for i in range(high):
+        for j in range(wide):
+            if own[i, j] == 0.0:
+                continue
+            for k in range(down):
+                v = (i + (k + 0.5) / down) * across
+                for m in range(right):
+                    u = (j + (m + 0.5) / right) * along
+                    add_point(total, u, v, own[i, j] * area, along / right, across / down)
+
+
+@compiled()
+def _add_means(own: NDArray, total: NDArray) -> None:
     """Add an image's means over each cell to `total`."""
     (high, wide), (rows, columns) = own.shape, total.shape
     for i in range(high):
@@ -96,9 +113,7 @@ def _add_means(own: NDArray, total: NDArray) -> None:  # pragma: no cover
 
 
 @compiled()
-def _sampled(
-    own: NDArray, i: int, j: int, grid: tuple[int, int], mask: NDArray
-) -> float:  # pragma: no cover
+def _sampled(own: NDArray, i: int, j: int, grid: tuple[int, int], mask: NDArray) -> float:
     """Mean of an image over the skin of one cell."""
     (high, wide), there, total = own.shape, 0, 0.0
     for k in range(SAMPLES):

@@ -33,7 +33,7 @@ from ...sweeps import ToleranceError
 from .contact_types import PointContacts, PressureImage
 from .foam_tables import FoamTables
 from .grid_cells import GridCells
-from .membrane_kernel import relaxed_under
+from .membrane_kernel import MembraneLaw, RigidBodies, relaxed_under
 from .membrane_nodes import WindowNodes
 from .patch_kernel import CURVATURE, DEPTH, FORCE, HEIGHT, STRENGTH, WIDTH, X, Y, area_on_skin
 from .winkler_kernel import winkler_patch
@@ -68,12 +68,7 @@ class ContactMembrane:
     @cached_property
     def reach(self) -> float:
         """Distance from a contact beyond which it has no influence, m."""
-        return self._lattice(np.inf).reach(self.deepest)
-
-    @property
-    def deepest(self) -> float:
-        """Largest deflection, m."""
-        return float(self.foam.law[4] * self.foam.law[5])
+        return self._lattice(np.inf).reach(self.foam.deepest)
 
     def under_points(self, contacts: PointContacts, skin: int) -> MembraneCells:
         """Cells under the contacts of one skin. Raises ToleranceError without convergence."""
@@ -94,9 +89,9 @@ class ContactMembrane:
             else:
                 w, depth[group] = self._relaxed(lattice, own[group], part, here, contacts.by)
             rise[here] += in_cells(lattice, self._rise(w), here)
-        limited = bool((depth >= self.deepest).any())
+        limited = bool((depth >= self.foam.deepest).any())
         if contacts.by == "depth":
-            limited = bool((own[:, STRENGTH] > self.deepest).any())
+            limited = bool((own[:, STRENGTH] > self.foam.deepest).any())
         return MembraneCells(_touched(rise), depth, radius, limited)
 
     def under_pressure(self, image: PressureImage, skin: int) -> MembraneCells:
@@ -113,28 +108,24 @@ class ContactMembrane:
                 (lattice.x, self.scene.skin.length, columns),
             )
         )
-        pressure = values[np.ix_(row, column)]
-        alone = self.foam.strains_under(pressure) * self.foam.law[5]
-        nothing = LatticeApplicators(np.zeros((0, 4)), np.zeros(0), np.zeros(0))
-        w, _ = self._relaxed(lattice, np.zeros((0, 7)), nothing, here, "force", alone, pressure)
+        w = self._under_load(lattice, here, values[np.ix_(row, column)])
         touched = _touched(in_cells(lattice, self._rise(w), here))
-        return MembraneCells(touched, EMPTY, EMPTY, bool((w >= self.deepest).any()))
+        return MembraneCells(touched, EMPTY, EMPTY, bool((w >= self.foam.deepest).any()))
 
     def _patches(self, own: NDArray[np.float64], by: str) -> tuple[NDArray[np.float64], ...]:
         """Largest depth of each contact, m, and the radius of its patch at that depth.
 
         Without tension the indenter would go deeper. The radius is 0 for rectangles.
         """
-        foam, cells = self.foam, self.cells
         how = DEPTH if by == "depth" else FORCE
-        each = (winkler_patch(contact, how, foam.law, foam.strain, *cells) for contact in own)
-        strain, radius = np.array([*each]).T
-        return strain * foam.law[5], radius
+        each = [winkler_patch(contact, how, self.foam, self.cells) for contact in own]
+        strain, radius = np.array(each).T
+        return strain * self.foam.thickness, radius
 
     def _lattice(self, smallest: float) -> Lattice:
         mechanics = self.scene.skin.foam.mechanics
         assert mechanics is not None
-        spread = np.sqrt(mechanics.tension * self.foam.law[5] / mechanics.young)
+        spread = np.sqrt(mechanics.tension * self.foam.thickness / mechanics.young)
         size = np.clip(smallest, FINEST * spread, min(self.scene.skin.sides))
         return lattice_of(self.scene, self.grid, float(2.0 ** np.floor(np.log2(size))))
 
@@ -159,36 +150,42 @@ class ContactMembrane:
         pressure: NDArray[np.float64] | None = None,
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Deflection at the nodes of a window and depth of each contact, m."""
-        rows, columns = lattice.nodes(here)
-        x, y = lattice.x[columns], lattice.y[rows]
-        nodes = WindowNodes.of(lattice, here)
+        nodes, tension = WindowNodes.of(lattice, here), lattice.mechanics.tension
         flat = np.isinf(own[:, CURVATURE])
         area, band = np.zeros(len(own)), 0.0
         if flat.any():
-            area[flat] = [
-                area_on_skin(contact, radius, *self.cells[:5])
-                for contact, radius in zip(own[flat], applied.radius[flat], strict=True)
-            ]
+            each = zip(own[flat], applied.radius[flat], strict=True)
+            area[flat] = [area_on_skin(contact, radius, self.cells) for contact, radius in each]
             under = LatticeApplicators(*(each[flat] for each in applied))
-            nodes, band = nodes.cut_at_edges(under, x, y, area.sum() / lattice.mechanics.tension)
+            nodes, band = nodes.cut_at_edges(under, area.sum() / tension)
         half = np.diff(applied.boxes)[:, ::2] / 2
-        bodies = np.column_stack([own[:, [X, Y]], half, applied.radius, own[:, CURVATURE]])
-        depth = applied.depth.copy()
+        shapes = np.column_stack([own[:, [X, Y]], half, applied.radius, own[:, CURVATURE]])
         force = own[:, STRENGTH].copy() if by == "force" else np.full(len(own), np.nan)
-        deepest = float(depth.max()) if w is None else float(w.max())
+        bodies = RigidBodies(shapes, area, band, force, applied.depth.copy())
+        deepest = float(applied.depth.max()) if w is None else float(w.max())
         w = np.zeros(nodes.load.shape) if w is None else w
         pressure = np.zeros(w.shape) if pressure is None else pressure
-        slowest = min(SLOWEST * lattice.falls_within(deepest), max(np.ptp(x), np.ptp(y)))
+        sides = max(np.ptp(nodes.x), np.ptp(nodes.y))
+        slowest = min(SLOWEST * lattice.falls_within(deepest), sides)
         relaxed = 2 / (1 + np.pi * min(lattice.steps) / slowest)
-        law = lattice.law, lattice.per_metre, lattice.mechanics.tension, self.deepest
+        law = MembraneLaw(lattice.law, lattice.per_metre, tension, self.foam.deepest)
         limits = relaxed, STILL * deepest, MAX_RELAXATION_SWEEPS
-        rigid = bodies, area, band, force, depth
-        swept = relaxed_under(w, pressure, *nodes, *law, *limits, x, y, lattice.steps, *rigid)
+        swept = relaxed_under(w, pressure, nodes, law, bodies, *limits)
         if swept > MAX_RELAXATION_SWEEPS:
             raise ToleranceError(
                 f"{self.scene.name}: the relaxation of the foam under contacts does not converge"
             )
-        return w, depth
+        return w, bodies.depth
+
+    def _under_load(
+        self, lattice: Lattice, here: Window, pressure: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Deflection at the nodes of a window under a pressure alone, m."""
+        alone = self.foam.strains_under(np.minimum(pressure, self.foam.closed))
+        nobody = LatticeApplicators(np.zeros((0, 4)), np.zeros(0), np.zeros(0))
+        start = alone * self.foam.thickness
+        w, _ = self._relaxed(lattice, np.zeros((0, 7)), nobody, here, "force", start, pressure)
+        return w
 
     def _under_loads(
         self,
@@ -210,17 +207,15 @@ class ContactMembrane:
             far = along**2 + across**2
             flat = (abs(along) <= contact[WIDTH] / 2) & (abs(across) <= contact[HEIGHT] / 2)
             under = far <= radius**2 if radius else flat
-            surface = (depth - far / (2 * contact[CURVATURE])) / self.foam.law[5]
+            surface = (depth - far / (2 * contact[CURVATURE])) / self.foam.thickness
             load = np.where(under, elastic.stress(surface.clip(0.0)), 0.0)
             pressure += load * (contact[STRENGTH] / max((load * area).sum(), TINY))
-        alone = self.foam.strains_under(np.minimum(pressure, self.foam.law[6])) * self.foam.law[5]
-        nothing = LatticeApplicators(np.zeros((0, 4)), np.zeros(0), np.zeros(0))
-        w, _ = self._relaxed(lattice, own[:0], nothing, here, "force", alone, pressure)
+        w = self._under_load(lattice, here, pressure)
         row, column = np.abs(y - own[:, [Y]]).argmin(axis=1), np.abs(x - own[:, [X]]).argmin(axis=1)
         return w, w[row, column]
 
     def _rise(self, w: NDArray[np.float64]) -> NDArray[np.float64]:
-        return self.scene.skin.foam.factor_at(w / self.foam.law[5]) - 1
+        return self.scene.skin.foam.factor_at(w / self.foam.thickness) - 1
 
 
 def _touched(rise: NDArray[np.float64]) -> TouchedCells:

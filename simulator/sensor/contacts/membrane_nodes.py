@@ -13,34 +13,40 @@ from ...models.mechanics.lattice.skin_lattice import Lattice
 
 
 class WindowNodes(NamedTuple):
-    """Conductance of each node to the next along x and y, and its area, over the tension."""
+    """Nodes at x and y, m, `steps` apart.
 
+    right, up: conductance of each to the next along x and y; load: area; all over the tension.
+    """
+
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
     right: NDArray[np.float64]
     up: NDArray[np.float64]
     load: NDArray[np.float64]
+    steps: tuple[float, float]
 
     @classmethod
     def of(cls, lattice: Lattice, here: Window) -> WindowNodes:
         """Nodes of a window."""
-        own = lattice.nodes(here)
-        return cls(lattice.right[own], lattice.up[own], lattice.area * lattice.part[own])
+        rows, columns = own = lattice.nodes(here)
+        load = lattice.area * lattice.part[own]
+        x, y = lattice.x[columns], lattice.y[rows]
+        return cls(x, y, lattice.right[own], lattice.up[own], load, lattice.steps)
 
-    def cut_at_edges(
-        self, flat: LatticeApplicators, x: NDArray[np.float64], y: NDArray[np.float64], area: float
-    ) -> tuple[WindowNodes, float]:
+    def cut_at_edges(self, flat: LatticeApplicators, area: float) -> tuple[WindowNodes, float]:
         """Nodes with arms that end at the edges of flat indenters, and the share of the arms'
         halves at the edges that is foam under neither nodes nor indenters.
 
         area: under the indenters, over the tension.
         """
-        cut = WindowNodes(*(each.copy() for each in self))
-        inside = rasterized(*flat, x, y, *cut) > 0
+        cut = self._replace(right=self.right.copy(), up=self.up.copy(), load=self.load.copy())
+        inside = rasterized(*flat, *cut[:5]) > 0
         whole = float(self.load.max())
         along, across = np.zeros(inside.shape, bool), np.zeros(inside.shape, bool)
         along[:, :-1], across[:-1] = inside[:, 1:] != inside[:, :-1], inside[1:] != inside[:-1]
         arms = sum(
             (old[at] / new[at])[old[at] > 0].sum()
-            for old, new, at in zip(self[:2], cut[:2], (along, across), strict=True)
+            for old, new, at in zip(self[2:4], cut[2:4], (along, across), strict=True)
         )
         left = float(self.load.sum() - cut.load[~inside].sum()) - area
         return cut, min(max(left / (arms * whole / 2), 0.0), 2.0) if arms else 0.0

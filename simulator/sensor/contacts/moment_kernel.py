@@ -10,17 +10,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiled import compiled
-from .cell_samples import SAMPLES
+from ...press.batch import PressBatch
 from .cell_shares import add_point
+from .foam_tables import FoamTables
+from .grid_cells import SAMPLES, GridCells
 from .patch_kernel import (
+    FINE,
+    Fault,
+    Stacks,
     X,
     Y,
     area_on_skin,
+    of_press,
     patch_box,
     within_skin,
 )
 from .shared_patches import all_flat, contacts_over, joint_minus_sum, overlap_box
-from .stack_kernel import FAINT
+from .stack_kernel import CELLS_AT_FIRST, FAINT, empty_batch, moved_to_batch
+from .winkler_kernel import winkler_stacks
 
 PARTS = 4
 """Number of points along the side of a cell, at least."""
@@ -29,90 +36,77 @@ MIN_ANGLES = 5
 
 
 @compiled()
+def pressed_moments(
+    values: NDArray,
+    counts: NDArray,
+    by: int,
+    foam: FoamTables,
+    cells: GridCells,
+    grid: tuple[int, int],
+) -> tuple[PressBatch, NDArray, NDArray, Fault]:
+    """Presses by `winkler_stacks` and `moments_of_stacks`, and further results of the first.
+
+    It is one call: most of a single press is the cost of a call.
+    """
+    stacks, limited, patches, fault = winkler_stacks(values, counts, by, foam, cells)
+    if fault[2] != FINE:
+        return empty_batch(len(values), 0), limited, patches, fault
+    batch = moments_of_stacks(values, counts, by, stacks, limited, foam, cells, grid)
+    return batch, limited, patches, fault
+
+
+@compiled()
 def moments_of_stacks(
     values: NDArray,
     counts: NDArray,
     by: int,
-    radii: NDArray,
-    stacked: NDArray,
-    discs: NDArray,
-    strain: NDArray,
+    stacks: Stacks,
     limited: NDArray,
-    law: NDArray,
-    relative: NDArray,
-    strains: NDArray,
-    x: NDArray,
-    y: NDArray,
-    cut: NDArray,
-    mask: NDArray,
-    part: NDArray,
+    foam: FoamTables,
+    cells: GridCells,
     grid: tuple[int, int],
-) -> tuple[NDArray, NDArray, NDArray]:  # pragma: no cover
-    """Cells of a coarse grid (rows, columns), rises and starts of presses, on a rectangular skin.
+) -> PressBatch:
+    """Presses on a coarse grid (rows, columns) of a rectangular skin.
 
-    Others: see `cells_of_stacks`; x, y, cut, mask and part are of any grid.
+    cells: of any grid. Others: see `cells_of_stacks`.
     """
-    presses, (rows, columns) = values.shape[0], grid
-    length, width = x[len(x) - 1], y[len(y) - 1]
-    cells, rises = np.empty(presses * 16, np.int64), np.empty(presses * 16)
-    starts, found = np.zeros(presses + 1, np.int64), 0
+    presses, (rows, columns) = len(values), grid
+    length, width = cells.x[-1], cells.y[-1]
+    batch, found = empty_batch(presses, CELLS_AT_FIRST * presses), 0
     total = np.zeros((rows, columns))
     for press in range(presses):
         left, right, bottom, top = columns, 0, rows, 0
-        for k in range(counts[press]):
-            if discs[press, k] == 0:
+        contacts, own = values[press, : counts[press]], of_press(stacks, press)
+        for k in range(len(contacts)):
+            discs = own.discs[k]
+            if discs == 0:
                 continue
-            contact, outer = values[press, k], radii[press, k, discs[press, k] - 1]
+            contact, outer = contacts[k], own.radii[k, discs - 1]
             box = patch_box(contact, outer)
             left = min(left, max(int(box[0] / length * columns) - 1, 0))
             right = max(right, min(int(box[1] / length * columns) + 2, columns))
             bottom = min(bottom, max(int(box[2] / width * rows) - 1, 0))
             top = max(top, min(int(box[3] / width * rows) + 2, rows))
             if outer == 0.0:
-                _add_rectangle(total, contact, stacked[press, k, 0], length, width)
+                _add_rectangle(total, contact, own.rises[k, 0], length, width)
                 continue
             mean, inner = 0.0, 0.0
-            for disc in range(discs[press, k]):
-                mean += stacked[press, k, disc]
-            whole = within_skin(contact, outer, length, width, True)
-            for disc in range(discs[press, k]):
-                radius, scale = radii[press, k, disc], 1.0
+            for disc in range(discs):
+                mean += own.rises[k, disc]
+            whole = within_skin(contact, outer, cells)
+            for disc in range(discs):
+                radius, scale = own.radii[k, disc], 1.0
                 if not whole:
-                    scale = area_on_skin(contact, radius, x, y, cut, mask, part)
+                    scale = area_on_skin(contact, radius, cells)
                     if disc > 0:
-                        scale -= area_on_skin(contact, inner, x, y, cut, mask, part)
+                        scale -= area_on_skin(contact, inner, cells)
                 _add_ring(total, contact, mean, inner, radius, scale, whole, length, width)
-                mean, inner = mean - stacked[press, k, disc], radius
-        if counts[press] > 1:
-            limited[press] |= _add_overlaps(
-                values[press],
-                counts[press],
-                by,
-                radii[press],
-                stacked[press],
-                discs[press],
-                strain[press],
-                law,
-                relative,
-                strains,
-                total,
-                length,
-                width,
-            )
-        if found + max(right - left, 0) * max(top - bottom, 0) > len(cells):
-            more = 2 * len(cells) + rows * columns
-            old_cells, old_rises = cells, rises
-            cells, rises = np.empty(more, np.int64), np.empty(more)
-            for k in range(found):
-                cells[k], rises[k] = old_cells[k], old_rises[k]
-        for i in range(bottom, top):
-            for j in range(left, right):
-                rise, total[i, j] = total[i, j], 0.0
-                if abs(rise) > FAINT:
-                    cells[found], rises[found] = i * columns + j, rise
-                    found += 1
-        starts[press + 1] = found
-    return cells[:found], rises[:found], starts
+                mean, inner = mean - own.rises[k, disc], radius
+        if len(contacts) > 1:
+            limited[press] |= _add_overlaps(contacts, by, own, foam, total, length, width)
+        batch, found = moved_to_batch(total, (left, right, bottom, top), 0.0, FAINT, batch, found)
+        batch.starts[press + 1] = found
+    return PressBatch(batch.cells[:found], batch.rises[:found], batch.starts)
 
 
 @compiled()
@@ -126,7 +120,7 @@ def _add_ring(
     whole: bool,
     length: float,
     width: float,
-) -> None:  # pragma: no cover
+) -> None:
     """Share a ring of one rise. area: of the ring on the skin, m², unless it is on it entirely."""
     rows, columns = total.shape
     if rise == 0.0 or outer <= inner:
@@ -145,10 +139,8 @@ def _add_ring(
             own = np.pi * step * (2 * low + step) / count
             for k in range(count):
                 angle = 2 * np.pi * (k + 0.5) / count
-                at_x, at_y = (
-                    contact[X] + radius * np.cos(angle),
-                    contact[Y] + radius * np.sin(angle),
-                )
+                at_x = contact[X] + radius * np.cos(angle)
+                at_y = contact[Y] + radius * np.sin(angle)
                 if 0.0 <= at_x <= length and 0.0 <= at_y <= width:
                     there += own
         if there == 0.0:
@@ -171,7 +163,7 @@ def _add_ring(
 @compiled()
 def _add_rectangle(
     total: NDArray, contact: NDArray, rise: float, length: float, width: float
-) -> None:  # pragma: no cover
+) -> None:
     """Share a rectangle of one rise, without its part beyond the skin."""
     rows, columns = total.shape
     box = patch_box(contact, 0.0)
@@ -188,21 +180,15 @@ def _add_rectangle(
 @compiled()
 def _add_overlaps(
     contacts: NDArray,
-    count: int,
     by: int,
-    radii: NDArray,
-    stacked: NDArray,
-    discs: NDArray,
-    strain: NDArray,
-    law: NDArray,
-    relative: NDArray,
-    strains: NDArray,
+    own: Stacks,
+    foam: FoamTables,
     total: NDArray,
     length: float,
     width: float,
-) -> bool:  # pragma: no cover
+) -> bool:
     """Correct the summed rises where patches overlap; True if one was limited."""
-    left, right, bottom, top = overlap_box(contacts, count, by, radii, discs)
+    left, right, bottom, top = overlap_box(contacts, by, own)
     left, right, bottom, top = max(left, 0.0), min(right, length), max(bottom, 0.0), min(top, width)
     if left >= right or bottom >= top:
         return False
@@ -210,19 +196,17 @@ def _add_overlaps(
     wide = max(int((right - left) / length * columns * PARTS) + 1, SAMPLES)
     tall = max(int((top - bottom) / width * rows * PARTS) + 1, SAMPLES)
     along, across, limited = (right - left) / wide, (top - bottom) / tall, False
-    flat = all_flat(contacts, count)
+    flat = all_flat(contacts)
     before, change = -1, 0.0
     for i in range(tall):
         at_y = bottom + (i + 0.5) * across
         for j in range(wide):
             at_x = left + (j + 0.5) * along
-            over = contacts_over(contacts, count, strain, by, law, at_x, at_y)
+            over = contacts_over(contacts, by, own.strain, foam, at_x, at_y)
             if over & (over - 1) == 0:
                 continue
             if not flat or over != before:
-                change, beyond = joint_minus_sum(
-                    contacts, count, strain, stacked, by, law, relative, strains, at_x, at_y
-                )
+                change, beyond = joint_minus_sum(contacts, by, own, foam, at_x, at_y)
                 limited |= beyond
                 before = over
             u, v = at_x / length * columns, at_y / width * rows

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ...compiled import compiled
 from ...press.overlap_kernel import covered_fraction
-from .cell_samples import SAMPLES
+from .grid_cells import SAMPLES, GridCells
 
 X, Y, STRENGTH, RADIUS, CURVATURE, WIDTH, HEIGHT = range(7)
 """Columns of a contact's numbers, see `contact_types.COLUMNS`."""
@@ -20,10 +22,32 @@ Box = tuple[float, float, float, float]
 """Left, right, bottom and top, m."""
 Span = tuple[int, int, int, int]
 """First and end of columns, first and end of rows."""
+Fault = tuple[int, int, int]
+"""Press, contact and reason of the first invalid contact; the reason is FINE if there is none."""
+
+
+class Stacks(NamedTuple):
+    """Discs of rises under contacts, of many presses or of one.
+
+    radii [m], rises: of each disc; a rectangle has the radius 0; shape (press, contact, disc).
+    discs: their number, 0 leaves a contact out; strain: in the middle; shape (press, contact).
+    """
+
+    radii: NDArray[np.float64]
+    rises: NDArray[np.float64]
+    discs: NDArray[np.int64]
+    strain: NDArray[np.float64]
 
 
 @compiled()
-def patch_box(contact: NDArray, radius: float) -> Box:  # pragma: no cover
+def of_press(stacks: Stacks, press: int) -> Stacks:
+    """Stacks of one press, without the first axis."""
+    radii, rises = stacks.radii[press], stacks.rises[press]
+    return Stacks(radii, rises, stacks.discs[press], stacks.strain[press])
+
+
+@compiled()
+def patch_box(contact: NDArray, radius: float) -> Box:
     """Rectangle around a patch. radius: of a disc, 0 for a rectangle, m."""
     wide, high = radius, radius
     if radius == 0.0:
@@ -32,10 +56,10 @@ def patch_box(contact: NDArray, radius: float) -> Box:  # pragma: no cover
 
 
 @compiled()
-def box_cells(box: Box, x: NDArray, y: NDArray) -> Span:  # pragma: no cover
-    """Cells that a rectangle meets. x, y: lines between cells, m."""
-    columns, rows = len(x) - 1, len(y) - 1
-    along, across = columns / x[columns], rows / y[rows]
+def box_cells(box: Box, cells: GridCells) -> Span:
+    """Cells that a rectangle meets."""
+    rows, columns = cells.cut.shape
+    along, across = columns / cells.x[columns], rows / cells.y[rows]
     return (
         min(max(int(np.floor(box[0] * along)), 0), columns),
         max(min(int(np.ceil(box[1] * along)), columns), 0),
@@ -45,15 +69,9 @@ def box_cells(box: Box, x: NDArray, y: NDArray) -> Span:  # pragma: no cover
 
 
 @compiled()
-def covered_part(
-    box: Box, radius: float, i: int, j: int, x: NDArray, y: NDArray, cut: NDArray, mask: NDArray
-) -> float:  # pragma: no cover
-    """Part of the skin in a cell that a patch covers; from samples where the skin's edge passes.
-
-    cut: number of the cell's samples in `mask`, -1 for a cell that is all skin. mask: True where a
-    sample is on the skin, shape (cut cell, SAMPLES, SAMPLES).
-    """
-    own = cut[i, j]
+def covered_part(box: Box, radius: float, i: int, j: int, cells: GridCells) -> float:
+    """Part of the skin in a cell that a patch covers; from samples where the skin's edge passes."""
+    x, y, own = cells.x, cells.y, cells.cut[i, j]
     if own < 0:
         if box[0] >= x[j] and box[1] <= x[j + 1] and box[2] >= y[i] and box[3] <= y[i + 1]:
             area = (box[1] - box[0]) * (box[3] - box[2]) * (np.pi / 4 if radius > 0.0 else 1.0)
@@ -64,7 +82,7 @@ def covered_part(
     for k in range(SAMPLES):
         at_y = y[i] + (k + 0.5) / SAMPLES * (y[i + 1] - y[i])
         for m in range(SAMPLES):
-            if not mask[own, k, m]:
+            if not cells.mask[own, k, m]:
                 continue
             there += 1
             at_x = x[j] + (m + 0.5) / SAMPLES * (x[j + 1] - x[j])
@@ -76,40 +94,40 @@ def covered_part(
 
 
 @compiled()
-def area_on_skin(
-    contact: NDArray,
-    radius: float,
-    x: NDArray,
-    y: NDArray,
-    cut: NDArray,
-    mask: NDArray,
-    part: NDArray,
-) -> float:  # pragma: no cover
-    """Area of the skin under a patch, m². part: of each cell that is skin, shape (row, column)."""
+def skin_of_cell(i: int, j: int, cells: GridCells) -> float:
+    """Area of the skin in a cell, m²."""
+    x, y = cells.x, cells.y
+    return (x[j + 1] - x[j]) * (y[i + 1] - y[i]) * cells.part[i, j]
+
+
+@compiled()
+def area_on_skin(contact: NDArray, radius: float, cells: GridCells) -> float:
+    """Area of the skin under a patch, m²."""
     box, area = patch_box(contact, radius), 0.0
-    left, right, bottom, top = box_cells(box, x, y)
+    left, right, bottom, top = box_cells(box, cells)
     for i in range(bottom, top):
         for j in range(left, right):
-            own = (x[j + 1] - x[j]) * (y[i + 1] - y[i]) * part[i, j]
-            area += own * covered_part(box, radius, i, j, x, y, cut, mask)
+            area += skin_of_cell(i, j, cells) * covered_part(box, radius, i, j, cells)
     return area
 
 
 @compiled()
-def within_skin(
-    contact: NDArray, radius: float, length: float, width: float, whole: bool
-) -> bool:  # pragma: no cover
-    """True if a patch lies on the skin entirely; also False where that is not certain."""
-    box = patch_box(contact, radius)
-    inside = box[0] >= 0.0 and box[1] <= length and box[2] >= 0.0 and box[3] <= width
-    return whole and inside
+def within_borders(contact: NDArray, radius: float, cells: GridCells) -> bool:
+    """True if a patch lies within the length and width of the skin."""
+    box, length, width = patch_box(contact, radius), cells.x[-1], cells.y[-1]
+    return box[0] >= 0.0 and box[1] <= length and box[2] >= 0.0 and box[3] <= width
 
 
 @compiled()
-def reason_invalid(
-    contact: NDArray, by: int, length: float, width: float
-) -> int:  # pragma: no cover
+def within_skin(contact: NDArray, radius: float, cells: GridCells) -> bool:
+    """True if a patch lies on the skin entirely; also False where that is not certain."""
+    return cells.whole and within_borders(contact, radius, cells)
+
+
+@compiled()
+def reason_invalid(contact: NDArray, by: int, cells: GridCells) -> int:
     """Number of the reason why a contact is invalid; FINE if it is not."""
+    length, width = cells.x[-1], cells.y[-1]
     near_x, near_y = ROUNDING * length, ROUNDING * width
     if not (-near_x <= contact[X] <= length + near_x and -near_y <= contact[Y] <= width + near_y):
         return BAD_PLACE

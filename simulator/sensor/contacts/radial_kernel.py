@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ...compiled import compiled
 from .foam_kernel import stress
+from .foam_tables import FoamTables
 
 MAX_NEWTON_STEPS = 100
 STILL = 1e-9
@@ -15,14 +16,14 @@ STILL = 1e-9
 
 @compiled()
 def radial_deflections(
-    law: NDArray,
+    foam: FoamTables,
     tension: float,
     step: float,
     nodes: int,
     limit: int,
     curvature: float,
     levels: NDArray,
-) -> NDArray:  # pragma: no cover
+) -> NDArray:
     """Deflection under an indenter of each depth, m, shape (level, node).
 
     T / r d/dr (r dw/dr) = p(w / d) outside the contact, by finite volumes between equidistant radii
@@ -31,68 +32,66 @@ def radial_deflections(
     depths, m, ascending.
     """
     w, found = np.zeros(nodes), np.zeros((len(levels), nodes))
-    held, most = 1, min(limit, nodes - 2)
+    fixed, most = 1, min(limit, nodes - 2)
     for level in range(len(levels)):
         while True:
-            for k in range(held):
+            for k in range(fixed):
                 w[k] = _surface(k, step, curvature, levels[level])
-            _solve(w, held, law, tension, step, held == limit)
-            under = _surface(held, step, curvature, levels[level])
-            if held >= most or w[held] >= under:
+            _solve(w, fixed, foam, tension, step, fixed == limit)
+            under = _surface(fixed, step, curvature, levels[level])
+            if fixed >= most or w[fixed] >= under:
                 break
-            held += 1
+            fixed += 1
         for k in range(nodes):
             found[level, k] = w[k]
     return found
 
 
 @compiled()
-def _surface(k: int, step: float, curvature: float, depth: float) -> float:  # pragma: no cover
+def _surface(k: int, step: float, curvature: float, depth: float) -> float:
     """Depth of the indenter's surface at a node, m."""
     return depth - ((k + 0.5) * step) ** 2 / (2 * curvature)
 
 
 @compiled()
 def _solve(
-    w: NDArray, held: int, law: NDArray, tension: float, step: float, edge: bool
-) -> None:  # pragma: no cover
-    """Newton's method for the nodes from `held` on, in place; the node before has its depth.
+    w: NDArray, fixed: int, foam: FoamTables, tension: float, step: float, edge: bool
+) -> None:
+    """Newton's method for the nodes from `fixed` on, in place; the node before has its depth.
 
     edge: True if an edge of the indenter, half a step before the first of these, has that depth.
     """
-    nodes, thickness = len(w), law[5]
+    nodes, thickness = len(w), foam.thickness
     above, change, slope = np.zeros(nodes), np.zeros(nodes), np.zeros(nodes)
     for _ in range(MAX_NEWTON_STEPS):
         moved = 0.0
-        for k in range(held, nodes):
-            strain = min(max(w[k] / thickness, 0.0), law[4])
-            ahead, behind = min(strain + 1e-6, law[4]), max(strain - 1e-6, 0.0)
-            slope[k] = (stress(law, ahead) - stress(law, behind)) / (ahead - behind) / thickness
+        for k in range(fixed, nodes):
+            strain = min(max(w[k] / thickness, 0.0), foam.greatest)
+            ahead, behind = min(strain + 1e-6, foam.greatest), max(strain - 1e-6, 0.0)
+            slope[k] = (stress(foam, ahead) - stress(foam, behind)) / (ahead - behind) / thickness
             area = (k + 0.5) * step * step
-            inner = tension * k * (2.0 if edge and k == held else 1.0)
+            inner = tension * k * (2.0 if edge and k == fixed else 1.0)
             outer = tension * (k + 1) if k + 1 < nodes else 0.0
-            pull = inner * (w[k - 1] - w[k]) - area * stress(law, strain)
+            pull = inner * (w[k - 1] - w[k]) - area * stress(foam, strain)
             if k + 1 < nodes:
                 pull += outer * (w[k + 1] - w[k])
             diagonal = inner + outer + area * slope[k]
-            if k > held:
+            if k > fixed:
                 diagonal -= inner * above[k - 1]
                 pull += inner * change[k - 1]
             above[k], change[k] = outer / diagonal, pull / diagonal
-        for k in range(nodes - 1, held - 1, -1):
+        for k in range(nodes - 1, fixed - 1, -1):
             if k + 1 < nodes:
                 change[k] += above[k] * change[k + 1]
             new = max(w[k] + change[k], 0.0)
             moved = max(moved, abs(new - w[k]))
             w[k] = new
-        if moved <= STILL * w[held - 1]:
+        if moved <= STILL * w[fixed - 1]:
             return
 
 
 @compiled()
-def stacked_rings(
-    rise: NDArray, step: float, flat: int, radii: NDArray, rises: NDArray
-) -> None:  # pragma: no cover
+def stacked_rings(rise: NDArray, step: float, flat: int, radii: NDArray, rises: NDArray) -> None:
     """Discs of each level whose rises add up to those at the nodes, into `radii` and `rises`.
 
     rise: at nodes, shape (level, node). Each ring between discs takes its mean; rings are chosen so

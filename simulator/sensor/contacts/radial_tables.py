@@ -55,7 +55,7 @@ def radial_table(
 
     mechanics = scene.skin.foam.mechanics
     assert mechanics is not None
-    greatest, thickness = float(foam.law[4]), float(foam.law[5])
+    greatest, thickness = foam.greatest, foam.thickness
     patch = float(min(radius, np.sqrt(2 * curvature * greatest * thickness)))
     spread = np.sqrt(mechanics.tension * thickness / mechanics.young)
     step = max(min(spread, patch) / FINE, (patch + reach) / MAX_NODES)
@@ -64,7 +64,7 @@ def radial_table(
     nodes = int(np.ceil((patch + reach) / step)) + 2
     flat = limit if np.isinf(curvature) else 0
     depth = _levels(foam) * thickness
-    w = radial_deflections(foam.law, mechanics.tension, step, nodes, limit, curvature, depth)
+    w = radial_deflections(foam, mechanics.tension, step, nodes, limit, curvature, depth)
     strain = np.minimum(w / thickness, greatest)
     ring = 2 * np.pi * step**2 * (np.arange(nodes) + 0.5)
     rise = scene.skin.foam.factor_at(strain) - 1
@@ -78,9 +78,8 @@ def radial_table(
 
 def _levels(foam: FoamTables) -> NDArray[np.float64]:
     """Strains of the levels, from 0: denser where the cells buckle and where they close."""
-    greatest, t = float(foam.law[4]), np.linspace(0.0, 1.0, LEVELS + 1)
-    if foam.law[0] == 0.0:
+    greatest, t = foam.greatest, np.linspace(0.0, 1.0, LEVELS + 1)
+    if not foam.elastomer:
         return t * greatest
-    closing = float(foam.law[3])
-    close = closing * (1 - (1 - greatest / closing) ** t)
+    close = foam.densified * (1 - (1 - greatest / foam.densified) ** t)
     return np.unique(np.concatenate([greatest * t**1.5, close]).clip(0.0, greatest))

@@ -18,12 +18,12 @@ from .contact_types import STRENGTHS, Contacts, PointContacts, PressureImage
 from .fingers import with_fingers
 from .foam_tables import FoamTables, foam_tables
 from .grid_cells import GridCells, grid_cells
-from .patch_kernel import ADDED, FACTOR
+from .patch_kernel import ADDED, FACTOR, FINE, Fault, Stacks
 from .refusals import invalid_contact, invalid_value, refusals, too_deep_message
-from .spread_points import SpreadPoints, Stacks
+from .spread_points import SpreadPoints
 
 TooDeep = Literal["limit", "refuse"]
-RasterizedPoints = tuple[PressBatch, NDArray[np.bool_], NDArray[np.float64], NDArray[np.int64]]
+RasterizedPoints = tuple[PressBatch, NDArray[np.bool_], NDArray[np.float64], Fault]
 """Presses; True for limited ones; radius of each patch, m; the first invalid contact."""
 
 
@@ -81,7 +81,7 @@ class ContactRasterizer:
             from .membrane_contacts import ContactMembrane
 
             spread = SpreadPoints(ContactMembrane(scene, grid, foam, cells))
-        spreading = CellSpreading.of(coarse, PARTS) if coarse else None
+        spreading = CellSpreading(coarse, PARTS) if coarse else None
         return cls(scene, grid, coarse, too_deep, foam, cells, refused, spread, spreading)
 
     def __call__(self, contacts: Contacts) -> ContactCells:
@@ -103,8 +103,8 @@ class ContactRasterizer:
             batch, limited, patches, fault = self._spread_points(self.spread, contacts)
         else:
             batch, limited, patches, fault = self._points_alone(contacts)
-        if fault[2]:
-            raise InputError(invalid_contact(self.scene, contacts, *fault.tolist()))
+        if fault[2] != FINE:
+            raise InputError(invalid_contact(self.scene, contacts, *fault))
         if self.scene.press.finger:
             none = PressBatch.of([NOTHING] * contacts.skins)
             fine = with_fingers(self.scene, contacts, none, patches, self.grid)
@@ -115,19 +115,15 @@ class ContactRasterizer:
         """Contacts of which each presses its patch alone."""
         by, added = STRENGTHS.index(contacts.by), self.scene.press.adds is not None
         by = ADDED if by == FACTOR and added else by
+        given = contacts.values, contacts.counts, by, self.foam, self.cells
         if self.coarse is not None:
-            from .fused_kernel import pressed_moments
+            from .moment_kernel import pressed_moments
 
-            *batch, limited, patches, fault = pressed_moments(
-                contacts.values, contacts.counts, by, *self.foam, *self.cells, self.coarse
-            )
-            return PressBatch(*batch), limited, patches, fault
+            return pressed_moments(*given, self.coarse)
         from .winkler_kernel import winkler_stacks
 
-        *stacks, limited, patches, fault = winkler_stacks(
-            contacts.values, contacts.counts, by, *self.foam, *self.cells
-        )
-        return self._of_stacks(contacts, by, Stacks(*stacks), limited), limited, patches, fault
+        stacks, limited, patches, fault = winkler_stacks(*given)
+        return self._of_stacks(contacts, by, stacks, limited), limited, patches, fault
 
     def _spread_points(self, spread: SpreadPoints, contacts: PointContacts) -> RasterizedPoints:
         """Contacts on skins with tension."""
@@ -141,14 +137,14 @@ class ContactRasterizer:
     def _of_stacks(
         self, contacts: PointContacts, by: int, stacks: Stacks, limited: NDArray[np.bool_]
     ) -> PressBatch:
-        given = contacts.values, contacts.counts, by, *stacks, limited, *self.foam, *self.cells[:5]
+        given = contacts.values, contacts.counts, by, stacks, limited, self.foam, self.cells
         if self.coarse is not None:
             from .moment_kernel import moments_of_stacks
 
-            return PressBatch(*moments_of_stacks(*given, self.coarse))  # pyright: ignore[reportCallIssue]
+            return moments_of_stacks(*given, self.coarse)
         from .stack_kernel import cells_of_stacks
 
-        return PressBatch(*cells_of_stacks(*given))
+        return cells_of_stacks(*given)
 
     def _on_coarse(self, fine: PressBatch) -> PressBatch:
         return fine if self.spreading is None else self.spreading(fine)
@@ -159,20 +155,13 @@ class ContactRasterizer:
         by_pressure = isinstance(contacts, PressureImage)
         if by_pressure and self.spread is not None:
             return self._spread_image(contacts)
-        if self.coarse is not None:
-            from .image_moments import moments_of_images
-
-            *batch, limited, fault = moments_of_images(
-                contacts.values, by_pressure, *self.foam, self.coarse
-            )
-        else:
-            cut, mask = self.cells.cut, self.cells.mask
-            *batch, limited, fault = imaged_cells(
-                contacts.values, by_pressure, *self.foam, self.grid, cut, mask
-            )
-        if fault[3]:
-            raise InputError(invalid_value(contacts, *fault[:3].tolist()))
-        return ContactCells(PressBatch(*batch), limited)
+        grid, moments = self.coarse or self.grid, self.coarse is not None
+        batch, limited, fault = imaged_cells(
+            contacts.values, by_pressure, self.foam, self.cells, grid, moments
+        )
+        if fault[3] != FINE:
+            raise InputError(invalid_value(contacts, *fault[:3]))
+        return ContactCells(batch, limited)
 
     def _spread_image(self, image: PressureImage) -> ContactCells:
         assert self.spread is not None

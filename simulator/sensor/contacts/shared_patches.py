@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ...compiled import compiled
 from .foam_kernel import rise_at, strain_under, stress
+from .foam_tables import FoamTables
 from .patch_kernel import (
     ADDED,
     CURVATURE,
@@ -17,6 +18,7 @@ from .patch_kernel import (
     ROUNDING,
     WIDTH,
     Box,
+    Stacks,
     X,
     Y,
     patch_box,
@@ -26,9 +28,7 @@ MAX_BITS = 62
 
 
 @compiled()
-def overlap_box(
-    contacts: NDArray, count: int, by: int, radii: NDArray, discs: NDArray
-) -> Box:  # pragma: no cover
+def overlap_box(contacts: NDArray, by: int, stacks: Stacks) -> Box:
     """Rectangle around all overlaps of patches, m; infinite and reversed if there is none.
 
     Capacitances to earth of ADDED touches and spread contacts add, and have none.
@@ -36,9 +36,10 @@ def overlap_box(
     left, right, bottom, top = np.inf, -np.inf, np.inf, -np.inf
     if by == ADDED:
         return left, right, bottom, top
-    for k in range(count):
+    for k in range(len(contacts)):
         for m in range(k):
-            own, other = radii[k, discs[k] - 1], radii[m, discs[m] - 1]
+            own = stacks.radii[k, stacks.discs[k] - 1]
+            other = stacks.radii[m, stacks.discs[m] - 1]
             if not _meet(contacts[k], contacts[m], own, other):
                 continue
             one, two = patch_box(contacts[k], own), patch_box(contacts[m], other)
@@ -48,7 +49,7 @@ def overlap_box(
 
 
 @compiled()
-def _meet(one: NDArray, other: NDArray, radius: float, its: float) -> bool:  # pragma: no cover
+def _meet(one: NDArray, other: NDArray, radius: float, its: float) -> bool:
     """True if two patches may overlap: discs do, boxes around them do if one is a rectangle."""
     if radius > 0.0 and its > 0.0:
         far = (one[X] - other[X]) ** 2 + (one[Y] - other[Y]) ** 2
@@ -61,8 +62,8 @@ def _meet(one: NDArray, other: NDArray, radius: float, its: float) -> bool:  # p
 
 @compiled()
 def _strain_at(
-    contact: NDArray, strain: float, law: NDArray, at_x: float, at_y: float
-) -> float:  # pragma: no cover
+    contact: NDArray, strain: float, foam: FoamTables, at_x: float, at_y: float
+) -> float:
     """Strain that a contact alone causes at a position, `strain` in its middle."""
     along, across = at_x - contact[X], at_y - contact[Y]
     if contact[WIDTH] > 0.0:
@@ -71,66 +72,58 @@ def _strain_at(
     far = along * along + across * across
     if far > contact[RADIUS] * contact[RADIUS]:
         return 0.0
-    return max(strain - far / (2 * contact[CURVATURE] * law[5]), 0.0)
+    return max(strain - far / (2 * contact[CURVATURE] * foam.thickness), 0.0)
 
 
 @compiled()
-def all_flat(contacts: NDArray, count: int) -> bool:  # pragma: no cover
+def all_flat(contacts: NDArray) -> bool:
     """True if the rise is the same wherever the same patches overlap, of at most 62 contacts."""
-    for k in range(count):
-        if contacts[k, WIDTH] == 0.0 and contacts[k, CURVATURE] < np.inf:
+    for contact in contacts:
+        if contact[WIDTH] == 0.0 and contact[CURVATURE] < np.inf:
             return False
-    return count <= MAX_BITS
+    return len(contacts) <= MAX_BITS
 
 
 @compiled()
 def contacts_over(
-    contacts: NDArray, count: int, strain: NDArray, by: int, law: NDArray, at_x: float, at_y: float
-) -> int:  # pragma: no cover
+    contacts: NDArray, by: int, strain: NDArray, foam: FoamTables, at_x: float, at_y: float
+) -> int:
     """Contacts that press a position, one bit each; of more than 62, all bits."""
-    if count > MAX_BITS:
+    if len(contacts) > MAX_BITS:
         return -1
     found = 0
-    for k in range(count):
+    for k in range(len(contacts)):
         deepest = 1.0 if by == FACTOR else strain[k]
-        if _strain_at(contacts[k], deepest, law, at_x, at_y) > 0.0:
+        if _strain_at(contacts[k], deepest, foam, at_x, at_y) > 0.0:
             found |= 1 << k
     return found
 
 
 @compiled()
 def joint_minus_sum(
-    contacts: NDArray,
-    count: int,
-    strain: NDArray,
-    stacked: NDArray,
-    by: int,
-    law: NDArray,
-    relative: NDArray,
-    strains: NDArray,
-    at_x: float,
-    at_y: float,
-) -> tuple[float, bool]:  # pragma: no cover
+    contacts: NDArray, by: int, stacks: Stacks, foam: FoamTables, at_x: float, at_y: float
+) -> tuple[float, bool]:
     """Rise under all patches at a position minus the sum of their own; True if it was limited.
 
     Pressures of forces add, of depths the deeper counts, and factors multiply.
     """
     deepest, pressure, apart, joint, under = 0.0, 0.0, 0.0, 1.0, 0
-    for k in range(count):
+    for k in range(len(contacts)):
         if by == FACTOR:
-            if _strain_at(contacts[k], 1.0, law, at_x, at_y) > 0.0:
-                joint, apart, under = joint * (1 + stacked[k, 0]), apart + stacked[k, 0], under + 1
+            if _strain_at(contacts[k], 1.0, foam, at_x, at_y) > 0.0:
+                rise, under = stacks.rises[k, 0], under + 1
+                joint, apart = joint * (1 + rise), apart + rise
             continue
-        depth = _strain_at(contacts[k], strain[k], law, at_x, at_y)
+        depth = _strain_at(contacts[k], stacks.strain[k], foam, at_x, at_y)
         if depth > 0.0:
             deepest, under = max(deepest, depth), under + 1
-            apart += rise_at(law, relative, depth)
-            pressure += stress(law, depth) if by == FORCE else 0.0
+            apart += rise_at(foam, depth)
+            pressure += stress(foam, depth) if by == FORCE else 0.0
     if under < 2:
         return 0.0, False
     if by == FACTOR:
         return joint - 1 - apart, False
-    limited = by == FORCE and pressure > law[6]
+    limited = by == FORCE and pressure > foam.closed
     if by == FORCE:
-        deepest = strain_under(law, strains, min(pressure, law[6]))
-    return rise_at(law, relative, deepest) - apart, limited
+        deepest = strain_under(foam, min(pressure, foam.closed))
+    return rise_at(foam, deepest) - apart, limited

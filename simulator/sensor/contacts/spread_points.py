@@ -11,39 +11,25 @@ from numpy.typing import NDArray
 from ...press.batch import TouchedCells
 from .contact_types import PointContacts
 from .membrane_contacts import ContactMembrane
-from .patch_kernel import CURVATURE, DEPTH, FORCE, RADIUS
+from .patch_kernel import CURVATURE, DEPTH, FINE, FORCE, RADIUS, Fault, Stacks
 from .radial_tables import NO_TABLES, RadialTable, radial_table
 
 MAX_TABLES = 256
 """Number of tables above which those are dropped that the latest contacts do not need."""
 
 
-class Stacks(NamedTuple):
-    """Discs of rises under point contacts.
-
-    radii [m], rises: of each disc; a rectangle has the radius 0; shape (press, contact, disc).
-    discs: their number, shape (press, contact). strain: in the middle of each contact.
-    """
-
-    radii: NDArray[np.float64]
-    rises: NDArray[np.float64]
-    discs: NDArray[np.int64]
-    strain: NDArray[np.float64]
-
-
 class PressedPoints(NamedTuple):
     """Point contacts pressed into the foam.
 
     limited: True for presses whose foam was limited to its largest strain, shape (press,). patches:
-    radius of each patch, m, 0 for a rectangle, shape (press, contact). fault: press, contact and
-    reason of the first invalid contact, shape (3,). on_lattice: cells of presses that have no
-    stacks, by press.
+    radius of each patch, m, 0 for a rectangle, shape (press, contact). on_lattice: cells of presses
+    that have no stacks, by press.
     """
 
     stacks: Stacks
     limited: NDArray[np.bool_]
     patches: NDArray[np.float64]
-    fault: NDArray[np.int64]
+    fault: Fault
     on_lattice: dict[int, TouchedCells]
 
 
@@ -62,30 +48,22 @@ class SpreadPoints:
         """Discs or cells of point contacts by force or depth."""
         from .spread_kernel import BY_LATTICE, NO_TABLE, spread_stacks
 
-        x, y, cut, _, part, whole = self.membrane.cells
         by = DEPTH if contacts.by == "depth" else FORCE
         while True:
-            *stacks, limited, patches, fault, how = spread_stacks(
-                contacts.values,
-                contacts.counts,
-                by,
-                self.keys,
-                *self.tables,
-                x,
-                y,
-                cut,
-                part,
-                whole,
+            stacks, limited, patches, fault, how = spread_stacks(
+                contacts.values, contacts.counts, by, self.keys, self.tables, self.membrane.cells
             )
-            if fault[2] or not (how == NO_TABLE).any():
+            if fault[2] != FINE:
+                return PressedPoints(stacks, limited, patches, fault, {})
+            if not (how == NO_TABLE).any():
                 break
             self._add_tables(contacts)
         on_lattice = {}
-        for skin in [] if fault[2] else np.flatnonzero(how == BY_LATTICE).tolist():
+        for skin in np.flatnonzero(how == BY_LATTICE).tolist():
             own = self.membrane.under_points(contacts, skin)
             on_lattice[skin], limited[skin] = own.touched, own.limited
             patches[skin, : len(own.radius)] = own.radius
-        return PressedPoints(Stacks(*stacks), limited, patches, fault, on_lattice)
+        return PressedPoints(stacks, limited, patches, fault, on_lattice)
 
     def _add_tables(self, contacts: PointContacts) -> None:
         there = np.arange(contacts.values.shape[1]) < contacts.counts[:, None]

@@ -6,12 +6,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiled import compiled
-from .cell_samples import SAMPLES
-from .patch_kernel import FACTOR, Box, box_cells, covered_part, patch_box
+from ...press.batch import PressBatch
+from .foam_tables import FoamTables
+from .grid_cells import SAMPLES, GridCells
+from .patch_kernel import (
+    FACTOR,
+    Box,
+    Span,
+    Stacks,
+    box_cells,
+    covered_part,
+    of_press,
+    patch_box,
+    skin_of_cell,
+)
 from .shared_patches import joint_minus_sum, overlap_box
 
 FAINT = 1e-12
 """Rises below this are rounding errors."""
+CELLS_AT_FIRST = 16
+"""Cells of a press for which a batch has room at first."""
 
 
 @compiled()
@@ -19,184 +33,129 @@ def cells_of_stacks(
     values: NDArray,
     counts: NDArray,
     by: int,
-    radii: NDArray,
-    stacked: NDArray,
-    discs: NDArray,
-    strain: NDArray,
+    stacks: Stacks,
     limited: NDArray,
-    law: NDArray,
-    relative: NDArray,
-    strains: NDArray,
-    x: NDArray,
-    y: NDArray,
-    cut: NDArray,
-    mask: NDArray,
-    part: NDArray,
-) -> tuple[NDArray, NDArray, NDArray]:  # pragma: no cover
-    """Cells, rises and starts of presses, each a number of contacts with stacks of discs.
+    foam: FoamTables,
+    cells: GridCells,
+) -> PressBatch:
+    """Presses on the cells of a grid, each of a number of contacts with stacks of discs.
 
-    radii [m], stacked: radius of each disc, 0 for the contact's rectangle, and the rise that it
-    adds, shape (press, contact, disc). discs: their number; 0 leaves a contact out. strain: in the
-    middle of each contact. Where patches of forces or depths overlap, a correction is sampled;
-    `limited` becomes True where that needs more than the largest strain.
+    values: see `contact_types.COLUMNS`, shape (press, contact, 7). counts: contacts of each press.
+    Where patches of forces or depths overlap, a correction is sampled; `limited` becomes True where
+    that needs more than the largest strain.
     """
-    presses, rows, columns = values.shape[0], len(y) - 1, len(x) - 1
-    cells, rises = np.empty(presses * 16, np.int64), np.empty(presses * 16)
-    starts = np.zeros(presses + 1, np.int64)
+    presses, (rows, columns) = len(values), cells.cut.shape
+    batch, found = empty_batch(presses, CELLS_AT_FIRST * presses), 0
     unpressed = 1.0 if by == FACTOR else 0.0
-    total, found = np.full((rows, columns), unpressed), 0
+    total = np.full((rows, columns), unpressed)
     for press in range(presses):
         left, right, bottom, top = columns, 0, rows, 0
-        for k in range(counts[press]):
-            for disc in range(discs[press, k]):
-                radius, rise = radii[press, k, disc], stacked[press, k, disc]
-                box = patch_box(values[press, k], radius)
-                span = box_cells(box, x, y)
+        contacts, own = values[press, : counts[press]], of_press(stacks, press)
+        for k in range(len(contacts)):
+            for disc in range(own.discs[k]):
+                radius, rise = own.radii[k, disc], own.rises[k, disc]
+                box = patch_box(contacts[k], radius)
+                span = box_cells(box, cells)
                 left, right = min(left, span[0]), max(right, span[1])
                 bottom, top = min(bottom, span[2]), max(top, span[3])
                 for i in range(span[2], span[3]):
                     for j in range(span[0], span[1]):
-                        covered = covered_part(box, radius, i, j, x, y, cut, mask)
+                        covered = covered_part(box, radius, i, j, cells)
                         if by == FACTOR:
                             total[i, j] *= (1 - covered) + (1 + rise) * covered
                         else:
                             total[i, j] += rise * covered
-        if by < FACTOR and counts[press] > 1:
-            limited[press] |= _add_overlaps(
-                values[press],
-                counts[press],
-                by,
-                radii[press],
-                stacked[press],
-                discs[press],
-                strain[press],
-                law,
-                relative,
-                strains,
-                x,
-                y,
-                cut,
-                mask,
-                part,
-                total,
-            )
-        if found + max(right - left, 0) * max(top - bottom, 0) > len(cells):
-            cells, rises = _longer(cells, rises, found, 2 * len(cells) + rows * columns)
-        for i in range(bottom, top):
-            for j in range(left, right):
-                rise = total[i, j] - unpressed
-                total[i, j] = unpressed
-                if abs(rise) > FAINT:
-                    cells[found], rises[found] = i * columns + j, rise
-                    found += 1
-        starts[press + 1] = found
-    return cells[:found], rises[:found], starts
+        if by < FACTOR and len(contacts) > 1:
+            limited[press] |= _add_overlaps(contacts, by, own, foam, cells, total)
+        batch, found = moved_to_batch(
+            total, (left, right, bottom, top), unpressed, FAINT, batch, found
+        )
+        batch.starts[press + 1] = found
+    return PressBatch(batch.cells[:found], batch.rises[:found], batch.starts)
 
 
 @compiled()
-def _longer(
-    cells: NDArray, rises: NDArray, found: int, more: int
-) -> tuple[NDArray, NDArray]:  # pragma: no cover
-    new_cells, new_rises = np.empty(more, np.int64), np.empty(more)
-    for k in range(found):
-        new_cells[k], new_rises[k] = cells[k], rises[k]
-    return new_cells, new_rises
+def empty_batch(presses: int, room: int) -> PressBatch:
+    """Batch with room for a number of cells."""
+    return PressBatch(np.empty(room, np.int64), np.empty(room), np.zeros(presses + 1, np.int64))
+
+
+@compiled()
+def moved_to_batch(
+    total: NDArray, span: Span, unpressed: float, faint: float, batch: PressBatch, found: int
+) -> tuple[PressBatch, int]:
+    """Batch with the pressed cells of a span behind the `found` first ones, and their new number.
+
+    The span of `total` becomes `unpressed` again. faint: largest rise that is left out. A batch
+    without room is replaced by a longer one.
+    """
+    left, right, bottom, top = span
+    rows, columns = total.shape
+    cells, rises, starts = batch.cells, batch.rises, batch.starts
+    if found + max(right - left, 0) * max(top - bottom, 0) > len(cells):
+        more = 2 * len(cells) + rows * columns
+        old_cells, old_rises = cells, rises
+        cells, rises = np.empty(more, np.int64), np.empty(more)
+        for k in range(found):
+            cells[k], rises[k] = old_cells[k], old_rises[k]
+    for i in range(bottom, top):
+        for j in range(left, right):
+            rise, total[i, j] = total[i, j] - unpressed, unpressed
+            if abs(rise) > faint:
+                cells[found], rises[found] = i * columns + j, rise
+                found += 1
+    return PressBatch(cells, rises, starts), found
 
 
 @compiled()
 def _add_overlaps(
-    contacts: NDArray,
-    count: int,
-    by: int,
-    radii: NDArray,
-    stacked: NDArray,
-    discs: NDArray,
-    strain: NDArray,
-    law: NDArray,
-    relative: NDArray,
-    strains: NDArray,
-    x: NDArray,
-    y: NDArray,
-    cut: NDArray,
-    mask: NDArray,
-    part: NDArray,
-    total: NDArray,
-) -> bool:  # pragma: no cover
+    contacts: NDArray, by: int, own: Stacks, foam: FoamTables, cells: GridCells, total: NDArray
+) -> bool:
     """Correct the summed rises of cells where patches overlap; True if one was limited.
 
     The correction is sampled in a rectangle around all overlaps.
     """
-    left, right, bottom, top = overlap_box(contacts, count, by, radii, discs)
+    left, right, bottom, top = overlap_box(contacts, by, own)
     if left >= right:
         return False
-    limited, span = False, box_cells((left, right, bottom, top), x, y)
+    x, y, limited = cells.x, cells.y, False
+    span = box_cells((left, right, bottom, top), cells)
     for i in range(span[2], span[3]):
         for j in range(span[0], span[1]):
-            within = (
-                max(left, x[j]),
-                min(right, x[j + 1]),
-                max(bottom, y[i]),
-                min(top, y[i + 1]),
-            )
-            change, beyond = _overlap_rise(
-                contacts,
-                count,
-                strain,
-                stacked,
-                by,
-                law,
-                relative,
-                strains,
-                within,
-                i,
-                j,
-                x,
-                y,
-                cut,
-                mask,
-            )
+            sides = max(left, x[j]), min(right, x[j + 1]), max(bottom, y[i]), min(top, y[i + 1])
+            change, beyond = _overlap_rise(contacts, by, own, foam, sides, i, j, cells)
             limited |= beyond
-            if part[i, j] > 0.0:
-                area = (within[1] - within[0]) * (within[3] - within[2])
-                cell = (x[j + 1] - x[j]) * (y[i + 1] - y[i]) * part[i, j]
-                total[i, j] += change * area / cell
+            if cells.part[i, j] > 0.0:
+                area = (sides[1] - sides[0]) * (sides[3] - sides[2])
+                total[i, j] += change * area / skin_of_cell(i, j, cells)
     return limited
 
 
 @compiled()
 def _overlap_rise(
     contacts: NDArray,
-    count: int,
-    strain: NDArray,
-    stacked: NDArray,
     by: int,
-    law: NDArray,
-    relative: NDArray,
-    strains: NDArray,
-    within: Box,
+    own: Stacks,
+    foam: FoamTables,
+    sides: Box,
     i: int,
     j: int,
-    x: NDArray,
-    y: NDArray,
-    cut: NDArray,
-    mask: NDArray,
-) -> tuple[float, bool]:  # pragma: no cover
+    cells: GridCells,
+) -> tuple[float, bool]:
     """Rise under all patches minus the sum of their own, averaged over a rectangle in a cell.
 
     True if a strain was limited.
     """
-    own, total, limited = cut[i, j], 0.0, False
+    x, y, cut, total, limited = cells.x, cells.y, cells.cut[i, j], 0.0, False
     for k in range(SAMPLES):
-        at_y = within[2] + (k + 0.5) / SAMPLES * (within[3] - within[2])
+        at_y = sides[2] + (k + 0.5) / SAMPLES * (sides[3] - sides[2])
         row = min(int((at_y - y[i]) / (y[i + 1] - y[i]) * SAMPLES), SAMPLES - 1)
         for m in range(SAMPLES):
-            at_x = within[0] + (m + 0.5) / SAMPLES * (within[1] - within[0])
+            at_x = sides[0] + (m + 0.5) / SAMPLES * (sides[1] - sides[0])
             column = min(int((at_x - x[j]) / (x[j + 1] - x[j]) * SAMPLES), SAMPLES - 1)
-            if own >= 0 and not mask[own, row, column]:
+            if cut >= 0 and not cells.mask[cut, row, column]:
                 continue
-            change, beyond = joint_minus_sum(
-                contacts, count, strain, stacked, by, law, relative, strains, at_x, at_y
-            )
+            change, beyond = joint_minus_sum(contacts, by, own, foam, at_x, at_y)
             limited |= beyond
             total += change
     return total / SAMPLES**2, limited

@@ -15,6 +15,8 @@ from .foam_kernel import (
     strain_under,
     stress,
 )
+from .foam_tables import FoamTables
+from .grid_cells import GridCells
 from .patch_kernel import (
     CURVATURE,
     DEPTH,
@@ -25,6 +27,8 @@ from .patch_kernel import (
     RADIUS,
     STRENGTH,
     WIDTH,
+    Fault,
+    Stacks,
     area_on_skin,
     reason_invalid,
     within_skin,
@@ -40,143 +44,100 @@ SHARED = 1e-9
 
 @compiled()
 def winkler_stacks(
-    values: NDArray,
-    counts: NDArray,
-    by: int,
-    law: NDArray,
-    relative: NDArray,
-    strains: NDArray,
-    x: NDArray,
-    y: NDArray,
-    cut: NDArray,
-    mask: NDArray,
-    part: NDArray,
-    whole: bool,
-) -> tuple[NDArray, NDArray, NDArray, NDArray, NDArray, NDArray, NDArray]:  # pragma: no cover
-    """Discs of rises under contacts: their radii, rises and number, strains, and faults.
+    values: NDArray, counts: NDArray, by: int, foam: FoamTables, cells: GridCells
+) -> tuple[Stacks, NDArray, NDArray, Fault]:
+    """Stacks under contacts, and faults.
 
     values: see `contact_types.COLUMNS`, shape (press, contact, 7). counts: contacts of each press.
-    whole: True if all cells are skin. The first four results are those that `cells_of_stacks`
-    takes. Returned as well: True for presses whose foam would be compressed further than it can,
-    shape (press,); radius of each patch, m, 0 for a rectangle, shape (press, contact); and press,
-    contact and reason of the first invalid contact, shape (3,).
+    Returned as well: True for presses whose foam would be compressed further than it can, shape
+    (press,); and radius of each patch, m, 0 for a rectangle, shape (press, contact).
     """
     presses, most = values.shape[0], values.shape[1]
-    radii, stacked = np.zeros((presses, most, RINGS)), np.zeros((presses, most, RINGS))
+    radii, rises = np.zeros((presses, most, RINGS)), np.zeros((presses, most, RINGS))
     discs, strain = np.zeros((presses, most), np.int64), np.zeros((presses, most))
+    stacks, pressures = Stacks(radii, rises, discs, strain), np.zeros(RINGS)
     patches, limited = np.zeros((presses, most)), np.zeros(presses, np.bool_)
-    fault, pressures = np.zeros(3, np.int64), np.zeros(RINGS)
-    length, width = x[len(x) - 1], y[len(y) - 1]
     for press in range(presses):
         for k in range(counts[press]):
             contact = values[press, k]
-            reason = reason_invalid(contact, by, length, width)
+            reason = reason_invalid(contact, by, cells)
             if reason == FINE:
+                own = radii[press, k]
                 if by >= FACTOR:
-                    discs[press, k], stacked[press, k, 0] = 1, contact[STRENGTH] - 1
-                    radii[press, k, 0] = 0.0 if contact[WIDTH] > 0.0 else contact[RADIUS]
+                    discs[press, k], rises[press, k, 0] = 1, contact[STRENGTH] - 1
+                    own[0] = 0.0 if contact[WIDTH] > 0.0 else contact[RADIUS]
                 else:
-                    own = winkler_strain(contact, by, law, strains, x, y, cut, mask, part, whole)
-                    limited[press] |= own > law[4]
-                    strain[press, k] = min(own, law[4])
+                    reached = winkler_strain(contact, by, foam, cells)
+                    limited[press] |= reached > foam.greatest
+                    strain[press, k] = min(reached, foam.greatest)
                     discs[press, k] = stack_of_discs(
-                        contact,
-                        strain[press, k],
-                        law,
-                        relative,
-                        radii[press, k],
-                        stacked[press, k],
-                        pressures,
+                        contact, strain[press, k], foam, own, rises[press, k], pressures
                     )
-                outer = radii[press, k, discs[press, k] - 1]
-                patches[press, k] = outer
-                if not within_skin(contact, outer, length, width, whole) and not (
-                    area_on_skin(contact, outer, x, y, cut, mask, part) > 0.0
+                outer = patches[press, k] = own[discs[press, k] - 1]
+                if not within_skin(contact, outer, cells) and not (
+                    area_on_skin(contact, outer, cells) > 0.0
                 ):
                     reason = OFF_SKIN
             if reason != FINE:
-                fault[0], fault[1], fault[2] = press, k, reason
-                return radii, stacked, discs, strain, limited, patches, fault
-    return radii, stacked, discs, strain, limited, patches, fault
+                return stacks, limited, patches, (press, k, reason)
+    return stacks, limited, patches, (0, 0, FINE)
 
 
 @compiled()
-def winkler_strain(
-    contact: NDArray,
-    by: int,
-    law: NDArray,
-    strains: NDArray,
-    x: NDArray,
-    y: NDArray,
-    cut: NDArray,
-    mask: NDArray,
-    part: NDArray,
-    whole: bool,
-) -> float:  # pragma: no cover
+def winkler_strain(contact: NDArray, by: int, foam: FoamTables, cells: GridCells) -> float:
     """Strain under the middle of a contact; infinite if the foam cannot be compressed so far."""
     strength, radius, curvature = contact[STRENGTH], contact[RADIUS], contact[CURVATURE]
     if by == DEPTH:
-        return strength / law[5]
-    length, width = x[len(x) - 1], y[len(y) - 1]
+        return strength / foam.thickness
     if contact[WIDTH] > 0.0 or curvature == np.inf:
         own = 0.0 if contact[WIDTH] > 0.0 else radius
         area = contact[WIDTH] * contact[HEIGHT] if own == 0.0 else np.pi * own * own
-        if not within_skin(contact, own, length, width, whole):
-            area = area_on_skin(contact, own, x, y, cut, mask, part)
+        if not within_skin(contact, own, cells):
+            area = area_on_skin(contact, own, cells)
         if area == 0.0:
             return 0.0
         pressure = strength / area
-        return np.inf if pressure > law[6] else strain_under(law, strains, pressure)
-    force, most = strength, indenter_force(law, law[4], radius, curvature)
-    found = indenter_strain(law, force, radius, curvature)
-    if within_skin(contact, patch_radius(law, found, radius, curvature), length, width, whole):
+        return np.inf if pressure > foam.closed else strain_under(foam, pressure)
+    force, most = strength, indenter_force(foam, foam.greatest, radius, curvature)
+    found = indenter_strain(foam, force, radius, curvature)
+    if within_skin(contact, patch_radius(foam, found, radius, curvature), cells):
         return np.inf if force > most else found
     for _ in range(SHARED_STEPS):
-        returned = force_on_skin(contact, found, law, x, y, cut, mask, part)
+        returned = force_on_skin(contact, found, foam, cells)
         if returned == 0.0:
             return found
         force *= strength / returned
         if force > most:
             return np.inf
-        found = indenter_strain(law, force, radius, curvature)
+        found = indenter_strain(foam, force, radius, curvature)
         if abs(returned - strength) <= SHARED * strength:
             break
     return found
 
 
 @compiled()
-def force_on_skin(
-    contact: NDArray,
-    strain: float,
-    law: NDArray,
-    x: NDArray,
-    y: NDArray,
-    cut: NDArray,
-    mask: NDArray,
-    part: NDArray,
-) -> float:  # pragma: no cover
+def force_on_skin(contact: NDArray, strain: float, foam: FoamTables, cells: GridCells) -> float:
     """Force that the foam returns to a sphere that reaches beyond the skin's edge, N."""
     radii, rises, pressures = np.zeros(RINGS), np.zeros(RINGS), np.zeros(RINGS)
-    discs = stack_of_discs(contact, strain, law, np.ones(2), radii, rises, pressures)
+    discs = stack_of_discs(contact, strain, foam, radii, rises, pressures)
     on_skin, whole = 0.0, 0.0
     for k in range(discs):
-        on_skin += pressures[k] * area_on_skin(contact, radii[k], x, y, cut, mask, part)
+        on_skin += pressures[k] * area_on_skin(contact, radii[k], cells)
         whole += pressures[k] * np.pi * radii[k] * radii[k]
     if whole == 0.0:
         return 0.0
-    return on_skin / whole * indenter_force(law, strain, contact[RADIUS], contact[CURVATURE])
+    return on_skin / whole * indenter_force(foam, strain, contact[RADIUS], contact[CURVATURE])
 
 
 @compiled()
 def stack_of_discs(
     contact: NDArray,
     strain: float,
-    law: NDArray,
-    relative: NDArray,
+    foam: FoamTables,
     radii: NDArray,
     rises: NDArray,
     pressures: NDArray,
-) -> int:  # pragma: no cover
+) -> int:
     """Discs whose rises and pressures add up to those under an indenter; returns their number.
 
     The rise falls along the squared distance from the middle; its fall over each weight of a Gauss
@@ -185,46 +146,37 @@ def stack_of_discs(
     """
     if contact[WIDTH] > 0.0 or contact[CURVATURE] == np.inf:
         radii[0] = 0.0 if contact[WIDTH] > 0.0 else contact[RADIUS]
-        rises[0] = rise_at(law, relative, strain)
+        rises[0] = rise_at(foam, strain)
         return 1
-    patch = patch_radius(law, strain, contact[RADIUS], contact[CURVATURE])
-    low = edge_strain(law, strain, contact[RADIUS], contact[CURVATURE])
-    inner, at_inner = 0.0, rise_at(law, relative, strain)
+    patch = patch_radius(foam, strain, contact[RADIUS], contact[CURVATURE])
+    low = edge_strain(foam, strain, contact[RADIUS], contact[CURVATURE])
+    inner, at_inner = 0.0, rise_at(foam, strain)
     for k in range(len(WEIGHTS)):
         outer = inner + WEIGHTS[k]
-        at_outer = rise_at(law, relative, strain - (strain - low) * outer)
-        middle = rise_at(law, relative, strain - (strain - low) * (inner + outer) / 2)
+        at_outer = rise_at(foam, strain - (strain - low) * outer)
+        middle = rise_at(foam, strain - (strain - low) * (inner + outer) / 2)
         volume = (outer - inner) * (at_inner + 4 * middle + at_outer) / 6
         fall = at_inner - at_outer
         area = (inner + outer) / 2
         if fall > 0.0:
             area = min(max((inner * at_inner - outer * at_outer + volume) / fall, inner), outer)
         radii[k], rises[k] = patch * np.sqrt(area), fall
-        if law[1] > 0.0:
-            pressures[k] = stress(law, strain - (strain - low) * inner)
-            pressures[k] -= stress(law, strain - (strain - low) * min(outer, 1.0))
+        if foam.modulus > 0.0:
+            pressures[k] = stress(foam, strain - (strain - low) * inner)
+            pressures[k] -= stress(foam, strain - (strain - low) * min(outer, 1.0))
         inner, at_inner = outer, at_outer
     last = len(WEIGHTS)
     radii[last], rises[last] = patch, at_inner
-    pressures[last] = stress(law, low) if law[1] > 0.0 else 0.0
+    pressures[last] = stress(foam, low) if foam.modulus > 0.0 else 0.0
     return last + 1 if low > 0.0 else last
 
 
 @compiled()
 def winkler_patch(
-    contact: NDArray,
-    by: int,
-    law: NDArray,
-    strains: NDArray,
-    x: NDArray,
-    y: NDArray,
-    cut: NDArray,
-    mask: NDArray,
-    part: NDArray,
-    whole: bool,
-) -> tuple[float, float]:  # pragma: no cover
+    contact: NDArray, by: int, foam: FoamTables, cells: GridCells
+) -> tuple[float, float]:
     """Strain under a contact, at most the largest, and the patch's radius, m; 0 for a rectangle."""
-    strain = min(winkler_strain(contact, by, law, strains, x, y, cut, mask, part, whole), law[4])
+    strain = min(winkler_strain(contact, by, foam, cells), foam.greatest)
     if contact[WIDTH] > 0.0:
         return strain, 0.0
-    return strain, patch_radius(law, strain, contact[RADIUS], contact[CURVATURE])
+    return strain, patch_radius(foam, strain, contact[RADIUS], contact[CURVATURE])

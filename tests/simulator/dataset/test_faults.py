@@ -147,7 +147,7 @@ def test_a_dead_foil_opens_its_interfaces_only():
     dead = DeadFoil(two.interfaces[0].high[0])
     connected, changed = dead.connected(two), dead.changed(two)
     assert not connected[0] and connected.sum() == len(changed.interfaces)
-    assert dead.contact not in [contact.name for contact in changed.contacts]
+    assert dead.name not in [contact.name for contact in changed.contacts]
     assert DeadFoil("top-left").changed(STRIP) is None
 
 

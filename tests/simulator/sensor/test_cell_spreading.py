@@ -7,7 +7,7 @@ from rcskin.simulator.sensor.cell_spreading import PARTS, CellSpreading
 
 GRID = 5, 7
 FINE = PARTS * GRID[0], PARTS * GRID[1]
-SPREADING = CellSpreading.of(GRID, PARTS)
+SPREADING = CellSpreading(GRID, PARTS)
 
 
 def coarse_map(batch, press=0, grid=GRID, first=0):
@@ -20,14 +20,22 @@ def coarse_map(batch, press=0, grid=GRID, first=0):
 
 def twin(rises):
     """Spreading by dense matrices; rises: on fine cells, shape (row, column)."""
-    down, along = (dense(axis, n) for axis, n in zip(SPREADING, GRID, strict=True))
+    down, along = map(shares, GRID)
     return down @ rises @ along.T / PARTS**2
 
 
-def dense(axis, coarse):
-    found = np.zeros((coarse + 2, len(axis.first)))
-    for fine, (first, share) in enumerate(zip(*axis, strict=True)):
-        found[first + 1 : first + 4, fine] = share
+def shares(coarse):
+    """Shares of coarse cells in fine ones along an axis, shape (coarse, fine)."""
+    cell, part = np.divmod(np.arange(coarse * PARTS), PARTS)
+    t = (part + 0.5) / PARTS - 0.5
+    second = t**2 + (1 / PARTS**2 - 1) / 12
+    each = np.stack([(second - t) / 2, 1 - second, (second + t) / 2])
+    first, last = cell == 0, cell == coarse - 1
+    each[:, first] = np.stack([0 * t, 1 - t, t])[:, first]
+    each[:, last] = np.stack([-t, 1 + t, 0 * t])[:, last]
+    found = np.zeros((coarse + 2, len(cell)))
+    for k in range(3):
+        found[cell + k, np.arange(len(cell))] = each[k]
     return found[1:-1]
 
 
