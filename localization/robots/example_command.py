@@ -11,7 +11,7 @@ import numpy as np
 
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.optional_packages import require_packages
-from .robot_example import SWEEPS, FeltTouches, RobotExample, feel, trained
+from .robot_example import SWEEPS, RobotExample, TouchRecord, simulate, trained
 from .touch_film import FilmCamera, write_film
 
 
@@ -25,11 +25,11 @@ def run(example: RobotExample, arguments: Sequence[str] | None = None) -> int:
     try:
         require_packages(f"the example {example.name}", "mujoco", "mujoco", "gymnasium")
         camera = FilmCamera() if options.output else None
-        felt = feel(example, trained(example, options.sweeps), options.duration, camera)
-        for site, touches in zip(example.sites, felt, strict=True):
+        records = simulate(example, trained(example, options.sweeps), options.duration, camera)
+        for site, touches in zip(example.sites, records, strict=True):
             print(summary(site, touches))
         if camera is not None:
-            write_film(options.output, camera, example.load_scene(), felt, example.sites)
+            write_film(options.output, camera, example.load_scene(), records, example.sites)
             camera.close()
     except InputError as error:
         print(error, file=sys.stderr)
@@ -37,7 +37,7 @@ def run(example: RobotExample, arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def summary(site: str, touches: FeltTouches) -> str:
+def summary(site: str, touches: TouchRecord) -> str:
     """Number of touches and their errors in words."""
     errors = 1e3 * touches.error
     if not errors.size:

@@ -1,4 +1,4 @@
-"""A robot with skins that feels: a localizer trained on simulation reads where it is touched."""
+"""A robot with skins: a localizer trained on simulation reads where it is touched."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ class RobotExample:
         return load(Path(__file__).with_name(self.scene))
 
 
-class FeltTouches(NamedTuple):
+class TouchRecord(NamedTuple):
     """Touches of one skin, one row a sweep of its meter.
 
     time: middle of the sweep, s. true, read: places on the skin, m, (sweep, 2), NaN where nothing
@@ -80,12 +80,12 @@ def trained(example: RobotExample, sweeps: int = SWEEPS) -> Model:
     return train(dataset(example.load_scene(), sweeps, rtol=RTOL), "position")
 
 
-def feel(
+def simulate(
     example: RobotExample,
     model: Model,
     duration: float | None = None,
     camera: FilmCamera | None = None,
-) -> list[FeltTouches]:
+) -> list[TouchRecord]:
     """Touches of each skin while the robot moves, true and as read by the localizer."""
     import mujoco
 
@@ -111,7 +111,7 @@ def feel(
         if camera is not None:
             camera.take(engine, data, example.camera)
     each = zip(skins, unpressed, history, strict=True)
-    return [_felt(model, skin, rest, np.array(known)) for skin, rest, known in each]
+    return [_record(model, skin, rest, np.array(known)) for skin, rest, known in each]
 
 
 def _resultant(skin: MujocoSkin, data: Any) -> Real:
@@ -122,7 +122,7 @@ def _resultant(skin: MujocoSkin, data: Any) -> Real:
     return np.array([data.time, *place, force])
 
 
-def _felt(model: Model, skin: MujocoSkin, rest: Any, known: Real) -> FeltTouches:
+def _record(model: Model, skin: MujocoSkin, rest: Any, known: Real) -> TouchRecord:
     sweeps = skin.sensor.sweeps()
     sweeps = sweeps.isel(sweep=slice(rest.sizes["sweep"], None))
     answers = localize(model, sweeps, rest)
@@ -130,4 +130,4 @@ def _felt(model: Model, skin: MujocoSkin, rest: Any, known: Real) -> FeltTouches
     rows = np.abs(known[:, :1] - time).argmin(axis=0)
     places, _ = model.positions(sweeps, rest)
     read = np.where((answers.labels == TOUCHED)[:, None], 1e-3 * places[:, :2], np.nan)
-    return FeltTouches(time, known[rows, 1:3], read, known[rows, 3])
+    return TouchRecord(time, known[rows, 1:3], read, known[rows, 3])

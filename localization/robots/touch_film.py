@@ -16,7 +16,7 @@ from ...simulator.view.painting import has_display
 
 if TYPE_CHECKING:
     from ...simulator.scene.scene import Scene
-    from .robot_example import FeltTouches
+    from .robot_example import TouchRecord
 
 Picture = NDArray[np.uint8]
 HEIGHT, WIDTH = 300, 360
@@ -69,26 +69,30 @@ def _renderer(model: Any) -> Any:
 
 
 def write_film(
-    path: Path, camera: FilmCamera, scene: Scene, felt: Sequence[FeltTouches], names: Sequence[str]
+    path: Path,
+    camera: FilmCamera,
+    scene: Scene,
+    records: Sequence[TouchRecord],
+    names: Sequence[str],
 ) -> None:
     """Write the pictures of a camera, each beside the skins at its time, as .gif or .mp4."""
     if path.suffix not in (".gif", ".mp4"):
         raise InputError(f"{path}: a film must be .gif or .mp4")
-    write_movie(path, _frames(camera, scene, felt, names), ())
+    write_movie(path, _frames(camera, scene, records, names), ())
 
 
 def _frames(
-    camera: FilmCamera, scene: Scene, felt: Sequence[FeltTouches], names: Sequence[str]
+    camera: FilmCamera, scene: Scene, records: Sequence[TouchRecord], names: Sequence[str]
 ) -> Iterator[Picture]:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    size = 0.75 * HEIGHT * len(felt) / DPI + 0.4, HEIGHT / DPI
+    size = 0.75 * HEIGHT * len(records) / DPI + 0.4, HEIGHT / DPI
     figure = Figure(size, dpi=DPI, layout="constrained")
     canvas = FigureCanvasAgg(figure)
-    axes = figure.subplots(1, len(felt), squeeze=False)[0]
+    axes = figure.subplots(1, len(records), squeeze=False)[0]
     for time, picture in zip(camera.times, camera.pictures, strict=True):
-        for each, touches, name in zip(axes, felt, names, strict=True):
+        for each, touches, name in zip(axes, records, names, strict=True):
             each.clear()
             _draw_skin(each, scene, touches, time, name)
         canvas.draw()
@@ -96,10 +100,10 @@ def _frames(
         yield np.ascontiguousarray(np.hstack([picture, skins]))
 
 
-def _draw_skin(axes: Any, scene: Scene, felt: FeltTouches, time: float, name: str) -> None:
-    now = int(np.searchsorted(felt.time, time))
+def _draw_skin(axes: Any, scene: Scene, touches: TouchRecord, time: float, name: str) -> None:
+    now = int(np.searchsorted(touches.time, time))
     shown = slice(max(now - TRAIL, 0), now)
-    true, read = 1e3 * felt.true[shown], 1e3 * felt.read[shown]
+    true, read = 1e3 * touches.true[shown], 1e3 * touches.read[shown]
     length, width = (1e3 * side for side in scene.skin.sides)
     axes.set(xlim=(0, length), ylim=(0, width), aspect="equal", title=name)
     axes.set(xlabel="x, mm", ylabel="y, mm")

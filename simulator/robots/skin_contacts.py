@@ -58,9 +58,9 @@ def skin_contacts(model: MjModel, data: MjData, mount: SkinMount, reach: float) 
     normals = axes @ places.normals
     along = outward[:, None] * np.einsum("kij,jk->ki", frames, normals)
     force = np.einsum("ki,ki->k", _forces(model, data, which), along)
-    felt = (abs(places.height) <= reach) & (along[:, 0] >= MIN_COSINE) & places.on & (force > 0)
+    presses = (abs(places.height) <= reach) & (along[:, 0] >= MIN_COSINE) & places.on & (force > 0)
     geom = np.where(own[which, 0], pairs[which, 1], pairs[which, 0]).astype(np.int64)
-    return SkinContacts(places.x, force, geom, normals, points).where(felt)
+    return SkinContacts(places.x, force, geom, normals, points).where(presses)
 
 
 def _forces(model: MjModel, data: MjData, which: NDArray[np.intp]) -> Real:

@@ -85,9 +85,9 @@ class FoamMemory:
         seconds = now - self._since
         y = self._creep.loaded(self._y, self._at_once, self._creep.decay(seconds))
         for skin in np.flatnonzero(self._fixed):
-            held = self._strain[skin] > 0
-            own = self._y[:, skin, held], self._strain[skin, held], float(seconds[skin])
-            y[:, skin, held] = self._creep.clamped(*own)
+            pressed = self._strain[skin] > 0
+            own = self._y[:, skin, pressed], self._strain[skin, pressed], float(seconds[skin])
+            y[:, skin, pressed] = self._creep.clamped(*own)
         return y
 
     def _extend(self, cells: NDArray[np.int64]) -> None:

@@ -24,6 +24,8 @@ VERSION = "v3.0"
 MARKER = "meta/rcskin.json"
 SKIN, SKIN_TIME, LABEL, IMAGES = "observation.skin", "skin_time", "label.", "observation.images."
 """Features: policies take all that begin with `observation` as input, so that labels do not."""
+INDICES = "frame_index", "episode_index", "index", "task_index"
+PIXEL = ["height", "width", "channels"]
 PIXELS_OF_STATISTICS = 150
 """Images are thinned to about this many rows and columns for their statistics."""
 LAYOUT = [
@@ -66,13 +68,8 @@ def _features(exported: Exported) -> list[Feature]:
     return [
         _feature(SKIN, "float32", vector.names, **more),
         *(
-            Feature(
-                ParquetColumn(f"{IMAGES}{camera.name}", IMAGE),
-                (*camera.shape, 3),
-                ["height", "width", "channels"],
-                {},
-            )
-            for camera in exported.cameras
+            Feature(ParquetColumn(f"{IMAGES}{each.name}", IMAGE), (*each.shape, 3), PIXEL, {})
+            for each in exported.cameras
         ),
         _feature(SKIN_TIME, "float64", None, units=["s"], source=exported.clock.source),
         *(
@@ -85,10 +82,7 @@ def _features(exported: Exported) -> list[Feature]:
             for label in exported.labels.labels
         ),
         _feature("timestamp", "float32", None),
-        *(
-            _feature(name, "int64", None)
-            for name in ("frame_index", "episode_index", "index", "task_index")
-        ),
+        *(_feature(name, "int64", None) for name in INDICES),
     ]
 
 

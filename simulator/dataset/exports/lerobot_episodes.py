@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,18 @@ from .running_statistics import RunningStatistics
 
 FILES_IN_CHUNK = 1000
 FILE = "chunk-{chunk_index:03d}/file-{file_index:03d}"
+
+NUMBERS = (
+    "episode_index",
+    "length",
+    "dataset_from_index",
+    "dataset_to_index",
+    "data/chunk_index",
+    "data/file_index",
+    "meta/episodes/chunk_index",
+    "meta/episodes/file_index",
+)
+"""Columns of the table of episodes that hold numbers."""
 
 
 def file_name(number: int) -> str:
@@ -52,19 +65,9 @@ class EpisodeFiles:
         self._features = features
         self.all = {feature.column.name: RunningStatistics() for feature in features}
         self._own: dict[str, RunningStatistics] = {}
-        numbers = (
-            "episode_index",
-            "length",
-            "dataset_from_index",
-            "dataset_to_index",
-            "data/chunk_index",
-            "data/file_index",
-            "meta/episodes/chunk_index",
-            "meta/episodes/file_index",
-        )
         self._files = ParquetFiles(
             [
-                *(ParquetColumn(name, "int64") for name in numbers),
+                *(ParquetColumn(name, "int64") for name in NUMBERS),
                 ParquetColumn("tasks", "string", (1,)),
                 ParquetColumn("session", "string"),
                 *self._statistics_columns(),
@@ -90,23 +93,10 @@ class EpisodeFiles:
         """Begin an episode. data_file: number of the file with its frames."""
         self._files.divide()
         self._own = {name: RunningStatistics() for name in self.all}
-        place, own_file = self._place(data_file), self._place(self._files.number)
-        self._row = {
-            "episode_index": episode.number,
-            "length": episode.sweeps,
-            "dataset_from_index": episode.first,
-            "dataset_to_index": episode.stop,
-            "data/chunk_index": place[0],
-            "data/file_index": place[1],
-            "meta/episodes/chunk_index": own_file[0],
-            "meta/episodes/file_index": own_file[1],
-            "tasks": [TASK],
-            "session": episode.session,
-        }
-
-    @staticmethod
-    def _place(number: int) -> tuple[int, int]:
-        return divmod(number, FILES_IN_CHUNK)
+        span = episode.number, episode.sweeps, episode.first, episode.stop
+        files = (divmod(number, FILES_IN_CHUNK) for number in (data_file, self._files.number))
+        numbers = zip(NUMBERS, (*span, *chain(*files)), strict=True)
+        self._row = {**dict(numbers), "tasks": [TASK], "session": episode.session}
 
     def add(self, values: Mapping[str, Any], pixels: Mapping[str, np.ndarray]) -> None:
         """Add frames of the episode. pixels: of images by name, shape (frame, row, column, 3)."""
@@ -119,13 +109,12 @@ class EpisodeFiles:
 
     def end(self) -> None:
         """End the episode and write its row."""
-        described: dict[str, Any] = {}
+        row: dict[str, Any] = self._row
         for feature in self._features:
             name = feature.column.name
             own = self._own[name].values(feature.statistics_shape)
-            described |= {f"stats/{name}/{each}": value for each, value in own.items()}
+            row |= {f"stats/{name}/{each}": value for each, value in own.items()}
             self.all[name].join(self._own[name])
-        row = {**self._row, **described}
         self._files.write({name: [value] for name, value in row.items()})
 
     def close(self) -> None:

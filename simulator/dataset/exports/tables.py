@@ -53,16 +53,15 @@ def wide_table(sweeps: xr.Dataset) -> pd.DataFrame:
     """Table with one row per sweep: labels of the press, then all quantities of all readings."""
     import pandas as pd
 
-    known = [name for name in sweeps.variables if sweeps[name].dims in (("sweep",), LONG)]
+    known = [
+        name for name in sweeps.variables if sweeps[name].dims in (("sweep",), ("sweep", "touch"))
+    ]
     columns, taken = {}, taken_of(sweeps)
     for name in sorted(map(str, known)):
         columns |= _columns(name, sweeps[name].values)
     for name in kind_of(sweeps).names:
         columns |= _spectrum(name, sweeps[name].transpose(*DIMENSIONS), taken)
     return pd.DataFrame(columns)
-
-
-LONG = ("sweep", "touch")
 
 
 def _columns(name: str, values: np.ndarray) -> dict[str, np.ndarray]:

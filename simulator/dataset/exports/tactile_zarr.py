@@ -71,22 +71,17 @@ def _created(
     vector, offsets = exported.vector, exported.clock.offsets
     described: dict[str, dict[str, Any]] = {
         "timestamps": {"units": "s", "long_name": "time from the first sweep of the episode"},
-        GROUP.format("data"): {
-            "names": vector.names,
-            "units": vector.units,
-            **(
-                {}
-                if offsets is None
-                else {"seconds_after_timestamp": vector.repeated(offsets.round(9))}
-            ),
-        },
+        GROUP.format("data"): {"names": vector.names, "units": vector.units},
         **{
             f"label_{label.name}": {"units": label.units, "long_name": label.meaning}
             for label in exported.labels.labels
         },
     }
+    if offsets is not None:
+        of_data = described[GROUP.format("data")]
+        of_data["seconds_after_timestamp"] = vector.repeated(offsets.round(9))
     return {
-        name: _array(data, exported, name, each.dtype, each.shape[1:], described.get(name))
+        name: _array(data, exported, name, each[:1], described.get(name))
         for name, each in values.items()
     }
 
@@ -95,19 +90,15 @@ def _array(
     data: zarr.Group,
     exported: Exported,
     name: str,
-    dtype: np.dtype,
-    shape: tuple[int, ...],
-    attributes: dict[str, Any] | None,
+    row: np.ndarray,
+    attributes: dict[str, Any] | None = None,
 ) -> zarr.Array:
+    """Empty array of all sweeps, each with a row like this one."""
     sweeps = exported.sweeps.sizes["sweep"]
-    row = dtype.itemsize * int(np.prod(shape))
-    rows = int(np.clip(CHUNK_BYTES // max(1, row), 1, max(1, sweeps)))
+    rows = int(np.clip(CHUNK_BYTES // max(1, row.nbytes), 1, max(1, sweeps)))
+    shape, chunks = (sweeps, *row.shape[1:]), (rows, *row.shape[1:])
     return data.create_array(
-        name,
-        shape=(sweeps, *shape),
-        chunks=(rows, *shape),
-        dtype=dtype,
-        attributes=attributes,
+        name, shape=shape, chunks=chunks, dtype=row.dtype, attributes=attributes
     )
 
 
@@ -121,5 +112,5 @@ def _fill_constants(data: zarr.Group, exported: Exported) -> None:
         "sub_task_instruction": np.array(TASK),
     }
     for name, value in constants.items():
-        array = _array(data, exported, name, value.dtype, value.shape, None)
+        array = _array(data, exported, name, value[None])
         array[:] = np.broadcast_to(value, array.shape)

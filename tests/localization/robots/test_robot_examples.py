@@ -9,7 +9,7 @@ import pytest
 from rcskin.localization.robots.example_command import run, summary
 from rcskin.localization.robots.forearm import FOREARM
 from rcskin.localization.robots.gripper import GRIPPER
-from rcskin.localization.robots.robot_example import FeltTouches, feel, trained
+from rcskin.localization.robots.robot_example import TouchRecord, simulate, trained
 from rcskin.localization.robots.stroke import STROKE
 from rcskin.localization.robots.touch_film import FilmCamera, write_film
 from rcskin.simulator.robots.skin_contacts import skin_contacts
@@ -24,13 +24,13 @@ def model():
 
 
 @pytest.fixture(scope="module")
-def felt(model):
+def record(model):
     """Touches of a short stroke."""
-    return feel(STROKE, model, 0.6)[0]
+    return simulate(STROKE, model, 0.6)[0]
 
 
 def test_both_jaws_of_a_gripper_read_the_ball(model):
-    for touches in feel(GRIPPER, model, 0.5):
+    for touches in simulate(GRIPPER, model, 0.5):
         assert touches.force[-1] == pytest.approx(2.0, abs=0.2)
         assert touches.error.size and np.median(touches.error) < 12e-3
 
@@ -53,27 +53,27 @@ def test_an_arm_turns_under_the_ball_on_its_curved_skin():
     assert len(places) > 300 and np.ptp(np.array(places)[:, 0]) > 0.02
 
 
-def test_a_stroke_is_read_where_it_is(felt):
-    assert felt.touched >= 8 and felt.force[-1] == pytest.approx(1.5, abs=0.2)
-    assert felt.error.size >= felt.touched // 2
-    assert np.median(felt.error) < 12e-3
-    assert "sweeps under a touch" in summary("palm", felt)
+def test_a_stroke_is_read_where_it_is(record):
+    assert record.touched >= 8 and record.force[-1] == pytest.approx(1.5, abs=0.2)
+    assert record.error.size >= record.touched // 2
+    assert np.median(record.error) < 12e-3
+    assert "sweeps under a touch" in summary("palm", record)
 
 
-def test_a_film_has_the_robot_beside_the_skin(felt, tmp_path):
+def test_a_film_has_the_robot_beside_the_skin(record, tmp_path):
     camera = FilmCamera()
     camera.pictures = [np.full((300, 360, 3), shade, np.uint8) for shade in (40, 200)]
     camera.times = [0.0, 0.5]
     path = tmp_path / "stroke.gif"
-    write_film(path, camera, STROKE.load_scene(), [felt], STROKE.sites)
+    write_film(path, camera, STROKE.load_scene(), [record], STROKE.sites)
     with PIL.Image.open(path) as film:
         assert film.n_frames == 2 and film.width > 360 and film.height == 300
     with pytest.raises(InputError, match=r"must be \.gif or \.mp4"):
-        write_film(tmp_path / "stroke.txt", camera, STROKE.load_scene(), [felt], STROKE.sites)
+        write_film(tmp_path / "stroke.txt", camera, STROKE.load_scene(), [record], STROKE.sites)
 
 
 def test_nothing_found_is_said():
-    nothing = FeltTouches(np.zeros(1), np.zeros((1, 2)), np.full((1, 2), np.nan), np.ones(1))
+    nothing = TouchRecord(np.zeros(1), np.zeros((1, 2)), np.full((1, 2), np.nan), np.ones(1))
     assert summary("palm", nothing) == "palm: 1 sweeps under a touch, none found"
 
 
