@@ -13,7 +13,7 @@ from .robot_example import RobotExample
 
 XML = """
 <mujoco>
-  <option timestep="0.002"/>
+  <option timestep="0.002" cone="elliptic"/>
   <visual><global offwidth="640" offheight="480"/></visual>
   <worldbody>
     <light pos="0.2 -0.4 0.6" dir="-0.3 0.6 -1"/>
