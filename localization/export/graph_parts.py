@@ -6,10 +6,10 @@ from functools import singledispatch
 
 import numpy as np
 
+from ...simulator.arrays import Real
 from .graph import Graph
 from .parts import (
     AffineMap,
-    Array,
     DenseLayers,
     Distance,
     KernelSum,
@@ -150,7 +150,7 @@ def _correction(part: NormalDensities, graph: Graph, moved: str) -> str:
     return graph("Mul", graph("Mul", believed, OPENING), across)
 
 
-def _by_class(graph: Graph, x: str, matrices: Array) -> str:
+def _by_class(graph: Graph, x: str, matrices: Real) -> str:
     """Products of each row with the matrix of each class, (sweep, class, component)."""
     K, size, width = matrices.shape
     whole = matrices.transpose(1, 0, 2).reshape(size, K * width)
@@ -158,13 +158,13 @@ def _by_class(graph: Graph, x: str, matrices: Array) -> str:
     return graph("Reshape", product, graph.integers([0, K, width]))
 
 
-def _kernel(graph: Graph, x: str, vectors: Array, gamma: float) -> str:
+def _kernel(graph: Graph, x: str, vectors: Real, gamma: float) -> str:
     """exp(-gamma |x - v|²) - 1, shape (sweep, V)."""
     exponent = graph("Mul", _squared_distances(graph, x, vectors), -gamma)
     return graph("Sub", graph("Exp", exponent), 1.0)
 
 
-def _squared_distances(graph: Graph, x: str, vectors: Array) -> str:
+def _squared_distances(graph: Graph, x: str, vectors: Real) -> str:
     """|x - v|² of each row and vector, as |x|² - 2 x v + |v|², at least 0; shape (sweep, V)."""
     own = graph.sum(graph("Mul", x, x), 1, keepdims=True)
     products = graph("MatMul", x, graph.real_constant(-2 * vectors.T))

@@ -14,6 +14,7 @@ from sklearn.pipeline import Pipeline
 from sklearn.preprocessing import StandardScaler
 from sklearn.svm import SVC
 
+from ...simulator.arrays import Real
 from ..learners.affine import Affine
 from ..learners.components import Components
 from ..learners.decisions import MIN_PROBABILITY
@@ -24,7 +25,6 @@ from ..learners.networks import NetworkClassifier, NetworkRegressor
 from ..learners.offsets import Offsets
 from .parts import (
     AffineMap,
-    Array,
     BaselineCorrection,
     Decoding,
     DenseLayers,
@@ -199,7 +199,7 @@ def _of_densities(classifier: Any) -> tuple[Part, ...]:
     )
 
 
-def _whitening(normal: ClassDensity) -> Array:
+def _whitening(normal: ClassDensity) -> Real:
     """Symmetric root of the inverse covariance of the residual, shape (c, c)."""
     within = 1 / np.sqrt(normal.own) - 1 / np.sqrt(normal.floor)
     return np.eye(len(normal.axes)) / np.sqrt(normal.floor) + normal.axes * within @ normal.axes.T

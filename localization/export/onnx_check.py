@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from onnx import ModelProto
 
+    from ...simulator.arrays import Real
+
 SWEEPS, RTOL = 400, 1e-2
 """Number of simulated sweeps of a comparison, and relative error of their readings."""
 MAX_PROBABILITY, MAX_POSITION = 1e-4, 1e-3
@@ -29,7 +31,7 @@ MAX_PROBABILITY, MAX_POSITION = 1e-4, 1e-3
 Networks compute in single precision. All others agree to 1e-9 in double.
 """
 
-Arrays = dict[str, "NDArray[np.float64]"]
+Arrays = dict[str, "Real"]
 
 
 @dataclass(frozen=True)

@@ -11,19 +11,19 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ...simulator.arrays import Real
 
 
 @dataclass(frozen=True, eq=False)
 class AffineMap:
     """y = (x - centre) M + offset. matrix: M, shape (F, out), or (F,) of a diagonal M."""
 
-    centre: Array
-    matrix: Array
-    offset: Array
+    centre: Real
+    matrix: Real
+    offset: Real
 
     @classmethod
-    def scaling(cls, centre: Array, scale: Array) -> AffineMap:
+    def scaling(cls, centre: Real, scale: Real) -> AffineMap:
         """y = (x - centre) / scale."""
         return cls(centre, 1 / scale, np.zeros_like(centre))
 
@@ -36,10 +36,10 @@ class KernelSum:
     less. vectors: shape (V, F). weights: w, shape (V, out).
     """
 
-    vectors: Array
+    vectors: Real
     gamma: float
-    weights: Array
-    offset: Array
+    weights: Real
+    offset: Real
 
 
 Decoding = Literal["hinge loss", "votes", "sum"]
@@ -60,11 +60,11 @@ class PairwiseSVMs:
     coefficients: c, shape (V, K), 0 against the own class. offset: shape (K, K), antisymmetric.
     """
 
-    vectors: Array
+    vectors: Real
     gamma: float
     counts: NDArray[np.intp]
-    coefficients: Array
-    offset: Array
+    coefficients: Real
+    offset: Real
     decoding: Decoding
 
 
@@ -75,7 +75,7 @@ class DenseLayers:
     weights: (W, b) of each layer, shapes (inputs, outputs) and (outputs,).
     """
 
-    weights: tuple[tuple[Array, Array], ...]
+    weights: tuple[tuple[Real, Real], ...]
 
 
 @dataclass(frozen=True)
@@ -92,7 +92,7 @@ class BaselineCorrection:
     directions: orthonormal, shape (change, direction). noise: squared length.
     """
 
-    directions: Array
+    directions: Real
     noise: float
 
 
@@ -111,14 +111,14 @@ class NormalDensities:
     curve: NDArray[np.intp]
     absolute: NDArray[np.intp]
     correction: BaselineCorrection | None
-    turn: Array
+    turn: Real
     known: AffineMap
     pairs: tuple[NDArray[np.intp], NDArray[np.intp]]
-    whitening: Array
-    by_curve: Array
-    curvature: Array
-    strength: Array
-    constant: Array
+    whitening: Real
+    by_curve: Real
+    curvature: Real
+    strength: Real
+    constant: Real
 
 
 Part = AffineMap | KernelSum | PairwiseSVMs | DenseLayers | LogProbabilities | NormalDensities
@@ -137,9 +137,9 @@ class KindDistance:
 
     columns: NDArray[np.intp]
     scaling: AffineMap
-    directions: Array
-    means: Array
-    whitening: Array
+    directions: Real
+    means: Real
+    whitening: Real
     outside: float
     limit: float
 
@@ -166,7 +166,7 @@ class NearestErrors:
     """
 
     scaling: AffineMap
-    places: Array
-    squares: Array
+    places: Real
+    squares: Real
     neighbours: int
-    factor: Array
+    factor: Real

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...simulator.arrays import Real
 from ..api.localizer import localize, train
 from ..api.simulation import dataset, load
 
@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from ..model.localizer_model import Model
     from .touch_film import FilmCamera
 
-Real = NDArray[np.float64]
 RTOL = 1e-2
 SWEEPS = 1500
 BASELINE = 0.2

@@ -7,6 +7,7 @@ import itertools
 import numpy as np
 from numpy.typing import NDArray
 
+from ...simulator.arrays import Integer
 from ...simulator.measure.sweep_touches import MAX_TOUCHES
 from ...simulator.mesh.pixel_coverage import pixel_coverage
 from ...simulator.scene.scene import Scene
@@ -27,7 +28,7 @@ def class_names(scene: Scene, target: str) -> tuple[str, ...]:
     return ("0,0", *pixels, *("+".join(pair) for pair in pairs))
 
 
-def class_numbers(names: tuple[str, ...], labels: NDArray) -> NDArray[np.int64]:
+def class_numbers(names: tuple[str, ...], labels: NDArray) -> Integer:
     """Number of the class of each label, shape (sweep,)."""
     number = {name: k for k, name in enumerate(names)}
     return np.array([number[str(label)] for label in labels], dtype=np.int64)

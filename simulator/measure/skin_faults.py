@@ -8,8 +8,8 @@ from dataclasses import dataclass, fields
 from typing import Any, ClassVar, Literal, Self, get_args, get_type_hints
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Mask, Real
 from ..press.pixels import pixels_with_skin
 from ..scene.maps.tear import Tear
 from ..scene.readings.contacts import Interface
@@ -81,19 +81,19 @@ class SkinFault(ABC):
         """
         return scene
 
-    def connected(self, scene: Scene) -> NDArray[np.bool_]:
+    def connected(self, scene: Scene) -> Mask:
         """False for interfaces that the fault leaves open, shape (interface,)."""
         return np.ones(len(scene.interfaces), dtype=bool)
 
-    def remaining(self, scene: Scene) -> NDArray[np.bool_]:
+    def remaining(self, scene: Scene) -> Mask:
         """False for contacts that are none any more, shape (contact,)."""
         return np.ones(len(scene.contacts), dtype=bool)
 
-    def foam(self, scene: Scene, grid: tuple[int, int]) -> NDArray[np.float64]:
+    def foam(self, scene: Scene, grid: tuple[int, int]) -> Real:
         """Factors on the capacitance of the unpressed cells, shape `grid` (rows, columns)."""
         return np.ones(grid)
 
-    def gain(self, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
+    def gain(self, frequency: Real) -> Real:
         """Factors on the readings, shape (frequency,). frequency: Hz."""
         return np.ones(frequency.shape)
 
@@ -131,10 +131,10 @@ class DeadFoil(SkinFault):
         contacts = tuple(contact for contact, remains in there if remains)
         return scene.model_copy(update={"contacts": contacts, "interfaces": tuple(kept)})
 
-    def connected(self, scene: Scene) -> NDArray[np.bool_]:
+    def connected(self, scene: Scene) -> Mask:
         return np.array([all(self._driven(each).values()) for each in scene.interfaces])
 
-    def remaining(self, scene: Scene) -> NDArray[np.bool_]:
+    def remaining(self, scene: Scene) -> Mask:
         return np.array([contact.name not in self._names for contact in scene.contacts])
 
     @property
@@ -229,7 +229,7 @@ class StuckSpot(SkinFault):
         if not self.factor >= 1:
             raise self.refused(scene, "its factor must be >= 1")
 
-    def foam(self, scene: Scene, grid: tuple[int, int]) -> NDArray[np.float64]:
+    def foam(self, scene: Scene, grid: tuple[int, int]) -> Real:
         factors = np.ones(scene.pixels.shape)
         factors[self.row - 1, self.column - 1] = self.factor
         cells = grid[0] // factors.shape[0], grid[1] // factors.shape[1]
@@ -252,7 +252,7 @@ class AgedGain(SkinFault):
         if not min(self.low, self.high) > 0:
             raise self.refused(scene, "its factors must be > 0")
 
-    def gain(self, frequency: NDArray[np.float64]) -> NDArray[np.float64]:
+    def gain(self, frequency: Real) -> Real:
         ends = np.log(frequency[[0, -1]])
         if ends[0] == ends[1]:
             return np.full(frequency.shape, self.low)

@@ -6,15 +6,14 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..scene.foam.foam_mechanics import Elastic
 from ..scene.planar import inside
 from ..sweeps import InputError
 from .engine import MjData, MjModel, engine
 from .skin_contacts import SkinContacts
 
-Real = NDArray[np.float64]
 PatchName = Literal["hertz", "applicator", "image"]
 PATCHES = get_args(PatchName)
 FLAT = 0.9

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Real = NDArray[np.float64]
+from ..arrays import Real
 
 
 def entry(kind: str, size: Real, origins: Real, directions: Real) -> Real:

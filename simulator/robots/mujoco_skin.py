@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..requests.argument_types import scene_of, typed
 from ..scene.scene import Scene
 from ..sensor.contacts.contact_types import DepthImage, PointContacts
@@ -237,7 +237,7 @@ def _positive(name: str, value: float) -> float:
 def _padded(each: Sequence[Patches]) -> PointContacts:
     """Patches of environments as arrays of equal length."""
     count = np.array([one.x.size for one in each])
-    columns: NDArray[np.float64] = np.ones((5, len(each), max(int(count.max()), 1)))
+    columns: Real = np.ones((5, len(each), max(int(count.max()), 1)))
     for k, one in enumerate(each):
         columns[:, k, : count[k]] = one
     x, y, force, radius, curvature = columns

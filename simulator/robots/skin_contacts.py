@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Integer, Mask, Real
 from .engine import MjData, MjModel, engine
 from .skin_mount import SkinMount
 
-Real = NDArray[np.float64]
 MIN_COSINE = 0.5
 """Smallest cosine between the normals of a contact and of the skin: 60°; steeper ones press an edge
 or another side of the geom that carries the skin."""
@@ -26,7 +26,7 @@ class SkinContacts(NamedTuple):
 
     x: Real
     force: Real
-    geom: NDArray[np.int64]
+    geom: Integer
     normals: Real
     points: Real
 
@@ -35,7 +35,7 @@ class SkinContacts(NamedTuple):
         """Number of contact points."""
         return self.force.size
 
-    def where(self, mask: NDArray[np.bool_]) -> SkinContacts:
+    def where(self, mask: Mask) -> SkinContacts:
         """Contact points where a mask is True."""
         x, normals, points = (each[:, mask] for each in (self.x, self.normals, self.points))
         return SkinContacts(x, self.force[mask], self.geom[mask], normals, points)

@@ -7,14 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .engine import MjData, MjModel, engine
 from .skin_surface_in_space import MountedSurface, ShapedSurface, TriangleSurface
 
-Real = NDArray[np.float64]
 MAX_AREA_DEVIATION = 0.1
 """Largest relative deviation of the area of a mesh under texture coordinates from the skin's."""
 

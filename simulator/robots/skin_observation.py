@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import gymnasium
 import numpy as np
 from gymnasium import spaces
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..sweeps import InputError
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ class SkinObservation(gymnasium.Wrapper, gymnasium.utils.RecordConstructorArgs):
         shown = self._with(observation, reading.vector[0])
         return shown, reward, terminated, truncated, info
 
-    def _with(self, observation: Any, vector: NDArray[np.float64]) -> dict[str, Any]:
+    def _with(self, observation: Any, vector: Real) -> dict[str, Any]:
         own = observation if isinstance(observation, dict) else {OBSERVATION: observation}
         shown = vector / self._reference - 1 if self.changes else vector.copy()
         return own | {self.key: shown}

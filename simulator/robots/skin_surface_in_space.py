@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Mask, Real
 from ..scene.form.shape import Cylinder
 from ..scene.skin import Skin
 from ..scene.skin_region import on_skin
 
-Real = NDArray[np.float64]
 BESIDE, SAME = 0.5, 1e-5
 """Largest distance of a point beside the nearest triangle over its height, and that at height 0, m.
 
@@ -29,7 +28,7 @@ class PlacesOnSkin(NamedTuple):
     x: Real
     height: Real
     normals: Real
-    on: NDArray[np.bool_]
+    on: Mask
 
 
 class MountedSurface(Protocol):
@@ -39,7 +38,7 @@ class MountedSurface(Protocol):
         """Places on the skin nearest to points, m, shape (3, n)."""
         ...
 
-    def points(self, x: Real) -> tuple[Real, Real, NDArray[np.bool_]]:
+    def points(self, x: Real) -> tuple[Real, Real, Mask]:
         """Points and outward normals, both (3, n), at places x, m, (2, n); True if on the skin."""
         ...
 
@@ -69,7 +68,7 @@ class ShapedSurface:
         normals = self.points(flat)[1]
         return PlacesOnSkin(flat, height, normals, on_skin(self.skin, flat))
 
-    def points(self, x: Real) -> tuple[Real, Real, NDArray[np.bool_]]:
+    def points(self, x: Real) -> tuple[Real, Real, Mask]:
         """Points at places, see `MountedSurface`."""
         shape, sides, stretched = self.skin.shape, self.skin.stretched_sides, x * self._stretch
         on = on_skin(self.skin, x)
@@ -138,7 +137,7 @@ class TriangleSurface:
             on[k] = beside <= BESIDE * abs(height[k]) + SAME
         return PlacesOnSkin(x, height, normals, on)
 
-    def points(self, x: Real) -> tuple[Real, Real, NDArray[np.bool_]]:
+    def points(self, x: Real) -> tuple[Real, Real, Mask]:
         """Points at places, see `MountedSurface`."""
         a, b, c = self.flat
         (ux, uy), (vx, vy) = b - a, c - a

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..arrays import Mask, Real
 from ..scene.foam.foam_mechanics import Elastic
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -16,7 +17,6 @@ from .geom_rays import entry
 from .skin_contacts import SkinContacts
 from .skin_mount import SkinMount
 
-Real = NDArray[np.float64]
 MAX_SIDE = 96
 """Largest number of image cells along a side of the skin."""
 PER_THICKNESS = 3
@@ -40,7 +40,7 @@ class TactileImager:
     thickness: float
     points: Real
     normals: Real
-    on: NDArray[np.bool_]
+    on: Mask
     shape: tuple[int, int]
     cell: float
 

@@ -7,8 +7,8 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..scene.scene import Scene
 from ..scene.scene_files import scene_text
 from ..sweeps import build
@@ -27,7 +27,7 @@ class CompletedSweep(NamedTuple):
 
     time: float
     presses: tuple[PressLabel, ...]
-    values: NDArray[np.float64]
+    values: Real
 
 
 def as_dataset(

@@ -10,9 +10,8 @@ from copy import copy
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..arrays import Real
+from ..arrays import Integer, Mask, Real
 from ..measure.foam_state import NEGLIGIBLE
 from ..press.batch import PressBatch
 from ..press.foam_creep import Creep, unloading_strain
@@ -42,7 +41,7 @@ class FoamMemory:
         """An independent memory of the same state. Arrays are replaced, never changed."""
         return copy(self)
 
-    def press(self, batch: PressBatch, fixed: NDArray[np.bool_], now: float) -> None:
+    def press(self, batch: PressBatch, fixed: Mask, now: float) -> None:
         """Presses all skins from now on. now: s by the sensor's clock.
 
         fixed: True for skins whose press fixes depths, shape (skin,); others carry loads. Raises
@@ -90,7 +89,7 @@ class FoamMemory:
             y[:, skin, pressed] = self._creep.clamped(*own)
         return y
 
-    def _extend(self, cells: NDArray[np.int64]) -> None:
+    def _extend(self, cells: Integer) -> None:
         """Adds cells to those with a state."""
         every = np.union1d(self._cells, cells)
         if len(every) == len(self._cells):

@@ -7,8 +7,8 @@ from copy import copy, deepcopy
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Real
 from ..measure.streams import METER, stream
 from ..scene.scene import Scene
 from ..sweeps.reading_quantities import KINDS
@@ -46,9 +46,7 @@ class MeterErrors:
         other._randoms, other._noise = deepcopy(self._randoms), self._noise.copy()
         return other
 
-    def shown(
-        self, reading: NDArray[np.complex128], sweep: int, interface: int, frequencies: slice
-    ) -> NDArray[np.float64]:
+    def shown(self, reading: Complex, sweep: int, interface: int, frequencies: slice) -> Real:
         """Quantities as displayed, shape (quantity, skin, frequency).
 
         reading: shape (skin, frequency). sweep: its number, ascending from call to call.
@@ -64,9 +62,7 @@ class MeterErrors:
         reading = np.ascontiguousarray(reading)
         return self._kernel(reading, deviation, fixed, noise, frequency, self._digits, self._kind)
 
-    def _deviation(
-        self, reading: NDArray[np.complex128], frequency: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def _deviation(self, reading: Complex, frequency: Real) -> Real:
         """Deviations of the fixed errors, then of the noise, shape (4, skin, frequency)."""
         each = self._readout.accuracy(reading, frequency), self._readout.noise(reading, frequency)
         return np.concatenate(each)

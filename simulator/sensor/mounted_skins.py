@@ -7,8 +7,8 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Integer
 from ..measure.skin_faults import OPEN, SkinFault
 from ..measure.skins import DrawnSkin, drawn_skin
 from ..method_cache import cached_method
@@ -70,7 +70,7 @@ class MountedSkins:
 
     def readings(
         self, batch: PressBatch, interface: int, frequencies: slice = slice(None)
-    ) -> NDArray[np.complex128]:
+    ) -> Complex:
         """Complex readings at an interface, shape (skin, frequency).
 
         batch: one press for all skins, or one for each. frequencies: some of the scene's.
@@ -91,7 +91,7 @@ class MountedSkins:
         return np.broadcast_to(found, (self.count, found.shape[1]))
 
     @cached_method(2)
-    def _rows(self, presses: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def _rows(self, presses: int) -> tuple[Integer, Integer]:
         """Skin and press of each row that is solved; equal rows are solved once."""
         rows = 1 if self.distinct == presses == 1 else self.count
         every, first = np.arange(rows), np.zeros(rows, dtype=np.int64)
@@ -100,11 +100,11 @@ class MountedSkins:
     def _impedances(
         self,
         batch: PressBatch,
-        skins: NDArray[np.int64],
-        presses: NDArray[np.int64],
+        skins: Integer,
+        presses: Integer,
         chosen: list[int] | None,
         frequencies: slice,
-    ) -> NDArray[np.complex128]:
+    ) -> Complex:
         """Z in ohm of chosen excitations, or of all interfaces: (row, interface, frequency)."""
         if gauged(self.family.scene.skin):
             return self._one_by_one(batch, skins, presses, chosen, frequencies)
@@ -124,11 +124,11 @@ class MountedSkins:
     def _one_by_one(
         self,
         batch: PressBatch,
-        skins: NDArray[np.int64],
-        presses: NDArray[np.int64],
+        skins: Integer,
+        presses: Integer,
         chosen: list[int] | None,
         frequencies: slice,
-    ) -> NDArray[np.complex128]:
+    ) -> Complex:
         """Impedances of skins whose sheets change under touches, see `_impedances`."""
         each = zip(skins.tolist(), presses.tolist(), strict=True)
         found = [self._skins[skin].sweep(*batch.one(press)) for skin, press in each]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Real
 from ..dataset.drawn_presses import drawn_presses
 from ..dataset.skin_model import nominal_skin
 from ..models.reduced.reduced_model import Reduced
@@ -41,7 +41,7 @@ def estimated_error(scene: Scene, drawn: bool, rtol: float) -> float:
 
 def press_errors(
     scene: Scene, own: Scene, family: Reduced, count: int, rtol: float, seed: int = 0
-) -> NDArray[np.float64]:
+) -> Real:
     """Relative errors of readings of random touches, shape (press,).
 
     own: the scene of the family, which draws the touches. Presses that a sensor refuses because

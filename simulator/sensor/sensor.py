@@ -29,8 +29,8 @@ from .skin_family import family_scene, highest_factor, trained_family
 
 if TYPE_CHECKING:
     import xarray as xr
-    from numpy.typing import NDArray
 
+    from ..arrays import Complex, Real
     from .given_press import AnyContacts
 
 
@@ -233,7 +233,7 @@ class Sensor:
         self._held, foam = self._press(None), foam_parts(self.scene, self._cells.fine)
         in_time = self.scene.skin.foam.in_time
         self._foam = FoamMemory(self.scene, foam, count) if in_time else None
-        self._known: dict[int, NDArray[np.complex128]] = {}
+        self._known: dict[int, Complex] = {}
         self._limited = np.broadcast_to(self._held.limited, (count,))
         self._pending: deque[TakenReading] = deque()
         self._values = np.full((len(setup.kind.names), count, *setup.shape), np.nan)
@@ -255,12 +255,12 @@ class Sensor:
         self._held, self._known = given, {}
         self._limited = np.broadcast_to(given.limited, (self.skins,))
 
-    def _taken(self, due: DueReading) -> NDArray[np.float64]:
+    def _taken(self, due: DueReading) -> Real:
         """Quantities of one reading as displayed, shape (quantity, skin, frequency)."""
         slot, sweep = due.slot, due.number // len(self._clock.slots)
         return self._errors.shown(self._reading(due), sweep, slot.interface, slot.frequencies)
 
-    def _reading(self, due: DueReading) -> NDArray[np.complex128]:
+    def _reading(self, due: DueReading) -> Complex:
         """A reading without errors of the meter, shape (skin, frequency).
 
         Skins whose foam has no memory are solved once at all frequencies of an interface for each

@@ -7,8 +7,8 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Mask, Real
 from ..scene.readings.reading_setup import ReadingSetup
 from ..sweeps.reading_quantities import reading_name
 from .given_press import PressLabel
@@ -19,7 +19,7 @@ class TakenReading(NamedTuple):
     """A reading whose middle is past. values: shape (quantity, skin, frequency)."""
 
     due: DueReading
-    values: NDArray[np.float64]
+    values: Real
     labels: tuple[PressLabel, ...]
 
 
@@ -33,7 +33,7 @@ class VectorLayout:
     quantities: tuple[str, ...]
     names: tuple[str, ...]
     units: tuple[str, ...]
-    read: NDArray[np.bool_]
+    read: Mask
 
     @classmethod
     def of(cls, setup: ReadingSetup) -> VectorLayout:
@@ -62,44 +62,44 @@ class SensorReading:
     """
 
     time: float
-    values: NDArray[np.float64]
-    taken_at: NDArray[np.float64]
-    fresh: NDArray[np.bool_]
-    limited: NDArray[np.bool_]
+    values: Real
+    taken_at: Real
+    fresh: Mask
+    limited: Mask
     layout: VectorLayout
 
     @property
-    def Rs(self) -> NDArray[np.float64]:
+    def Rs(self) -> Real:
         """Series resistance, ohm, shape (skin, interface, frequency)."""
         return self._quantity("Rs")
 
     @property
-    def X(self) -> NDArray[np.float64]:
+    def X(self) -> Real:
         """Series reactance, ohm, shape (skin, interface, frequency)."""
         return self._quantity("X")
 
     @property
-    def Cp(self) -> NDArray[np.float64]:
+    def Cp(self) -> Real:
         """Parallel capacitance, F, shape (skin, interface, frequency)."""
         return self._quantity("Cp")
 
     @property
-    def gain(self) -> NDArray[np.float64]:
+    def gain(self) -> Real:
         """Gain at the node, |V / V_s|, shape (skin, interface, frequency)."""
         return self._quantity("gain")
 
     @property
-    def gain_phase(self) -> NDArray[np.float64]:
+    def gain_phase(self) -> Real:
         """Phase of V / V_s, rad, shape (skin, interface, frequency)."""
         return self._quantity("gain_phase")
 
     @cached_property
-    def vector(self) -> NDArray[np.float64]:
+    def vector(self) -> Real:
         """All readings of each skin in the order of `Sensor.names`, shape (skin, n)."""
         read = self.values[:, :, self.layout.read]
         return np.ascontiguousarray(read.swapaxes(0, 1)).reshape(read.shape[1], -1)
 
-    def _quantity(self, name: str) -> NDArray[np.float64]:
+    def _quantity(self, name: str) -> Real:
         if name not in self.layout.quantities:
             known = ", ".join(self.layout.quantities)
             raise AttributeError(f"readings of this scene have no {name}: they have {known}")

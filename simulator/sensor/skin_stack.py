@@ -6,11 +6,9 @@ from collections.abc import Sequence
 from typing import NamedTuple, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..arrays import Complex, Real
 from ..models.reduced.reduced_skin import ReducedSkin
-
-Real = NDArray[np.float64]
 
 
 class StackedMass(NamedTuple):
@@ -42,7 +40,7 @@ class SkinStack(NamedTuple):
 
     mass: StackedMass
     excitations: tuple[StackedExcitation, ...]
-    s: NDArray[np.complex128]
+    s: Complex
 
     @classmethod
     def of(cls, skins: Sequence[ReducedSkin]) -> Self:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Mask, Real
 from ...sweeps.reading_quantities import DESCRIBED, kind_of, reading_name
 from ...sweeps.reading_subset import read_mask
 from ...sweeps.schema import DIMENSIONS
@@ -31,7 +32,7 @@ class ReadingVector:
     quantities: tuple[str, ...]
     interfaces: tuple[str, ...]
     frequencies: tuple[float, ...]
-    read: NDArray[np.bool_]
+    read: Mask
 
     @property
     def names(self) -> list[str]:
@@ -58,7 +59,7 @@ class ReadingVector:
             axis=1,
         ).astype(np.float32)
 
-    def repeated(self, of_each: NDArray[np.float64]) -> list[float]:
+    def repeated(self, of_each: Real) -> list[float]:
         """Values of shape (interface, frequency), one for each number of the vector."""
         return len(self.quantities) * of_each[self.read].tolist()
 

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import Real
+
 QUANTILES = {"q01": 0.01, "q10": 0.1, "q50": 0.5, "q90": 0.9, "q99": 0.99}
 
 
@@ -18,7 +20,7 @@ class RunningStatistics:
     """
 
     def __init__(self) -> None:
-        self.count, self._values = 0, dict[str, NDArray[np.float64]]()
+        self.count, self._values = 0, dict[str, Real]()
 
     def add(self, values: NDArray[Any], count: int | None = None) -> None:
         """Add a part. values: shape (row, number). count: weight, the number of rows by default."""
@@ -36,7 +38,7 @@ class RunningStatistics:
         """Add all parts of other statistics."""
         self._join(other._values, other.count)
 
-    def _join(self, part: dict[str, NDArray[np.float64]], count: int) -> None:
+    def _join(self, part: dict[str, Real], count: int) -> None:
         if self.count == 0:
             self.count, self._values = count, dict(part)
             return

@@ -7,8 +7,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Mask, Real
 from ...measure.creeping_sweeps import reading_moments, spans_of
 from ...scene.readout.meter import Timing
 from ...scene.scene_files import scene_of_sweeps
@@ -48,12 +48,12 @@ class SweepClock:
     read, None if unknown.
     """
 
-    recorded: NDArray[np.float64] | None
+    recorded: Real | None
     period: float
     source: str
-    offsets: NDArray[np.float64] | None
+    offsets: Real | None
 
-    def times(self, sweeps: slice) -> NDArray[np.float64]:
+    def times(self, sweeps: slice) -> Real:
         """Middle of the sweeps of these numbers, s."""
         if self.recorded is not None:
             return self.recorded[sweeps]
@@ -82,9 +82,7 @@ def clock_of(sweeps: xr.Dataset, episodes: list[Episode]) -> SweepClock:
     return SweepClock(time, float(np.median(forward)) if forward.size else whole, RECORDED, None)
 
 
-def _one_after_another(
-    time: NDArray[np.float64], period: float, episodes: list[Episode]
-) -> NDArray[np.float64]:
+def _one_after_another(time: Real, period: float, episodes: list[Episode]) -> Real:
     """Times at which no episode begins before the end of the one before it, s."""
     shifted = time.copy()
     for before, episode in pairwise(episodes):
@@ -93,9 +91,7 @@ def _one_after_another(
     return shifted
 
 
-def _schedule(
-    sweeps: xr.Dataset, read: NDArray[np.bool_]
-) -> tuple[NDArray[np.float64], float, float, str]:
+def _schedule(sweeps: xr.Dataset, read: Mask) -> tuple[Real, float, float, str]:
     """Time of each reading from the begin of a sweep, the sweep's duration, the time from one
     sweep to the next, all in s, and the origin of these times."""
     frequency = sweeps["frequency"].values

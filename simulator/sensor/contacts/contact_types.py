@@ -6,8 +6,9 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ...arrays import Integer, Real
 from ...sweeps import InputError
 
 STRENGTHS = ("force", "depth", "factor")
@@ -44,8 +45,8 @@ class PointContacts:
     factor: ArrayLike | None = None
     count: ArrayLike | None = None
     by: str = field(init=False, repr=False)
-    values: NDArray[np.float64] = field(init=False, repr=False)
-    counts: NDArray[np.int64] = field(init=False, repr=False)
+    values: Real = field(init=False, repr=False)
+    counts: Integer = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         by = self._strength()
@@ -81,7 +82,7 @@ class PointContacts:
             )
         return given[0]
 
-    def _table(self, strength: ArrayLike) -> NDArray[np.float64]:
+    def _table(self, strength: ArrayLike) -> Real:
         """Columns x, y, strength, radius, curvature_radius, width and height: (skin, contact, 7).
 
         A radius that is not given is infinite, a size 0.
@@ -99,14 +100,14 @@ class PointContacts:
         return table
 
 
-def _sides(size: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _sides(size: ArrayLike) -> tuple[Real, Real]:
     sides = np.asarray(size, dtype=np.float64)
     if sides.shape[-1:] != (2,):
         raise ValueError(f"size must have the shape (..., 2), got {sides.shape}")
     return sides[..., 0], sides[..., 1]
 
 
-def _counts(count: ArrayLike | None, skins: int, contacts: int) -> NDArray[np.int64]:
+def _counts(count: ArrayLike | None, skins: int, contacts: int) -> Integer:
     if count is None:
         return np.full(skins, contacts)
     counts = np.asarray(count)
@@ -125,7 +126,7 @@ class SkinImage:
     """
 
     kind: ClassVar[str]
-    values: NDArray[np.float64] = field(init=False, repr=False)
+    values: Real = field(init=False, repr=False)
 
     @property
     def skins(self) -> int:

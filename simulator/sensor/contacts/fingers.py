@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Real
 from ...mesh.finger_cells import with_fingers_at
 from ...press.batch import PressBatch
 from ...press.finger import finger_over
@@ -17,7 +17,7 @@ def with_fingers(
     scene: Scene,
     contacts: PointContacts,
     batch: PressBatch,
-    outer: NDArray[np.float64],
+    outer: Real,
     grid: tuple[int, int],
 ) -> PressBatch:
     """Presses with the scene's finger on the patch of each contact, as parts of M that rise by F.

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Real
 from ...scene.foam.foam import Foam
 from ...scene.foam.foam_mechanics import HALVINGS, Elastic, Elastomer
 
@@ -34,15 +34,15 @@ class FoamTables(NamedTuple):
     thickness: float
     closed: float
     scale: float
-    relative: NDArray[np.float64]
-    strains: NDArray[np.float64]
+    relative: Real
+    strains: Real
 
     @property
     def deepest(self) -> float:
         """Largest indentation, m."""
         return self.greatest * self.thickness
 
-    def strains_under(self, pressure: NDArray[np.float64]) -> NDArray[np.float64]:
+    def strains_under(self, pressure: Real) -> Real:
         """Strains under pressures in Pa, shape (...); at most the largest strain."""
         at = np.log1p(pressure / self.scale) / np.log1p(self.closed / self.scale)
         return np.interp(at, np.linspace(0.0, 1.0, len(self.strains)), self.strains)
@@ -71,7 +71,7 @@ def foam_tables(foam: Foam, highest: float = np.inf) -> FoamTables:
     return FoamTables(*own, greatest, thickness, closed, scale, relative, strains)
 
 
-def strains_at(elastic: Elastic, pressure: NDArray[np.float64]) -> NDArray[np.float64]:
+def strains_at(elastic: Elastic, pressure: Real) -> Real:
     """Strains of a foam under pressures in Pa, by bisection; at most the largest one."""
     low, high = np.zeros(pressure.shape), np.full(pressure.shape, elastic.greatest_strain)
     for _ in range(HALVINGS):

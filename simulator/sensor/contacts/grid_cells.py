@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer, Mask, Real
 from ...scene.scene import Scene
 from ...scene.skin_region import covers
 
@@ -22,11 +22,11 @@ class GridCells(NamedTuple):
     SAMPLES). part: part of each cell that is skin, shape (row, column). whole: True if all is.
     """
 
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    cut: NDArray[np.int64]
-    mask: NDArray[np.bool_]
-    part: NDArray[np.float64]
+    x: Real
+    y: Real
+    cut: Integer
+    mask: Mask
+    part: Real
     whole: bool
 
 

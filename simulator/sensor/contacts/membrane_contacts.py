@@ -13,8 +13,8 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Integer, Real
 from ...models.mechanics.lattice.relaxed_presses import (
     FAINT,
     MAX_RELAXATION_SWEEPS,
@@ -51,8 +51,8 @@ class MembraneCells(NamedTuple):
     """
 
     touched: TouchedCells
-    depth: NDArray[np.float64]
-    radius: NDArray[np.float64]
+    depth: Real
+    radius: Real
     limited: bool
 
 
@@ -112,7 +112,7 @@ class ContactMembrane:
         touched = _touched(in_cells(lattice, self._rise(w), here))
         return MembraneCells(touched, EMPTY, EMPTY, bool((w >= self.foam.deepest).any()))
 
-    def _patches(self, own: NDArray[np.float64], by: str) -> tuple[NDArray[np.float64], ...]:
+    def _patches(self, own: Real, by: str) -> tuple[Real, ...]:
         """Largest depth of each contact, m, and the radius of its patch at that depth.
 
         Without tension the indenter would go deeper. The radius is 0 for rectangles.
@@ -129,9 +129,7 @@ class ContactMembrane:
         size = np.clip(smallest, FINEST * spread, min(self.scene.skin.sides))
         return lattice_of(self.scene, self.grid, float(2.0 ** np.floor(np.log2(size))))
 
-    def _applied(
-        self, own: NDArray[np.float64], radius: NDArray[np.float64], depth: NDArray[np.float64]
-    ) -> LatticeApplicators:
+    def _applied(self, own: Real, radius: Real, depth: Real) -> LatticeApplicators:
         wide = np.where(radius > 0, radius, own[:, WIDTH] / 2)
         high = np.where(radius > 0, radius, own[:, HEIGHT] / 2)
         x, y = own[:, X], own[:, Y]
@@ -142,13 +140,13 @@ class ContactMembrane:
     def _relaxed(
         self,
         lattice: Lattice,
-        own: NDArray[np.float64],
+        own: Real,
         applied: LatticeApplicators,
         here: Window,
         by: str,
-        w: NDArray[np.float64] | None = None,
-        pressure: NDArray[np.float64] | None = None,
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        w: Real | None = None,
+        pressure: Real | None = None,
+    ) -> tuple[Real, Real]:
         """Deflection at the nodes of a window and depth of each contact, m."""
         nodes, tension = WindowNodes.of(lattice, here), lattice.mechanics.tension
         flat = np.isinf(own[:, CURVATURE])
@@ -177,9 +175,7 @@ class ContactMembrane:
             )
         return w, bodies.depth
 
-    def _under_load(
-        self, lattice: Lattice, here: Window, pressure: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def _under_load(self, lattice: Lattice, here: Window, pressure: Real) -> Real:
         """Deflection at the nodes of a window under a pressure alone, m."""
         alone = self.foam.strains_under(np.minimum(pressure, self.foam.closed))
         nobody = LatticeApplicators(np.zeros((0, 4)), np.zeros(0), np.zeros(0))
@@ -190,10 +186,10 @@ class ContactMembrane:
     def _under_loads(
         self,
         lattice: Lattice,
-        own: NDArray[np.float64],
+        own: Real,
         applied: LatticeApplicators,
         here: Window,
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    ) -> tuple[Real, Real]:
         """Deflection at the nodes of a window and at each contact, m, under overlapping patches.
 
         Overlapping indenters are not rigid bodies: each contact is a load, with the pressure that
@@ -214,16 +210,16 @@ class ContactMembrane:
         row, column = np.abs(y - own[:, [Y]]).argmin(axis=1), np.abs(x - own[:, [X]]).argmin(axis=1)
         return w, w[row, column]
 
-    def _rise(self, w: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _rise(self, w: Real) -> Real:
         return self.scene.skin.foam.factor_at(w / self.foam.thickness) - 1
 
 
-def _touched(rise: NDArray[np.float64]) -> TouchedCells:
+def _touched(rise: Real) -> TouchedCells:
     cells = np.flatnonzero(rise > FAINT)
     return TouchedCells(cells, rise.ravel()[cells])
 
 
-def _groups(lattice: Lattice, applied: LatticeApplicators) -> list[NDArray[np.int64]]:
+def _groups(lattice: Lattice, applied: LatticeApplicators) -> list[Integer]:
     """Numbers of the applicators of each group that may influence each other."""
     far = np.array([lattice.reach(depth) if depth > 0 else 0.0 for depth in applied.depth])
     low = applied.boxes[:, ::2] - far[:, None]

@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Real
 from ...models.mechanics.lattice.relaxation_kernel import rasterized
 from ...models.mechanics.lattice.relaxed_presses import LatticeApplicators, Window
 from ...models.mechanics.lattice.skin_lattice import Lattice
@@ -18,11 +18,11 @@ class WindowNodes(NamedTuple):
     right, up: conductance of each to the next along x and y; load: area; all over the tension.
     """
 
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    right: NDArray[np.float64]
-    up: NDArray[np.float64]
-    load: NDArray[np.float64]
+    x: Real
+    y: Real
+    right: Real
+    up: Real
+    load: Real
     steps: tuple[float, float]
 
     @classmethod

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Real
 from ...scene.scene import Scene
 from .foam_tables import FoamTables
 
@@ -27,11 +27,11 @@ class RadialTable(NamedTuple):
     the indenter, shape (level, disc). reach: radius of its influence, m, shape (level,).
     """
 
-    depth: NDArray[np.float64]
-    force: NDArray[np.float64]
-    radii: NDArray[np.float64]
-    rises: NDArray[np.float64]
-    reach: NDArray[np.float64]
+    depth: Real
+    force: Real
+    radii: Real
+    rises: Real
+    reach: Real
 
     def each(self) -> Iterator[RadialTable]:
         """Each of several tables that are stacked along a first axis."""
@@ -76,7 +76,7 @@ def radial_table(
     return RadialTable(depth, force, radii, rises, counts * step)
 
 
-def _levels(foam: FoamTables) -> NDArray[np.float64]:
+def _levels(foam: FoamTables) -> Real:
     """Strains of the levels, from 0: denser where the cells buckle and where they close."""
     greatest, t = foam.greatest, np.linspace(0.0, 1.0, LEVELS + 1)
     if not foam.elastomer:

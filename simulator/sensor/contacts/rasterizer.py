@@ -7,8 +7,8 @@ from functools import lru_cache
 from typing import Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Mask, Real
 from ...models.reduced.indentation.indentation_draws import spreads
 from ...press.batch import NOTHING, PressBatch
 from ...scene.scene import Scene
@@ -23,7 +23,7 @@ from .refusals import invalid_contact, invalid_value, refusals, too_deep_message
 from .spread_points import SpreadPoints
 
 TooDeep = Literal["limit", "refuse"]
-RasterizedPoints = tuple[PressBatch, NDArray[np.bool_], NDArray[np.float64], Fault]
+RasterizedPoints = tuple[PressBatch, Mask, Real, Fault]
 """Presses; True for limited ones; radius of each patch, m; the first invalid contact."""
 
 
@@ -35,7 +35,7 @@ class ContactCells(NamedTuple):
     """
 
     batch: PressBatch
-    limited: NDArray[np.bool_]
+    limited: Mask
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +135,7 @@ class ContactRasterizer:
         return batch, limited, patches, fault
 
     def _of_stacks(
-        self, contacts: PointContacts, by: int, stacks: Stacks, limited: NDArray[np.bool_]
+        self, contacts: PointContacts, by: int, stacks: Stacks, limited: Mask
     ) -> PressBatch:
         given = contacts.values, contacts.counts, by, stacks, limited, self.foam, self.cells
         if self.coarse is not None:

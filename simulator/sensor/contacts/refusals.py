@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ...arrays import Mask
 from ...models.mechanics.deformation import check_plane
 from ...press.walls import require_no_walls
 from ...scene.scene import Scene
@@ -90,7 +88,7 @@ def invalid_value(contacts: Contacts, skin: int, row: int, column: int) -> str:
     return f"{where}: {name} must be >= 0 {UNITS[name]}, got {value:g} in {here}"
 
 
-def too_deep_message(scene: Scene, contacts: Contacts, limited: NDArray[np.bool_]) -> str:
+def too_deep_message(scene: Scene, contacts: Contacts, limited: Mask) -> str:
     """Message about contacts that would compress the foam further than it can be."""
     foam = scene.skin.foam
     which = f" on skin {int(limited.argmax())}" if contacts.skins > 1 else ""

@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import Mask, Real
 from ...press.batch import TouchedCells
 from .contact_types import PointContacts
 from .membrane_contacts import ContactMembrane
@@ -27,8 +27,8 @@ class PressedPoints(NamedTuple):
     """
 
     stacks: Stacks
-    limited: NDArray[np.bool_]
-    patches: NDArray[np.float64]
+    limited: Mask
+    patches: Real
     fault: Fault
     on_lattice: dict[int, TouchedCells]
 
@@ -41,7 +41,7 @@ class SpreadPoints:
     """
 
     membrane: ContactMembrane
-    keys: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
+    keys: Real = field(default_factory=lambda: np.zeros((0, 2)))
     tables: RadialTable = NO_TABLES
 
     def __call__(self, contacts: PointContacts) -> PressedPoints:
