@@ -107,10 +107,11 @@ class MountedSkins:
     ) -> Complex:
         """Z in ohm of chosen excitations, or of all interfaces: (row, interface, frequency)."""
         if gauged(self.family.scene.skin):
-            return self._one_by_one(batch, skins, presses, chosen, frequencies)
-        stack, batch = self._stack, self._skins[0].parts.followed(batch)
-        cells, rises, starts = (np.ascontiguousarray(each) for each in batch)
-        batch = PressBatch(cells, rises, starts)  # pyright: ignore[reportArgumentType]
+            each = zip(skins.tolist(), presses.tolist(), strict=True)
+            Z = np.stack([self._skins[skin].sweep(*batch.one(press)) for skin, press in each])
+            return Z[:, slice(None) if chosen is None else chosen, frequencies]
+        stack, followed = self._stack, self._skins[0].parts.followed(batch)
+        batch = PressBatch(*map(np.ascontiguousarray, followed))
         s = np.ascontiguousarray(stack.s[:, frequencies])
         numbers = range(len(stack.excitations)) if chosen is None else chosen
         Y = [
@@ -119,21 +120,7 @@ class MountedSkins:
         ]
         if chosen is None:
             Y = [*self._skins[0].combination.admittance(np.stack(Y))]
-        return (1 / np.stack(Y, axis=1)).astype(np.complex128)
-
-    def _one_by_one(
-        self,
-        batch: PressBatch,
-        skins: Integer,
-        presses: Integer,
-        chosen: list[int] | None,
-        frequencies: slice,
-    ) -> Complex:
-        """Impedances of skins whose sheets change under touches, see `_impedances`."""
-        each = zip(skins.tolist(), presses.tolist(), strict=True)
-        found = [self._skins[skin].sweep(*batch.one(press)) for skin, press in each]
-        Z = np.stack(found)[..., frequencies]
-        return Z if chosen is None else Z[:, chosen]
+        return 1 / (np.stack(Y, axis=1) if len(Y) > 1 else Y[0][:, None])
 
     @cached_property
     def _one_to_one(self) -> bool:

@@ -30,7 +30,7 @@ from .skin_family import family_scene, highest_factor, trained_family
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..arrays import Complex, Real
+    from ..arrays import Complex, Mask, Real
     from .given_press import AnyContacts
 
 
@@ -171,10 +171,10 @@ class Sensor:
         """
         if not (real(dt) and 0 < dt < np.inf):
             raise InputError(f"`dt` must be > 0 s and finite, got {dt!r}")
-        self._hold(self._press(contacts))
+        self._press_skins(self._press(contacts))
         until = self._now + in_ticks(dt)
         for due in self._clock.due(self._now, until):
-            self._pending.append(TakenReading(due, self._taken(due), self._held.labels))
+            self._pending.append(TakenReading(due, self._taken(due), self._pressed.labels))
         self._now = until
         self._deliver()
         return SensorReading(
@@ -230,11 +230,11 @@ class Sensor:
             self._mounted = self._mount(seed, self._faults)
         self.seed, self._now = seed, 0
         self._errors = MeterErrors(self.scene, seed, self.numbers, self.noise)
-        self._held, foam = self._press(None), foam_parts(self.scene, self._cells.fine)
+        self._pressed, foam = self._press(None), foam_parts(self.scene, self._cells.fine)
         in_time = self.scene.skin.foam.in_time
         self._foam = FoamMemory(self.scene, foam, count) if in_time else None
         self._known: dict[int, Complex] = {}
-        self._limited = np.broadcast_to(self._held.limited, (count,))
+        self._limited = self._limited_skins(self._pressed)
         self._pending: deque[TakenReading] = deque()
         self._values = np.full((len(setup.kind.names), count, *setup.shape), np.nan)
         self._taken_at = np.full(setup.shape, np.nan)
@@ -246,14 +246,19 @@ class Sensor:
         self._sweeps.clear()
         self._completed = 0
 
-    def _hold(self, given: GivenPress) -> None:
-        if given.equals(self._held):
+    def _press_skins(self, given: GivenPress) -> None:
+        if given.equals(self._pressed):
             return
         if self._foam is not None:
             each = given.of_each(self.skins)
             self._foam.press(each.batch, np.array(each.fixed), self.time)
-        self._held, self._known = given, {}
-        self._limited = np.broadcast_to(given.limited, (self.skins,))
+        self._pressed, self._known = given, {}
+        self._limited = self._limited_skins(given)
+
+    def _limited_skins(self, given: GivenPress) -> Mask:
+        limited = np.array(given.limited * (self.skins // len(given.limited)))
+        limited.flags.writeable = False
+        return limited
 
     def _taken(self, due: DueReading) -> Real:
         """Quantities of one reading as displayed, shape (quantity, skin, frequency)."""
@@ -272,7 +277,7 @@ class Sensor:
             pressed = self._cells.spread(self._foam.pressed(due.middle / PER_SECOND))
             return mounted.readings(pressed, interface, frequencies)
         if interface not in self._known:
-            self._known[interface] = mounted.readings(self._held.batch, interface)
+            self._known[interface] = mounted.readings(self._pressed.batch, interface)
         return self._known[interface][:, frequencies]
 
     def _deliver(self) -> None:
