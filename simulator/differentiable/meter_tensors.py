@@ -11,16 +11,6 @@ from torch import Tensor
 
 from ..scene.readings.readers import own_source
 from ..scene.readings.reading_setup import ReadingSetup
-from ..sweeps import InputError
-
-
-def check_reading(name: str, reading: ReadingSetup) -> None:
-    """Raises InputError for nodes that are driven together. name: of the scene."""
-    if not reading.one_to_one:
-        raise InputError(
-            f"{name}: SkinModule takes no `interface.driven_with`; leave it out, so that each node "
-            "is driven alone"
-        )
 
 
 def at_meter(

@@ -23,8 +23,8 @@ from ..requests.argument_types import scene_of, typed
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .admittance_forms import AdmittanceForms, AllowedPotentials, Terminals
-from .meter_tensors import at_meter, check_reading, quantities
-from .skin_tensors import all_tensors, check_names, check_surroundings, known_values, skin_of
+from .meter_tensors import at_meter, quantities
+from .skin_tensors import all_tensors, check_names, known_values, skin_of
 
 ROUNDING = 1e-5
 """Relative distance beyond the range of the training that is taken as rounding."""
@@ -223,20 +223,26 @@ def _some(arrays: np.ndarray) -> list[np.ndarray]:
 
 def _check_scene(scene: Scene) -> None:
     """Raises InputError for scenes that have no gradient here."""
-    if gauged(scene.skin):
-        raise InputError(
-            f"{scene.name}: SkinModule takes no sheets that a press changes; leave out "
-            "`piezoresistance`"
-        )
-    if scene.skin.foam.in_time:
-        raise InputError(
-            f"{scene.name}: SkinModule takes no foam that creeps; leave out "
-            f"`{scene.skin.foam.in_time[0]}`"
-        )
-    if spreading(scene):
-        raise InputError(
-            f"{scene.name}: SkinModule takes presses by a factor on c; give "
-            "`press.capacitance_factor` in place of `press.depth` or `press.force`"
-        )
-    check_surroundings(scene)
-    check_reading(scene.name, scene.reading)
+    foam, around, parts = scene.skin.foam, scene.surroundings, parts_of(scene)
+    along = "edges" if parts.walls.count else "thickness"
+    along = "solved" if around and around.solved else along
+    refused = (
+        ("sheets that a press changes; leave out `piezoresistance`", lambda: gauged(scene.skin)),
+        (f"foam that creeps; leave out `{next(iter(foam.in_time), '')}`", lambda: foam.in_time),
+        (
+            "presses by depth or force; give `press.capacitance_factor` in place of `press.depth` "
+            "or `press.force`",
+            lambda: spreading(scene),
+        ),
+        (
+            f"field along the foam under a press; leave out `surroundings.{along}`",
+            lambda: parts.thickness or parts.walls.count,
+        ),
+        (
+            "`interface.driven_with`; leave it out, so that each node is driven alone",
+            lambda: not scene.reading.one_to_one,
+        ),
+    )
+    for what, found in refused:
+        if found():
+            raise InputError(f"{scene.name}: SkinModule takes no {what}")

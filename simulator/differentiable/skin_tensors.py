@@ -23,7 +23,7 @@ from ..models.parameters import (
 )
 from ..models.reduced.families.family import resistive
 from ..models.reduced.reduced_model import Reduced
-from ..press.parts import Parts, foam_parts, parts_of
+from ..press.parts import Parts, foam_parts
 from ..scene.frequency import REFERENCE, Loss
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -183,15 +183,3 @@ def skin_of(reduced: Reduced, values: Mapping[str, Tensor]) -> SkinTensors:
         body=torch.exp(values["body"]) if "body" in values else one,
         rim=torch.exp(values["rim"]) if "rim" in values else one,
     )
-
-
-def check_surroundings(scene: Scene) -> None:
-    """Raises InputError for parts of M whose amount has no gradient here."""
-    parts = parts_of(scene)
-    if parts.thickness or parts.walls.count:
-        key = "edges" if parts.walls.count else "thickness"
-        key = "solved" if scene.surroundings and scene.surroundings.solved else key
-        raise InputError(
-            f"{scene.name}: SkinModule takes no field along the foam under a press; leave out "
-            f"`surroundings.{key}`"
-        )
