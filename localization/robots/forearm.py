@@ -50,7 +50,14 @@ def control(data: Any, time: float) -> None:
     data.ctrl[:] = -(weight + 1.5 * 0.25), 0.02 * np.sin(2 * phase), np.sin(phase)
 
 
-FOREARM = RobotExample("forearm", XML, "forearm.toml", ("forearm",), control, duration=4.0)
+SKIN = {
+    "name": "forearm",
+    "description": "skin around a robot's forearm, read by a multisine",
+    "skin.length": 0.120,  # m
+    "skin.shape": {"kind": "cylinder", "radius": 0.040},  # m, that of the built-in mug
+    "pixels.columns": 6,
+}
+FOREARM = RobotExample("forearm", XML, ("forearm",), control, changes=SKIN)
 
 if __name__ == "__main__":
     sys.exit(run(FOREARM))

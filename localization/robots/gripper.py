@@ -54,7 +54,7 @@ def control(data: Any, time: float) -> None:
     data.ctrl[:] = 2.0, 2.0, shift, -shift
 
 
-GRIPPER = RobotExample("gripper", XML, "palm.toml", ("left", "right"), control, duration=4.0)
+GRIPPER = RobotExample("gripper", XML, ("left", "right"), control)
 
 if __name__ == "__main__":
     sys.exit(run(GRIPPER))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -33,21 +33,21 @@ MIN_FORCE = 0.2
 class RobotExample:
     """A robot and its motion.
 
-    xml: model of MuJoCo. scene: file of the skin, beside this module. sites: of the skins. control:
-    sets the controls of the engine's data at a time in s. duration: s. camera: name in the model.
+    xml: model of MuJoCo. sites: of the skins. control: sets the controls of the engine's data at a
+    time in s. duration: s. changes: of the keys of palm.toml. camera: name in the model.
     """
 
     name: str
     xml: str
-    scene: str
     sites: tuple[str, ...]
     control: Callable[[Any, float], None]
-    duration: float
+    duration: float = 4.0
+    changes: Mapping[str, object] = field(default_factory=dict)
     camera: str = "film"
 
     def load_scene(self) -> Scene:
         """Scene of the skins."""
-        return load(Path(__file__).with_name(self.scene))
+        return load(Path(__file__).with_name("palm.toml")).with_(self.changes)
 
 
 class TouchRecord(NamedTuple):

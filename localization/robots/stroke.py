@@ -44,7 +44,7 @@ def control(data: Any, time: float) -> None:
     data.ctrl[:] = 0.025 * np.sin(phase), 0.025 * np.sin(2 * phase), -1.0
 
 
-STROKE = RobotExample("stroke", XML, "palm.toml", ("palm",), control, duration=4.0)
+STROKE = RobotExample("stroke", XML, ("palm",), control)
 
 if __name__ == "__main__":
     sys.exit(run(STROKE))
