@@ -93,7 +93,7 @@ class Calibration(Tabular):
         return f"Calibration of {self.scene.name}", [HEADER, *(q.cells for q in self.quantities)]
 
     def _chart(self) -> SmallChart:
-        from .residual_chart import small_residual_chart
+        from .results.residual_chart import small_residual_chart
 
         return small_residual_chart(self)
 
