@@ -20,6 +20,7 @@ from ..models.uniform import folded
 from ..notebook_display import SmallChart, Tabular
 from ..progress import ProgressCallback, silent
 from ..scene.scene import Scene
+from ..sweeps import InputError
 from .fitting.centered_model import CenteredModel, Model, centered_model, checked_model, model_of
 from .fitting.fit import Fit, best_fit, certificate_limit, model_tolerance
 from .fitting.fit_options import Options, candidates
@@ -59,10 +60,11 @@ class Calibration(Tabular):
     values: value of each parameter by name; of a factor on the given scene it is the logarithm.
     intervals: marginal 95 % interval of each unknown parameter. identified: for each of them, True
     if the data determine it, False if its prior does. quantities: the fitted quantities in physical
-    units. scene: the calibrated scene. not_fitted: unknown parameters that kept the scene's values.
-    noise: the meter's noise. unclear: combinations that the data do not identify, a line each.
-    remarks: notes on the fit. left_over: those on readings far off and on physics that the scene
-    lacks. ideal: comparison with an ideal capacitance, if the exponent was fitted below 1.
+    units; `calibration["foam capacitance"]` is one of them by its name. scene: the calibrated
+    scene. not_fitted: unknown parameters that kept the scene's values. noise: the meter's noise.
+    unclear: combinations that the data do not identify, a line each. remarks: notes on the fit.
+    left_over: those on readings far off and on physics that the scene lacks. ideal: comparison with
+    an ideal capacitance, if the exponent was fitted below 1.
     """
 
     values: dict[str, float]
@@ -78,6 +80,16 @@ class Calibration(Tabular):
     left_over: tuple[str, ...] = ()
     not_fitted: tuple[str, ...] = ()
     ideal: IdealComparison | None = None
+
+    def __getitem__(self, name: str) -> FittedQuantity:
+        """A fitted quantity by its name. Raises InputError that lists the names."""
+        names = [quantity.name for quantity in self.quantities]
+        if name not in names:
+            raise InputError(
+                f"a calibration of {self.scene.name} has no quantity {name!r}, "
+                f"only {', '.join(names)}"
+            )
+        return self.quantities[names.index(name)]
 
     @property
     def chi_squared(self) -> float:

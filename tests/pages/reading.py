@@ -6,6 +6,9 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 RESULTS = ROOT / "benchmarks" / "results"
+NOTEBOOKS = sorted(
+    path.relative_to(ROOT).as_posix() for path in (ROOT / "docs" / "notebooks").glob("*.md")
+)
 ROOMS = ("docs", "simulator", "localization", "hardware", "benchmarks", "tests")
 
 

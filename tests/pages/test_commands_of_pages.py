@@ -11,7 +11,7 @@ from rcskin.__main__ import app, main
 from rcskin.simulator.scene.scene_files import AROUND, builtin_names, builtin_text, load_scene
 from typer.main import get_command
 
-from .reading import blocks, commands, pages, prose
+from .reading import NOTEBOOKS, blocks, commands, pages, prose
 
 FIRST_STEPS = "docs/tutorials/first-steps.md"
 OWN_SKIN = "docs/tutorials/your-own-skin.md"
@@ -90,7 +90,14 @@ def test_every_option_that_is_named_exists(page):
     assert {*named} <= {"--help", *options(get_command(app))}
 
 
-@pytest.mark.parametrize("page", [page for page in pages() if blocks(page, "python")])
+@pytest.mark.parametrize(
+    "page",
+    [
+        pytest.param(page, marks=[pytest.mark.slow] if page in NOTEBOOKS else [])
+        for page in pages()
+        if blocks(page, "python")
+    ],
+)
 def test_the_examples_run_one_after_the_other(page, tmp_path, monkeypatch):
     if page == IN_TORCH:
         pytest.importorskip("torch", reason="PyTorch is not installed: pip install '.[torch]'")

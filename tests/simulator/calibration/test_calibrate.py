@@ -60,6 +60,9 @@ def test_the_calibrated_scene_is_the_one_that_was_measured(line, read):
         "top over bottom",
         "foam capacitance",
     ]
+    assert found["foam capacitance"].value == skin.foam.capacitance_per_area
+    with pytest.raises(InputError, match="no quantity 'foam', only top sheet"):
+        found["foam"]
 
 
 TOLD = {"sheet_resistance": 0.05, "capacitance": -0.03, "stray_capacitance": 6e-12}
