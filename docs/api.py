@@ -64,7 +64,10 @@ CLASSES = {
     "PointContacts": ("simulator.sensor.contacts.contact_types", ()),
     "DepthImage": ("simulator.sensor.contacts.contact_types", ()),
     "PressureImage": ("simulator.sensor.contacts.contact_types", ()),
-    "Model": ("localization.model.localizer_model", ("probabilities", "positions", "regions")),
+    "Model": (
+        "localization.model.localizer_model",
+        ("probabilities", "positions", "regions", "faults"),
+    ),
     "Answers": ("localization.trust.answers", ("answered",)),
     "Evaluation": (
         "localization.evaluation.result",

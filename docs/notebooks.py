@@ -31,28 +31,17 @@ import warnings
 import matplotlib
 %matplotlib inline
 %config InlineBackend.figure_formats = ["svg"]
-%config InlineBackend.print_figure_kwargs = {{"metadata": {{"Date": None}}}}
+%config InlineBackend.print_figure_kwargs = {{"metadata": {{"Date": None, "Creator": None}}}}
 matplotlib.rcParams.update({{
     **dict.fromkeys(("text.color", "axes.labelcolor", "axes.edgecolor"), "{INK}"),
     **dict.fromkeys(("xtick.color", "ytick.color", "grid.color"), "{INK}"),
-    "figure.facecolor": "none", "axes.facecolor": "none", "grid.alpha": 0.4, "legend.framealpha": 0, "figure.constrained_layout.use": True,
+    "figure.facecolor": "none", "axes.facecolor": "none", "grid.alpha": 0.4,
+    "legend.framealpha": 0, "figure.constrained_layout.use": True,
     "savefig.bbox": "tight", "svg.hashsalt": "rcskin",
 }})
 warnings.simplefilter("error")
 """
 AFTER = "import time; warnings.simplefilter('ignore'); print(time.process_time())"
-STYLE = """<style>
-.output { margin: -0.6em 0 1.5em; padding-left: 0.6rem; overflow-x: auto;
-  border-left: 0.15rem solid var(--md-default-fg-color--lightest);
-  --jp-content-font-color0: var(--md-default-fg-color);
-  --jp-content-font-color2: var(--md-default-fg-color--light);
-  --jp-content-font-color3: var(--md-default-fg-color--light);
-  --jp-border-color2: var(--md-default-fg-color--lighter);
-  --jp-layout-color0: transparent; --jp-layout-color1: transparent;
-  --jp-layout-color2: var(--md-code-bg-color); }
-.output > pre { margin: 0; font-size: 0.68rem; line-height: 1.4; }
-.output > svg { max-width: 100%; height: auto; }
-</style>"""
 
 
 def notebook(text: str) -> NotebookNode:
@@ -107,18 +96,23 @@ def shown(done: NotebookNode, name: str, seconds: float) -> str:
         f"[Download this notebook]({name}.ipynb). The outputs are those of the cells, run when "
         f"this page was made. All cells together took {seconds:.0f} s of processor time."
     )
-    done.cells[0].source = f"{title}\n\n{STYLE}\n\n{offer}\n{rest}"
+    done.cells[0].source = f"{title}\n\n{offer}\n{rest}"
     return "\n\n".join(part for cell in done.cells for part in _parts(cell)) + "\n"
 
 
 def _parts(cell: NotebookNode) -> Iterator[str]:
+    """Text or code of a cell, and its outputs. Beside figures, the value of a cell is left out:
+    it is a part of the figure.
+    """
     if cell.cell_type == "markdown":
         yield cell.source
         return
     yield f"```python\n{cell.source}\n```"
-    outputs = [html for output in cell.outputs if (html := _html(output))]
+    outputs = cell.outputs
+    if any("image/svg+xml" in output.get("data", ()) for output in outputs):
+        outputs = [each for each in outputs if each.output_type != "execute_result"]
     if outputs:
-        yield '<div class="output">\n{}\n</div>'.format("\n".join(outputs))
+        yield '<div class="output">\n{}\n</div>'.format("\n".join(map(_html, outputs)))
 
 
 def _html(output: NotebookNode) -> str:

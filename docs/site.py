@@ -1,4 +1,4 @@
-"""Build the site: all pages with their pictures, search that works offline, and a skin to press.
+"""Build the site: all pages, notebooks with their outputs, search offline, and a skin to press.
 
 Run: python docs/site.py [FOLDER]     (by default `site`; needs pip install 'rcskin[site]')
 
@@ -41,9 +41,12 @@ LINK = re.compile(r"\[([^\]]+)\]\(((?!http)[^)#]+\.md)\)")
 
 def build(folder: Path) -> None:
     """Write the site into a folder, which is emptied first."""
+    from rcskin.docs import notebooks
+
     with tempfile.TemporaryDirectory() as scratch:
         source = Path(scratch) / "source"
         stage(source)
+        notebooks.write(source / "docs" / "notebooks")
         _run("rcskin", "page", SCENE, "-o", source / "skin.html")
         settings = Path(scratch) / "zensical.toml"
         settings.write_text(_settings(), encoding="utf-8")

@@ -208,7 +208,11 @@ class Model(Tabular):
         return self.diagnosis.kinds(diagnosis_features(sweeps, self.interfaces))
 
     def faults(self, sweeps: xr.Dataset, answers: Answers) -> NDArray[np.str_]:
-        """As `fault_kinds`, but "" for sweeps with an answer, shape (sweep,)."""
+        """Fault that each sweep without an answer resembles, or "", shape (sweep,).
+
+        Answers: those of `localize` to these sweeps. Only a model that was trained on a data set
+        with faults names them.
+        """
         found = np.full(answers.answered.size, "", dtype=object)
         silent = np.flatnonzero(~answers.answered)
         found[silent] = self.fault_kinds(sweeps.isel(sweep=silent))
