@@ -210,7 +210,7 @@ class Model(Tabular):
     def faults(self, sweeps: xr.Dataset, answers: Answers) -> NDArray[np.str_]:
         """Fault that each sweep without an answer resembles, or "", shape (sweep,).
 
-        Answers: those of `localize` to these sweeps. Only a model that was trained on a data set
+        answers: those of `localize` to these sweeps. Only a model that was trained on a data set
         with faults names them.
         """
         found = np.full(answers.answered.size, "", dtype=object)
