@@ -12,6 +12,8 @@ import re
 import sys
 import tempfile
 from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from html import escape
 from pathlib import Path
 
@@ -57,12 +59,17 @@ def notebook(text: str) -> NotebookNode:
 
 
 def write(folder: Path) -> None:
-    """Run all notebooks. Write each as a page with its outputs, and as a file to download."""
-    for page in PAGES:
-        text = page.read_text(encoding="utf-8")
-        done, seconds = run(notebook(text), page.name)
-        (folder / page.name).write_text(shown(done, page.stem, seconds), encoding="utf-8")
-        nbformat.write(_without_links(notebook(text)), folder / f"{page.stem}.ipynb")
+    """Run all notebooks at once. Write each as a page with its outputs, and as a file."""
+    with ProcessPoolExecutor(len(PAGES)) as processes:
+        for _ in processes.map(partial(_write, folder), PAGES):
+            pass
+
+
+def _write(folder: Path, page: Path) -> None:
+    text = page.read_text(encoding="utf-8")
+    done, seconds = run(notebook(text), page.name)
+    (folder / page.name).write_text(shown(done, page.stem, seconds), encoding="utf-8")
+    nbformat.write(_without_links(notebook(text)), folder / f"{page.stem}.ipynb")
 
 
 def run(given: NotebookNode, name: str) -> tuple[NotebookNode, float]:
