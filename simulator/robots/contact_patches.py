@@ -11,7 +11,7 @@ from ..arrays import Real
 from ..scene.foam.foam_mechanics import Elastic
 from ..scene.planar import inside
 from ..sweeps import InputError
-from .engine import MjData, MjModel, engine
+from .engine import Geom, MjData, MjModel
 from .skin_contacts import SkinContacts
 
 PatchName = Literal["hertz", "applicator", "image"]
@@ -67,25 +67,22 @@ class PatchRule:
     def patches(self, model: MjModel, data: MjData, contacts: SkinContacts) -> Patches:
         """Patches of contact points; those of one geom are spread over the area between them."""
         each = [
-            self._of_geom(model, data, int(geom), contacts.where(contacts.geom == geom))
+            self._of_geom(Geom(model, data, int(geom)), contacts.where(contacts.geom == geom))
             for geom in np.unique(contacts.geom)
         ]
         return Patches(*np.hstack([np.stack(one) for one in each])) if each else NO_PATCHES
 
-    def _of_geom(self, model: MjModel, data: MjData, geom: int, contacts: SkinContacts) -> Patches:
+    def _of_geom(self, geom: Geom, contacts: SkinContacts) -> Patches:
         if isinstance(self.kind, float):
             return _of(contacts.x, contacts.force, Indenter(self.kind, np.inf))
-        axes = data.geom_xmat[geom].reshape(3, 3)
-        normal = axes.T @ contacts.normals.mean(axis=1)
-        kind = geom_kind(model, geom)
-        if kind == "cylinder" and abs(normal[2]) > FLAT:
-            disc = Indenter(float(model.geom_size[geom, 0]), np.inf)
+        normal = geom.axes.T @ contacts.normals.mean(axis=1)
+        if geom.kind == "cylinder" and abs(normal[2]) > FLAT:
+            disc = Indenter(float(geom.size[0]), np.inf)
             middle = np.average(contacts.x, axis=1, weights=contacts.force)[:, None]
             return _of(middle, contacts.force.sum(keepdims=True), disc)
         if contacts.count > 2 and _width(contacts.x) > THIN:
             return _spread(contacts.x, contacts.force)
-        place = axes.T @ (contacts.points[:, 0] - data.geom_xpos[geom])
-        end = self._end(model, geom, kind, normal, place)
+        end = self._end(geom, normal, geom.axes.T @ (contacts.points[:, 0] - geom.place))
         if contacts.count == 1:
             return _of(contacts.x, contacts.force, end)
         return _strip(contacts.x, contacts.force, self._strip_width(contacts, end))
@@ -99,11 +96,11 @@ class PatchRule:
         per_length = contacts.force.sum() / max(length, end.radius)
         return 2 * strip_half_width(self.law, self.thickness, end.curvature, per_length)
 
-    def _end(self, model: MjModel, geom: int, kind: str, normal: Real, place: Real) -> Indenter:
+    def _end(self, geom: Geom, normal: Real, place: Real) -> Indenter:
         """End of a geom at a place, with the skin's normal there, both in the geom's frame."""
-        size, flat = model.geom_size[geom], self.kind == "applicator"
-        if geom in self.curvature:
-            radius = self.curvature[geom]
+        kind, size, flat = geom.kind, geom.size, self.kind == "applicator"
+        if geom.number in self.curvature:
+            radius = self.curvature[geom.number]
         elif kind in ("sphere", "capsule", "cylinder"):
             radius = float(size[0])
         elif kind == "ellipsoid":
@@ -117,8 +114,8 @@ class PatchRule:
             return Indenter(self.thickness, self.thickness)
         else:
             raise InputError(
-                f"MujocoSkin: the radius of curvature of geom {geom_name(model, geom)} ({kind}) is "
-                'not known; give it in `curvature`, or patch="image", or the radius of the patch'
+                f"MujocoSkin: the radius of curvature of geom {geom.name} ({kind}) is not known;"
+                ' give it in `curvature`, or patch="image", or the radius of the patch'
             )
         return Indenter(radius, np.inf if flat else radius)
 
@@ -139,21 +136,6 @@ def strip_half_width(law: Elastic, thickness: float, radius: float, load: float)
         else:
             low = strain
     return float(min(np.sqrt(2 * radius * high * thickness), radius))
-
-
-def geom_kind(model: MjModel, geom: int) -> str:
-    """Kind of a geom, such as "sphere"."""
-    mujoco = engine()
-
-    return mujoco.mjtGeom(int(model.geom_type[geom])).name.removeprefix("mjGEOM_").lower()
-
-
-def geom_name(model: MjModel, geom: int) -> str:
-    """Name of a geom in quotes, or its number."""
-    mujoco = engine()
-
-    name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_GEOM, geom)
-    return repr(name) if name else str(geom)
 
 
 def _of(x: Real, force: Real, end: Indenter) -> Patches:

@@ -11,8 +11,7 @@ from ..arrays import Mask, Real
 from ..scene.foam.foam_mechanics import Elastic
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .contact_patches import geom_kind, geom_name
-from .engine import MjData, MjModel, engine
+from .engine import Geom, MjData, MjModel, engine
 from .geom_rays import entry
 from .skin_contacts import SkinContacts
 from .skin_mount import SkinMount
@@ -62,57 +61,36 @@ class TactileImager:
     def depth(self, model: MjModel, data: MjData, contacts: SkinContacts) -> Real:
         """Depth of each image cell, m, shape (row, column)."""
         found = np.zeros(self.points.shape[1])
-        for geom in np.unique(contacts.geom):
-            force = float(contacts.force[contacts.geom == geom].sum())
-            near, gap = self._gaps(model, data, int(geom))
+        for number in np.unique(contacts.geom):
+            force = float(contacts.force[contacts.geom == number].sum())
+            near, gap = self._gaps(Geom(model, data, int(number)))
             if not near.size:
                 continue
             found[near] = np.maximum(found[near], self._sunk(gap, force))
         return found.reshape(self.shape)
 
-    def _gaps(self, model: MjModel, data: MjData, geom: int) -> tuple[NDArray[np.intp], Real]:
+    def _gaps(self, geom: Geom) -> tuple[NDArray[np.intp], Real]:
         """Image cells under a geom, and its height above each, m."""
-        origin, axes = self.mount.pose(data)
-        turned = data.geom_xmat[geom].reshape(3, 3).T
-        place = turned @ (origin - data.geom_xpos[geom])
-        points = place[:, None] + turned @ axes @ self.points
-        near = np.flatnonzero(
-            self.on & (np.linalg.norm(points, axis=0) <= self._reach(model, geom))
-        )
-        normals = turned @ axes @ self.normals[:, near]
-        gap = self._entries(model, data, geom, points[:, near], normals)
+        origin, axes = self.mount.pose(geom.data)
+        turned = geom.axes.T
+        points = (turned @ (origin - geom.place))[:, None] + turned @ axes @ self.points
+        reach = float(geom.model.geom_rbound[geom.number]) + self.thickness
+        near = np.flatnonzero(self.on & (np.linalg.norm(points, axis=0) <= reach))
+        gap = self._entries(geom, points[:, near], turned @ axes @ self.normals[:, near])
         under = np.isfinite(gap) & (gap > -self.thickness)
         return near[under], gap[under]
 
-    def _reach(self, model: MjModel, geom: int) -> float:
-        return float(model.geom_rbound[geom]) + self.thickness
-
-    def _entries(
-        self, model: MjModel, data: MjData, geom: int, points: Real, normals: Real
-    ) -> Real:
+    def _entries(self, geom: Geom, points: Real, normals: Real) -> Real:
         """Height of a geom over points in its frame, m, inf where it is not above them."""
-        kind = geom_kind(model, geom)
+        kind = geom.kind
         if kind in ANALYTIC:
-            return entry(kind, model.geom_size[geom], points, normals)
+            return entry(kind, geom.size, points, normals)
         if kind != "mesh":
-            raise InputError(
-                f'MujocoSkin: patch="image" does not take geom {geom_name(model, geom)} ({kind})'
-            )
-        return self._mesh_entries(model, data, geom, points, normals)
-
-    def _mesh_entries(
-        self, model: MjModel, data: MjData, geom: int, points: Real, normals: Real
-    ) -> Real:
-        mujoco = engine()
-
-        axes = data.geom_xmat[geom].reshape(3, 3)
-        start = (data.geom_xpos[geom][:, None] + axes @ (points - self.thickness * normals)).T
-        along = (axes @ normals).T
-        found = [
-            mujoco.mj_rayMesh(model, data, geom, each, ray)
-            for each, ray in zip(*map(np.ascontiguousarray, (start, along)), strict=True)
-        ]
-        distance = np.array(found, dtype=float)
+            raise InputError(f'MujocoSkin: patch="image" does not take geom {geom.name} ({kind})')
+        start = (geom.place[:, None] + geom.axes @ (points - self.thickness * normals)).T
+        each = zip(*map(np.ascontiguousarray, (start, (geom.axes @ normals).T)), strict=True)
+        ray = engine().mj_rayMesh
+        distance = np.array([ray(*geom, *pair) for pair in each])
         return np.where(distance < 0, np.inf, distance - self.thickness)
 
     def _sunk(self, gap: Real, force: float) -> Real:
