@@ -23,7 +23,7 @@ NUMBERISH = re.compile(
 
 
 @dataclass(frozen=True)
-class NumberFormat:
+class NumberNotation:
     """Signs of a written number; an empty `thousands` where there are none."""
 
     decimal: str
@@ -45,19 +45,19 @@ class NumberFormat:
 
 
 @functools.cache
-def _pattern(form: NumberFormat) -> re.Pattern[str]:
+def _pattern(form: NumberNotation) -> re.Pattern[str]:
     decimal, thousands = re.escape(form.decimal), re.escape(form.thousands)
     fraction, exponent = rf"(?:{decimal}\d*)?", "(?:[eE][+-]?[0-9]+|[dD][+-][0-9]+)?"
     grouped = rf"[1-9]\d{{0,2}}(?:{thousands}\d{{3}})+{fraction}|" if thousands else ""
     return re.compile(rf"[+-]?(?:{grouped}(?:\d+{fraction}|{decimal}\d+){exponent})", re.ASCII)
 
 
-POINT, COMMA = NumberFormat(".", ""), NumberFormat(",", "")
+POINT, COMMA = NumberNotation(".", ""), NumberNotation(",", "")
 FORMATS = (
     POINT,
     COMMA,
     *(
-        NumberFormat(decimal, thousands)
+        NumberNotation(decimal, thousands)
         for decimal, thousands in [
             (".", ","),
             (",", "."),
@@ -83,7 +83,7 @@ def number_like(text: str) -> bool:
     return bool(NUMBERISH.fullmatch(text) or NO_READING.fullmatch(text))
 
 
-def possible_formats(cells: Sequence[str]) -> list[NumberFormat]:
+def possible_formats(cells: Sequence[str]) -> list[NumberNotation]:
     """The formats that read all cells, one for each set of numbers, simplest first.
 
     If no format reads all, only one that reads the most is returned.
@@ -91,7 +91,7 @@ def possible_formats(cells: Sequence[str]) -> list[NumberFormat]:
     odd = [
         cell for cell in dict.fromkeys(cells) if NUMBERISH.fullmatch(cell) and not _integer(cell)
     ]
-    readings: dict[tuple[str | None, ...], NumberFormat] = {}
+    readings: dict[tuple[str | None, ...], NumberNotation] = {}
     for each in FORMATS:
         readings.setdefault(tuple(map(each.plain, odd)), each)
     counts = {reading: sum(text is not None for text in reading) for reading in readings}

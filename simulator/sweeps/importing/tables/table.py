@@ -12,7 +12,7 @@ from ....arrays import Real
 from ...errors import InputError
 from .columns import Column
 from .header import MAX_SHOWN
-from .number_format import POINT, NumberFormat, failed, possible_formats
+from .number_format import POINT, NumberNotation, failed, possible_formats
 from .scanning import first_header, scanned
 from .sources import WORKBOOKS, sources
 from .text_lines import Lines
@@ -42,7 +42,7 @@ class ImportedTable:
     columns: list[Column]
     rows: list[tuple[int, list[str]]]
     preamble: str
-    form: NumberFormat = POINT
+    form: NumberNotation = POINT
     left_out: list[LeftOut] = field(default_factory=list)
 
     def holding(self, holds: str) -> list[Column]:
@@ -126,7 +126,7 @@ class ImportedTable:
 
     separator: str = ","
 
-    def _monotone(self, forms: Sequence[NumberFormat], column: Column) -> list[NumberFormat]:
+    def _monotone(self, forms: Sequence[NumberNotation], column: Column) -> list[NumberNotation]:
         """The formats with which the frequency turns back least often."""
         turns = []
         for form in forms:
@@ -135,7 +135,7 @@ class ImportedTable:
             turns.append(int(np.sum(signs[1:] != signs[:-1])))
         return [form for form, count in zip(forms, turns, strict=True) if count == min(turns)]
 
-    def _ambiguous(self, forms: Sequence[NumberFormat], columns: Sequence[Column]) -> InputError:
+    def _ambiguous(self, forms: Sequence[NumberNotation], columns: Sequence[Column]) -> InputError:
         for line, cells in self.rows:
             for column in columns:
                 text = cells[column.place]
