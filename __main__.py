@@ -6,7 +6,8 @@ from .hardware.cli import app as meter
 from .hardware.live.command import live
 from .hardware.meter.errors import MeterError
 from .localization.cli import add_commands
-from .simulator.cli import app, run, with_short_help
+from .simulator.cli import app, with_short_help
+from .simulator.command_line import run
 from .simulator.requests.number_ranges import with_ranges
 from .simulator.requests.overwrite_options import with_overwrite_options
 
@@ -27,7 +28,7 @@ for commands, above in ((app, ""), (meter, "meter")):
 
 def main() -> None:
     """Run the command line."""
-    run((MeterError,))
+    run(app, (MeterError,))
 
 
 if __name__ == "__main__":

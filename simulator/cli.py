@@ -1,45 +1,27 @@
-"""The simulator's commands. Exit codes: 0 success, 2 bad input, 1 any other failure."""
+"""The simulator's commands."""
 
 from __future__ import annotations
 
-import io
-import os
 import sys
 from pathlib import Path
-from typing import Annotated, NoReturn
+from typing import Annotated
 
 import typer
 
 from .calibration.command import calibrate
-from .check.command import check, import_sweeps, plot
+from .check.command import check, plot
+from .check.import_command import import_sweeps
 from .check.join_command import join
 from .dataset.command import dataset
 from .describe.command import describe
 from .design.command import design
-from .interrupt import EndSignal, end_on_signals, leave
 from .limits.amplitudes_command import amplitudes
 from .limits.command import limits
 from .limits.frequencies_command import frequencies
 from .page.command import page
-from .requests.console import show_log_as_notes
 from .requests.options import SceneName, complete_scene
 from .safe_text import say, terminal
 from .view.command import view
-
-BAD_INPUT, FAILURE = 2, 1
-OUT_OF_MEMORY = (
-    "this machine has too little memory for this work: use fewer pixels, frequencies, sweeps or "
-    "processes"
-)
-
-OUT_OF_RANGE = (
-    "the numbers of the scene or of the options lie too far apart for double precision: "
-    "bring sizes, resistances, capacitances and frequencies nearer to those of a skin "
-    "(RCSKIN_DEBUG=1 shows where)"
-)
-
-OF_NUMBERS = ("math domain error", "cannot convert float NaN to integer")
-"""Messages of ValueErrors that Python raises for numbers, not for wrong input."""
 
 VIRTUAL_EARTH = "virtual earth"
 LOW_TERMINAL = "The meter's low terminal (virtual earth of an LCR meter, floating without earth)"
@@ -224,114 +206,8 @@ app.command(epilog="Example: rcskin view sheet-5x5 --press 2,3 --frequency 1e4 -
 app.command(epilog="Example: rcskin page sheet-5x5 -o skin.html")(page)
 
 
-def run(failures: tuple[type[Exception], ...] = ()) -> None:
-    """Runs the command line; every failure becomes one clear line and an exit code.
-
-    failures: further exception types whose message is complete as it is.
-    """
-    _take_any_terminal()
-    show_log_as_notes("rcskin")
-    heard = EndSignal()
-    try:
-        _run(failures, heard)
-    except SystemExit as end:
-        if heard.is_set():  # libraries' threads may keep or break the usual end
-            leave(end.code if isinstance(end.code, int) else heard.code)
-        raise
-
-
-def _take_any_terminal() -> None:
-    """Writes letters that the terminal lacks as escapes, and lets charts go to files only."""
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
-    os.environ["MPLBACKEND"] = "agg"
-
-
-def _run(failures: tuple[type[Exception], ...], received: EndSignal) -> NoReturn:
-    try:
-        with end_on_signals(received):
-            code = app(standalone_mode=False)
-    except typer.TyperException as error:
-        if _is_help(error):  # a group of commands without a command
-            say(*error.format_message().splitlines(), err=True)
-            sys.exit(BAD_INPUT)
-        _end(error.format_message() + _example(error), BAD_INPUT)
-    except (KeyboardInterrupt, typer.Abort):
-        _end("interrupted", received.code)
-    except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(FAILURE)
-    except failures as error:
-        _end(str(error), FAILURE)
-    except Exception as error:
-        _end_by_error(error, received)
-    if code == EndSignal().code:  # typer returns this code for Ctrl-C
-        _end("interrupted", received.code)
-    sys.exit(code or 0)
-
-
-def _end_by_error(error: Exception, received: EndSignal) -> NoReturn:
-    """Ends the process for an error of the work; imports here cost nothing in the normal case."""
-    from .sweeps.errors import (
-        InputError,
-        InterruptedWorkError,
-        OutputError,
-        ToleranceError,
-    )
-
-    match error:
-        case InputError():
-            _end(str(error), BAD_INPUT)
-        case OutputError():
-            _end(str(error), FAILURE)
-        case MemoryError():
-            _end(OUT_OF_MEMORY, FAILURE)
-        case _ if _is_of_numbers(error) and "RCSKIN_DEBUG" not in os.environ:
-            _end(OUT_OF_RANGE, FAILURE)
-        case ToleranceError(times=None):
-            _end(f"{error}; a larger --rtol can be reached", FAILURE)
-        case ToleranceError(times=times):
-            _end(f"{error}; {times:.1g} times that --rtol can be reached", FAILURE)
-        case InterruptedWorkError():
-            _end(f"interrupted; {error}", received.code)
-    if "RCSKIN_DEBUG" in os.environ:
-        raise error
-    _end(f"{error} ({type(error).__name__}; RCSKIN_DEBUG=1 shows where)", FAILURE)
-
-
-def _is_of_numbers(error: Exception) -> bool:
-    """True for errors of arithmetic with numbers beyond its range."""
-    from numpy.linalg import LinAlgError
-
-    numeric = isinstance(error, ArithmeticError | RecursionError | LinAlgError)
-    return numeric or (type(error) is ValueError and str(error) in OF_NUMBERS)
-
-
-def _is_help(error: typer.TyperException) -> bool:
-    return error.format_message().startswith("Usage: ")
-
-
-def _example(error: typer.TyperException) -> str:
-    """The example of the command if an argument is missing or superfluous, else nothing."""
-    context = getattr(error, "ctx", None)
-    example = context.command.epilog if context is not None else None
-    of_arguments = error.format_message().startswith(("Missing ", "Got unexpected extra "))
-    return f"{_full_stop(error)} {example}" if of_arguments and example else ""
-
-
-def _full_stop(error: typer.TyperException) -> str:
-    return "" if error.format_message().endswith(".") else "."
-
-
 def with_short_help(commands: typer.Typer) -> None:
     """Makes lists of commands show the whole first paragraph of each command's help."""
     for each in commands.registered_commands:
         first, *_ = (getattr(each.callback, "__doc__", None) or "").split("\n\n")
         each.short_help = " ".join(first.split())
-
-
-def _end(message: str, code: int) -> NoReturn:
-    if message:
-        say(f"rcskin: {' '.join(message.split())}", err=True)
-    sys.exit(code)

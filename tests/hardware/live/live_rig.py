@@ -9,7 +9,8 @@ import numpy as np
 from rcskin.hardware.live.command import live
 from rcskin.hardware.live.touch_answer import answer_of_classes
 from rcskin.hardware.meter.errors import MeterError
-from rcskin.simulator.cli import app, run
+from rcskin.simulator.cli import app
+from rcskin.simulator.command_line import run
 from rcskin.simulator.page import linked
 from rcskin.simulator.requests.overwrite_options import with_overwrite_options
 from rcskin.simulator.scene.scene_files import load_scene
@@ -138,4 +139,4 @@ if __name__ == "__main__":
     linked.linked_page = document
     app.command()(live)
     with_overwrite_options(app)
-    run((MeterError,))
+    run(app, (MeterError,))
