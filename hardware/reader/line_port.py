@@ -29,7 +29,7 @@ ADDRESS = re.compile(r"(?P<host>\[[^\]]+\]|[^:\[\]]+):(?P<port>\d{1,5})")
 class _Stream(Protocol):
     """Bytes of a device. `read` gives b"" if none came in POLL seconds, and raises at the end.
 
-    empty: latest moment at which no byte waited, s (monotonic): what was read later came later.
+    empty: latest moment at which no byte waited, s (perf_counter): what was read later came later.
     """
 
     empty: float
@@ -43,7 +43,7 @@ class _Stream(Protocol):
 class ReceivedLine:
     """One line. text: None if it was too long. Its end came after `since` and before `ended`.
 
-    Both are s (monotonic). They differ while lines wait in buffers of the system.
+    Both are s (perf_counter). They differ while lines wait in buffers of the system.
     """
 
     text: str | None
@@ -93,14 +93,14 @@ class LinePort:
         self._thread.start()
 
     def next_line(self, deadline: float) -> ReceivedLine | None:
-        """The oldest line that waits; None if none comes before the deadline (s, monotonic).
+        """The oldest line that waits; None if none comes before the deadline (s, perf_counter).
 
         Raises LostConnectionError if the port failed.
         """
         with self._arrival:
             while not self._lines:
                 self._check_open()
-                left = deadline - time.monotonic()
+                left = deadline - time.perf_counter()
                 if left <= 0:
                     return None
                 self._arrival.wait(min(left, 1.0))
@@ -132,7 +132,7 @@ class LinePort:
                 return
             if received:
                 with self._arrival:
-                    now = time.monotonic()
+                    now = time.perf_counter()
                     self._lines.extend(cutter.feed(received, self._stream.empty, now))
                     self._arrival.notify_all()
 
@@ -197,7 +197,7 @@ class _SerialStream:
         self.empty = -inf
 
     def read(self) -> bytes:
-        looked, waiting = time.monotonic(), self._opened.in_waiting
+        looked, waiting = time.perf_counter(), self._opened.in_waiting
         if not waiting:
             self.empty = looked
         return self._opened.read(max(1, waiting))
@@ -219,7 +219,7 @@ class _TcpStream:
         self.empty = -inf
 
     def read(self) -> bytes:
-        looked = time.monotonic()
+        looked = time.perf_counter()
         if not self._arrivals.select(0):
             self.empty = looked
             if not self._arrivals.select(POLL):

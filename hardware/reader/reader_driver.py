@@ -123,7 +123,7 @@ class ReaderDriver:
         """
         time.sleep(self._format.boot)
         self._start_again()
-        line = self._next_line(time.monotonic() + self._line_seconds)
+        line = self._next_line(time.perf_counter() + self._line_seconds)
         self._virtual = line.text == VIRTUAL_READER
 
     def read_at(self, frequency: float) -> MeterReading:
@@ -186,15 +186,15 @@ class ReaderDriver:
         return lines / self._format.rate
 
     def _next_sweep(self) -> Sweep:
-        begun, before = time.monotonic(), -np.inf
+        begun, before = time.perf_counter(), -np.inf
         if self._follows and begun - self._ended < self._sweep_seconds:
             begun = before = -np.inf
         else:
             self._assembly = self._new_assembly()
         self._notes.clear()
-        span, since = self._timeout + TRIES * self._sweep_seconds, time.monotonic()
-        while time.monotonic() < since + span * (1 if self._notes else SLOW_FACTOR):
-            line = self._next_line(time.monotonic() + self._line_seconds)
+        span, since = self._timeout + TRIES * self._sweep_seconds, time.perf_counter()
+        while time.perf_counter() < since + span * (1 if self._notes else SLOW_FACTOR):
+            line = self._next_line(time.perf_counter() + self._line_seconds)
             measured_since, before = before, line.since
             if measured_since < begun:
                 self._assembly.take_banner(line.text)
@@ -237,8 +237,8 @@ class ReaderDriver:
 
     def _start_again(self) -> None:
         """Send the start command, unless it was sent a moment ago."""
-        if time.monotonic() - self._started > START_INTERVAL:
-            self._started = time.monotonic()
+        if time.perf_counter() - self._started > START_INTERVAL:
+            self._started = time.perf_counter()
             self._send(self._format.start)
 
     def _send(self, command: str) -> None:
