@@ -2,9 +2,9 @@
 
 import itertools
 import math
-import runpy
 import shutil
 import sys
+from importlib import import_module
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -287,6 +287,8 @@ def coarse(monkeypatch):
 
 
 @pytest.fixture
-def windows(monkeypatch):
-    """Windows as far as it can be imitated; see `windows.py`."""
-    runpy.run_path(str(Path(__file__).with_name("windows.py")))["take_away"](monkeypatch)
+def windows(monkeypatch, pytestconfig):
+    """Windows as far as it can be imitated; see `systems/`."""
+    if pytestconfig.getoption("system") != "windows":
+        monkeypatch.syspath_prepend(Path(__file__).with_name("systems"))
+        import_module("imitated").take_away("windows", monkeypatch)

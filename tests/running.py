@@ -3,10 +3,13 @@
 import ctypes
 import gc
 import os
+import platform
 import signal
 import subprocess
 import sys
 from functools import cache
+from importlib import import_module
+from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy: other cores have other tests
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # no worker, no process compiles modules anew
@@ -31,6 +34,7 @@ settings.load_profile("reproducible")
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # of a run in the background, for children
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
+SYSTEMS = Path(__file__).with_name("systems")
 DRAW = """
 import sys
 from rcskin.simulator.sweeps import InputError
@@ -52,6 +56,22 @@ def why_no_pictures():
     return f"VTK cannot draw here: it ends with {done.returncode}" if done.returncode else ""
 
 
+def pytest_addoption(parser):
+    """`--system windows` and `--system macos`: all tests as they would run there."""
+    parser.addoption("--system", choices=["windows", "macos"], help="imitate another system")
+
+
+def pytest_configure(config):
+    """Imitates the system here and in all processes that begin from now on."""
+    system = config.getoption("system")
+    if system:
+        sys.path.insert(0, str(SYSTEMS))
+        imitated = import_module("imitated")
+        imitated.imitate(system)
+        if system == "windows":
+            imitated.files.capture_in_code_page(imitated.Lasting())
+
+
 @pytest.hookimpl(tryfirst=True)  # xdist has an answer of its own
 def pytest_xdist_auto_num_workers():
     """One more than cores: a fifth of the time tests wait, for a meter, a browser or a process."""
@@ -70,7 +90,10 @@ def pytest_collection():
 
 
 def pytest_runtest_setup(item):
-    """Skips tests of pictures where none can be drawn."""
+    """Skips tests of pictures where none can be drawn, and those of calls that a system lacks."""
+    unix = item.get_closest_marker("posix")
+    if unix and "windows" in (item.config.getoption("system"), platform.system().lower()):
+        pytest.skip(unix.args[0])
     if item.get_closest_marker("pictures") and why_no_pictures():
         pytest.skip(why_no_pictures())
 

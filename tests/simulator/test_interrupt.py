@@ -1,7 +1,6 @@
 """One signal ends a command: within a library that does not hear of it, and with its workers."""
 
 import os
-import pty
 import signal
 import subprocess
 import sys
@@ -10,6 +9,7 @@ from pathlib import Path
 
 import pytest
 
+pty = pytest.importorskip("pty", reason="Windows has no terminals of Unix")
 DEAF = """
 import hashlib, sys
 from pathlib import Path

@@ -3,11 +3,9 @@
 import copy
 import json
 import os
-import pty
 import runpy
 import select
 import signal
-import termios
 import time
 from datetime import datetime
 from pathlib import Path
@@ -22,6 +20,8 @@ from rcskin.simulator.sweeps import UNPRESSED, read, write
 
 SOON = 5
 """Seconds that the end may take on a busy machine; alone it takes half a second."""
+pty = pytest.importorskip("pty", reason="Windows has no terminals of Unix")
+termios = pytest.importorskip("termios", reason="Windows has no terminals of Unix")
 RIG = Path(__file__).with_name("live_rig.py")
 _rig = runpy.run_path(str(RIG))
 CONTROL_CODE, SHOWN_CURSOR = "\x1b", "\x1b[?25h"

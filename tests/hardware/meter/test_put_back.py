@@ -251,6 +251,7 @@ def acquires(instrument):
     return instrument.corrections.busy
 
 
+@pytest.mark.posix("there is no SIGHUP")
 @pytest.mark.parametrize(
     "case", [IM3523, E4980A, E4990A], indirect=True, ids=lambda case: case.model
 )

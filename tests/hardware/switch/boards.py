@@ -4,14 +4,15 @@ They know nothing of the driver: what they answer follows the makers' pages, not
 """
 
 import os
-import pty
 import re
 import socket
 import threading
 import time
-import tty
 from contextlib import contextmanager
 
+import pytest
+
+NO_TERMINALS = "Windows has no terminals of Unix"
 RELAYS = 4
 END = b"unplug the board"
 
@@ -93,6 +94,7 @@ class LcusBoard(Board):
 @contextmanager
 def on_a_line(board):
     """The name of a serial port with a board at its other end."""
+    pty, tty = (pytest.importorskip(name, reason=NO_TERMINALS) for name in ("pty", "tty"))
     ours, theirs = pty.openpty()
     tty.setraw(theirs)
 

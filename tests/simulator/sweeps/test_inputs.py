@@ -39,7 +39,7 @@ def with_map(folder, name, *more):
     return folder / "mine.toml"
 
 
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no pipes in folders")
+@pytest.mark.posix("Windows has no pipes in folders")
 @pytest.mark.parametrize("ending", READERS)
 def test_a_pipe_is_not_waited_for(tmp_path, ending):
     os.mkfifo(tmp_path / f"pipe{ending}")
@@ -47,7 +47,7 @@ def test_a_pipe_is_not_waited_for(tmp_path, ending):
     assert "is a pipe, a device or a socket" in told
 
 
-@pytest.mark.skipif(not os.path.exists("/dev/zero"), reason="Windows has no such device")
+@pytest.mark.posix("Windows has no such device")
 @pytest.mark.parametrize("ending", READERS)
 def test_a_device_is_not_read(tmp_path, ending):
     (tmp_path / f"endless{ending}").symlink_to("/dev/zero")
@@ -151,7 +151,7 @@ def test_other_formats_of_pictures_and_meshes_are_not_tried(tmp_path):
     assert "it.stl: must end in .msh, .vtk, .vtu, .inp, got '.stl'" in refusal(load_scene, scene)
 
 
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no pipes in folders")
+@pytest.mark.posix("Windows has no pipes in folders")
 def test_nothing_in_a_zarr_folder_is_a_pipe_or_a_link(tmp_path):
     path = declared_zarr(tmp_path / "a.zarr")
     os.mkfifo(path / "Rs" / "c")

@@ -12,7 +12,7 @@ from rcskin.simulator.sweeps.schema import MEASURED
 from rcskin.simulator.sweeps.writing import WriteContext, in_write_context, whole
 
 DIARY = "dear diary"
-posix = pytest.mark.skipif(os.name == "nt", reason="Windows has no such call")
+posix = pytest.mark.posix("Windows has no such call")
 
 
 @pytest.fixture(params=["out.csv", "out.zarr"])
