@@ -6,10 +6,11 @@ import atexit
 import os
 import secrets
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
 from pathlib import Path
+from time import monotonic, sleep
 
 from ..errors import OutputError
 from .failures import named_failures
@@ -17,6 +18,8 @@ from .left_overs import PREFIX, clear_left_overs, own_prefix
 
 FOLDERS = (".zarr",)
 """Endings of outputs that are folders."""
+PATIENCE = 1.0
+"""Seconds. Virus scanners and other readers on Windows keep a new file open for a moment."""
 SWAPS = 10
 """Attempts to swap a folder that other writers may be swapping at the same time."""
 
@@ -61,7 +64,7 @@ def put(unfinished: Path, place: Path) -> None:
         else:
             with suppress(OSError):
                 shutil.copymode(place, unfinished)
-            os.replace(unfinished, place)
+            _patiently(os.replace, unfinished, place)
     except OSError as error:
         if not unfinished.exists():
             raise
@@ -84,10 +87,10 @@ def _swap(unfinished: Path, place: Path) -> None:
     for attempt in range(SWAPS):
         before = place.with_name(f"{PREFIX}replaced-{secrets.token_hex(8)}{place.suffix}")
         with suppress(FileNotFoundError):
-            os.rename(place, before)
+            _patiently(os.rename, place, before)
             aside.append(before)
         try:
-            os.rename(unfinished, place)
+            _patiently(os.rename, unfinished, place)
             break
         except OSError:
             if attempt == SWAPS - 1:
@@ -95,6 +98,18 @@ def _swap(unfinished: Path, place: Path) -> None:
                 raise
     for each in aside:
         delete(each)
+
+
+def _patiently(rename: Callable[[Path, Path], None], source: Path, target: Path) -> None:
+    """Renames; on Windows again and again for PATIENCE, if another program has the file open."""
+    last = monotonic() + PATIENCE
+    while True:
+        try:
+            return rename(source, target)
+        except PermissionError:
+            if os.name != "nt" or monotonic() > last:
+                raise
+        sleep(PATIENCE / 50)
 
 
 def _put_back(aside: list[Path], place: Path) -> None:

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import threading
 import time
+from types import SimpleNamespace
 
 import pytest
 from rcskin.simulator.sweeps import InputError, OutputError, checked_output, whole_file, write
@@ -209,6 +210,23 @@ def test_what_is_finished_stays_where_the_target_is_open_elsewhere(tmp_path, mon
             unfinished.write_text("hours of work")
     (beside,) = tmp_path.glob("finished-*.csv")
     assert beside.read_text() == "hours of work"
+
+
+def test_a_target_that_is_open_for_a_moment_is_waited_for(tmp_path, monkeypatch):
+    """On Windows, where a virus scanner opens each new file."""
+    path, refused, replace = tmp_path / "out.csv", [True, True], os.replace
+
+    def busy(*paths):
+        if refused:
+            refused.pop()
+            raise PermissionError(13, "it is open in another program")
+        replace(*paths)
+
+    windows = SimpleNamespace(**{**vars(os), "name": "nt", "replace": busy})
+    monkeypatch.setattr(whole, "os", windows)
+    with whole.kept_file(path) as unfinished:
+        unfinished.write_text("whole")
+    assert not refused and path.read_text() == "whole" and names(tmp_path) == ["here", "out.csv"]
 
 
 @pytest.mark.parametrize(
