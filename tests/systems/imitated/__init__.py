@@ -45,8 +45,7 @@ def imitate(system):
     if system == "windows":
         os.environ.setdefault("PYTHONIOENCODING", files.CODE_PAGE)
         processes.coarse_clocks(Lasting())
-        kernel.add(Lasting())
-    rename(system)
+    sys.meta_path.insert(0, Finder(_seen(system)))
 
 
 def take_away(system, context):
@@ -59,16 +58,20 @@ def take_away(system, context):
         files.keep_open_ones(context)
         files.without_links(context)
         files.text_of_windows(context)
+        kernel.add(context)
+    for name, module in [*sys.modules.items()]:
+        if _is_tested(name):
+            show(module, _seen(system), context)
 
 
-def rename(system):
+def _seen(system):
     """Modules of rcskin see the name of the system; libraries see that of this one."""
     platform, name = NAMES[system]
-    seen = {"sys": renamed(sys, platform=platform), "os": renamed(os, name=name)}
-    sys.meta_path.insert(0, Finder(seen))
-    for each, module in sys.modules.items():
-        if each.partition(".")[0] == "rcskin":
-            show(module, seen)
+    return {"sys": renamed(sys, platform=platform), "os": renamed(os, name=name)}
+
+
+def _is_tested(name):
+    return name.startswith("rcskin.") and not name.startswith("rcskin.tests")
 
 
 def renamed(module, **here):
@@ -97,7 +100,7 @@ class Finder:
         self._seen = seen
 
     def find_spec(self, name, path=None, target=None):
-        if not name.startswith("rcskin.") or name.startswith("rcskin.tests"):
+        if not _is_tested(name):
             return None
         spec = PathFinder.find_spec(name, path, target)
         if spec is not None and spec.loader is not None:
@@ -105,13 +108,13 @@ class Finder:
 
             def exec_module(module):
                 execute(module)
-                show(module, self._seen)
+                show(module, self._seen, Lasting())
 
             spec.loader.exec_module = exec_module
         return spec
 
 
-def show(module, seen):
+def show(module, seen, context):
     for name, renamed in seen.items():
-        if module.__dict__.get(name) in (sys, os):
-            module.__dict__[name] = renamed
+        if vars(module).get(name) in (sys, os):
+            context.setattr(module, name, renamed)
