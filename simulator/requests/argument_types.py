@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import wraps
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec, TypeGuard, TypeVar
 
 if TYPE_CHECKING:
     from ..scene.scene import Scene
@@ -52,14 +52,14 @@ def _check_type(name: str, value: object, annotation: str) -> None:
         refuse(name, expected, value)
 
 
-def whole(value: object) -> bool:
+def whole(value: object) -> TypeGuard[int]:
     """True for a whole number, also of NumPy, but not for True and False."""
     from numbers import Integral
 
     return isinstance(value, Integral) and not isinstance(value, bool)
 
 
-def real(value: object) -> bool:
+def real(value: object) -> TypeGuard[float]:
     """True for a real number, also of NumPy, but not for True and False."""
     from numbers import Real
 

@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
+from rcskin.simulator import processes
 
 pty = pytest.importorskip("pty", reason="Windows has no terminals of Unix")
 DEAF = """
@@ -163,6 +164,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.skipif(processes.sys.platform == "darwin", reason="no process is forked there")
 @pytest.mark.parametrize("to_all", [True, False], ids=["Ctrl-C", "told to end"])
 def test_what_workers_are_copies_of_ends_while_it_still_imports(
     start, tmp_path, monkeypatch, to_all

@@ -46,8 +46,7 @@ def without_unix(context):
     context.setattr(signal, "signal", _of_windows(signal.signal))
     context.setattr(os, "kill", _at_once(os.kill))
     loop = asyncio.unix_events._UnixSelectorEventLoop
-    for name in ("add_signal_handler", "add_reader", "add_writer"):
-        context.setattr(loop, name, _not_here)
+    context.setattr(loop, "add_signal_handler", _not_here)
     tracker = sys.modules.get("multiprocessing.resource_tracker")
     if tracker is not None:
         context.setattr(tracker, "_HAVE_SIGMASK", False)
