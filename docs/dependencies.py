@@ -150,9 +150,11 @@ def _row(requirement: Requirement, extra: str, release: Release) -> str:
 def _missing_wheels(releases: dict[str, list[Release]]) -> Iterator[str]:
     yield "| package | system | Python | newest release with a wheel |"
     yield "| --- | --- | --- | --- |"
+    allowed = {each.name: each.specifier for own in requirements().values() for each in own}
     for name, own in sorted(releases.items()):
+        known = [each for each in own if each.version in allowed[name]]
         for python in PYTHONS:
-            older = [_newest_with_wheel(own, python, platform) for platform in SYSTEMS.values()]
+            older = [_newest_with_wheel(known, python, platform) for platform in SYSTEMS.values()]
             for version in dict.fromkeys(older):
                 where = [s for s, v in zip(SYSTEMS, older, strict=True) if v == version]
                 if version != str(own[0].version):
@@ -162,7 +164,7 @@ def _missing_wheels(releases: dict[str, list[Release]]) -> Iterator[str]:
 
 def _newest_with_wheel(releases: list[Release], python: int, platform: str) -> str:
     fitting = (str(each.version) for each in releases if each.runs_on(python, platform))
-    return next(fitting, "none: pip compiles")
+    return next(fitting, "none")
 
 
 HEAD = """# Dependencies
@@ -174,7 +176,9 @@ WHEELS = """## Where the newest release has no wheel
 
 On all other systems and versions of Python from 3.11 to 3.14, the newest release of each package
 has a wheel. pip takes an older release by itself if the newest excludes the version of Python.
-Otherwise it compiles; `pip install --prefer-binary` takes the release of the table.
+Otherwise it compiles; `pip install --prefer-binary` takes the release of the table. Where the
+table says "none", no release that rcskin allows has a wheel: take Python 3.13 for numba and
+onnxruntime, and do without the extra torch.
 """
 
 
