@@ -84,8 +84,9 @@ class GraphFeatures:
     def _angle(self, R: str, X: str) -> str:
         """Phase of R + iX: the arctangent in single precision, then one step of Newton in double.
 
-        onnxruntime has no arctangent of double precision. The step adds the phase that is left
-        after turning back by the first value, about 1e-7 rad, whose tangent equals it.
+        onnxruntime has no arctangent of double precision, and before 1.30 no cosine. The step adds
+        the phase that is left after turning back by the first value, about 1e-7 rad, whose tangent
+        equals it.
         """
         graph = self.graph
         ratio = graph("Div", X, R)
@@ -94,7 +95,7 @@ class GraphFeatures:
         first = graph("Where", graph("Less", R, 0.0), graph("Add", first, half_turn), first)
         if graph.real == np.float32:
             return first
-        cosine, sine = graph("Cos", first), graph("Sin", first)
+        cosine, sine = graph("Sin", graph("Add", first, np.pi / 2)), graph("Sin", first)
         across = graph("Sub", graph("Mul", X, cosine), graph("Mul", R, sine))
         along = graph("Add", graph("Mul", R, cosine), graph("Mul", X, sine))
         return graph("Add", first, graph("Div", across, along))
