@@ -1,19 +1,23 @@
 """Write the page of dependencies: reasons, licences, last releases, and wheels for each system.
 
 Run: python docs/dependencies.py INDEX
+     python docs/dependencies.py --installed [TESTS...]
 INDEX is the address of a package index that answers in JSON. Reasons come from `dependencies.toml`,
-licences from the packages that are installed, and everything else from the index.
+licences from the packages that are installed, tested versions from `lowest.toml`, and everything
+else from the index. `.ci/lowest` writes `lowest.toml` by the second form.
 """
 
 from __future__ import annotations
 
 import json
+import platform
 import re
+import subprocess
 import sys
 import tomllib
 from collections import defaultdict
-from collections.abc import Iterable, Iterator
-from importlib.metadata import distribution
+from collections.abc import Iterable, Iterator, Sequence
+from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 from typing import Any, NamedTuple
 from urllib.request import Request, urlopen
@@ -31,6 +35,8 @@ from packaging.version import Version
 
 HERE = Path(__file__).parent
 PAGE = HERE / "reference" / "dependencies.md"
+LOWEST = HERE / "lowest.toml"
+"""What was installed when the tests passed with the lowest versions."""
 PYTHONS = (11, 12, 13, 14)
 """Minor versions of Python 3 that are supported."""
 SYSTEMS = {
@@ -123,27 +129,61 @@ def reasons() -> dict[str, list[str]]:
     return tomllib.loads((HERE / "dependencies.toml").read_text(encoding="utf-8"))
 
 
+def tested() -> dict[str, Any]:
+    """Python, commit, tests and versions of the last run of `.ci/lowest`."""
+    return tomllib.loads(LOWEST.read_text(encoding="utf-8"))
+
+
+def installed(tests: Sequence[str]) -> str:
+    """What is installed here, in TOML, after these tests passed."""
+    commit = subprocess.run(
+        ["git", "rev-parse", "--short", "HEAD"],
+        cwd=HERE,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    run = {"python": platform.python_version(), "commit": commit.stdout.strip()}
+    lines = [f'{key} = "{value}"' for key, value in run.items()]
+    lines += [f"tests = {json.dumps(list(tests))}", "", "[versions]"]
+    names = sorted({r.name for own in requirements().values() for r in own})
+    return "\n".join([*lines, *filter(None, map(_version_line, names)), ""])
+
+
+def _version_line(name: str) -> str:
+    try:
+        return f'{name} = "{distribution(name).version}"'
+    except PackageNotFoundError:
+        return ""
+
+
 def page(releases: dict[str, list[Release]]) -> str:
     """The whole page, in Markdown."""
-    return "\n".join([HEAD, *_table(releases), "", WHEELS, *_missing_wheels(releases), ""])
+    last = tested()
+    tests = ", ".join(f"`{each}`" for each in last["tests"]) or "All quick tests"
+    run = RUN.format(tests=tests, **last)
+    table = _table(releases, last["versions"])
+    return "\n".join([HEAD, run, *table, "", WHEELS, *_missing_wheels(releases), ""])
 
 
-def _table(releases: dict[str, list[Release]]) -> Iterator[str]:
-    yield "| package | from | extra | reason | who would miss it | licence | last release |"
-    yield "| --- | --- | --- | --- | --- | --- | --- |"
+def _table(releases: dict[str, list[Release]], versions: dict[str, str]) -> Iterator[str]:
+    head = "package", "from", "tested", "extra", "reason", "who would miss it", "licence"
+    yield f"| {' | '.join([*head, 'last release'])} |"
+    yield f"|{' --- |' * (len(head) + 1)}"
     shown = set()
     for extra, own in requirements().items():
         for requirement in own:
             if requirement.name in shown:
                 continue
             shown.add(requirement.name)
-            yield _row(requirement, extra, releases[requirement.name][0])
+            last = releases[requirement.name][0]
+            yield _row(requirement, versions.get(requirement.name, ""), extra, last)
 
 
-def _row(requirement: Requirement, extra: str, release: Release) -> str:
+def _row(requirement: Requirement, version: str, extra: str, release: Release) -> str:
     name, lowest = requirement.name, str(requirement.specifier).removeprefix(">=")
     last = f"{release.version}, {release.day}"
-    cells = f"`{name}`", lowest, extra, *reasons()[name], licence_of(name), last
+    cells = f"`{name}`", lowest, version, extra, *reasons()[name], licence_of(name), last
     return f"| {' | '.join(cells)} |"
 
 
@@ -170,7 +210,11 @@ def _newest_with_wheel(releases: list[Release], python: int, platform: str) -> s
 HEAD = """# Dependencies
 
 `python docs/dependencies.py INDEX` writes this page from a package index, the installed packages
-and the reasons in `docs/dependencies.toml`. The column "from" is the lowest version allowed.
+and the reasons in `docs/dependencies.toml`. The column "from" is the lowest version allowed, the
+column "tested" the version that the tests below ran with.
+"""
+RUN = """`.ci/lowest` installs the lowest version of each package that can be had, and runs the
+quick tests. Those of Python {python} passed at commit {commit}: {tests}.
 """
 WHEELS = """## Where the newest release has no wheel
 
@@ -190,6 +234,9 @@ def main(index: str) -> None:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
+    if sys.argv[1:2] == ["--installed"]:
+        print(installed(sys.argv[2:]), end="")
+    elif len(sys.argv) == 2:
+        main(sys.argv[1])
+    else:
         sys.exit(__doc__)
-    main(sys.argv[1])
