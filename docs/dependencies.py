@@ -161,7 +161,7 @@ def page(releases: dict[str, list[Release]]) -> str:
     """The whole page, in Markdown."""
     last = tested()
     tests = ", ".join(f"`{each}`" for each in last["tests"]) or "All quick tests"
-    run = RUN.format(tests=tests, **last)
+    run = RUN.format(**{**last, "tests": tests})
     table = _table(releases, last["versions"])
     return "\n".join([HEAD, run, *table, "", WHEELS, *_missing_wheels(releases), ""])
 
@@ -211,10 +211,10 @@ HEAD = """# Dependencies
 
 `python docs/dependencies.py INDEX` writes this page from a package index, the installed packages
 and the reasons in `docs/dependencies.toml`. The column "from" is the lowest version allowed, the
-column "tested" the version that the tests below ran with.
+column "tested" the version that the tests below ran with, empty if it was not installed.
 """
-RUN = """`.ci/lowest` installs the lowest version of each package that can be had, and runs the
-quick tests. Those of Python {python} passed at commit {commit}: {tests}.
+RUN = """`.ci/lowest` installs the lowest version of each package that can be had, and runs tests.
+With Python {python}, at commit {commit}, these passed: {tests}.
 """
 WHEELS = """## Where the newest release has no wheel
 
