@@ -38,12 +38,12 @@ from .readings.contacts import (
 from .readings.one_conductor import with_earth, without_earth
 from .readings.readers import sources_of_others
 from .readings.reading_setup import ReadingSetup
-from .readings.readings_short_form import Readings, expanded_readings
+from .readings.readings_short_form import Readings, with_interfaces
 from .readings.wiring_checks import DrivenByTouch, check_wiring, driven_by_touch
 from .readout.converter import check_readout
 from .readout.meter import AnyReadout, Experiment, Leads, Readout, Sweep
 from .skin import Name, Skin
-from .surroundings import NO_COVER, NO_EARTH, AnySurroundings
+from .surroundings import AnySurroundings, check_finger
 from .touch_capacitance import with_drawn_factor, with_factor
 from .validation import Table, one_line
 
@@ -54,8 +54,6 @@ BOTH = {
 
 VIEW = "..describe.notebook_scene"
 """Module that shows a scene in a notebook; it is imported then, because its room lies above."""
-PLACEHOLDER_INTERFACE = {"name": "placeholder", "high": ["placeholder"], "low": ["placeholder"]}
-"""Placeholder for the interfaces of invalid readings."""
 
 
 def _spent(readings: object) -> None:
@@ -92,18 +90,7 @@ class Scene(Table):
     @model_validator(mode="before")
     @classmethod
     def _readings_are_interfaces(cls, given: Any) -> Any:
-        """Converts readings to interfaces; errors in readings or contacts are raised later."""
-        if not isinstance(given, dict) or given.get("readings") is None:
-            return given
-        try:
-            readings = Readings.model_validate(given["readings"])
-            contacts = [(each["name"], each["electrode"]) for each in given["contact"]]
-        except (ValidationError, KeyError, TypeError):
-            return {"interface": [PLACEHOLDER_INTERFACE], **given}
-        if len(contacts) > MAX_CONTACTS:
-            return {"interface": [PLACEHOLDER_INTERFACE], **given}
-        own = list(given.get("interface", []))
-        return given | {"interface": [*own, *expanded_readings(readings, contacts)]}
+        return with_interfaces(given) if isinstance(given, dict) else given
 
     @model_validator(mode="before")
     @classmethod
@@ -341,14 +328,7 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _fingers_have_earth(self) -> Self:
-        finger, around = self.press.finger, self.surroundings
-        if finger is not None and around is None:
-            raise ValueError(f"`press.finger` {NO_EARTH}")
-        if finger is not None and around is not None:
-            if around.no_finger_reason:
-                raise ValueError(f"`press.finger` {around.no_finger_reason}")
-            if isinstance(finger, str) and around.finger_per_area is None:
-                raise ValueError(f"`press.finger` = {finger!r} {NO_COVER}")
+        check_finger(self.press.finger, self.surroundings)
         return self
 
     @model_validator(mode="after")

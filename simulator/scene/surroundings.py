@@ -12,7 +12,6 @@ from pydantic import (
     Field,
     SerializerFunctionWrapHandler,
     Strict,
-    ValidationError,
     model_serializer,
     model_validator,
 )
@@ -21,7 +20,7 @@ from .foam.foam import VACUUM_PERMITTIVITY
 from .keys.key_paths import OrTable, OrText
 from .ranges import Air, Distance, PerArea, PerLength, Permittivity, Thickness
 from .skin import Electrode
-from .validation import Table, one_line
+from .validation import Table, validated
 
 SOLVED = {"low": "virtual earth", "solved": True}
 """The table for which `surroundings = "solved"` is short."""
@@ -107,10 +106,7 @@ def _rim(given: object) -> object:
     if not isinstance(given, int | float | dict):
         raise ValueError(f"must be true, false, a number in F/m or a table, got {given!r}")
     table = given if isinstance(given, dict) else {"mutual": given}
-    try:
-        return Rim.model_validate(table)
-    except ValidationError as error:
-        raise ValueError(one_line(error, Rim)) from error
+    return validated(Rim, table)
 
 
 def _listed(given: object) -> object:
@@ -263,3 +259,15 @@ def _short(given: object) -> object:
 
 
 AnySurroundings = Annotated[Surroundings, BeforeValidator(_short), OrText('`"solved"`')]
+
+
+def check_finger(finger: str | float | None, around: Surroundings | None) -> None:
+    """Raises ValueError if the finger of a press has no way to earth, or no known capacitance."""
+    if finger is None:
+        return
+    if around is None:
+        raise ValueError(f"`press.finger` {NO_EARTH}")
+    if around.no_finger_reason:
+        raise ValueError(f"`press.finger` {around.no_finger_reason}")
+    if isinstance(finger, str) and around.finger_per_area is None:
+        raise ValueError(f"`press.finger` = {finger!r} {NO_COVER}")

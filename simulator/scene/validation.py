@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any, TypeVar, get_args
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Strict, ValidationError
 from pydantic.fields import FieldInfo
@@ -18,6 +18,8 @@ Number = Annotated[float, Strict()]
 """A number of TOML; text, true and false are refused."""
 
 Whole = Annotated[int, Strict()]
+
+Model = TypeVar("Model", bound=BaseModel)
 
 COMPARISONS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 
@@ -114,12 +116,17 @@ def by_kind(*kinds: type[BaseModel], elsewhere: str = "") -> BeforeValidator:
         named = given.get("kind") if isinstance(given, dict) else given
         if not (isinstance(given, dict) and isinstance(named, str) and named in known):
             raise ValueError(f"must be a table whose kind is one of {names}, got {named!r}")
-        try:
-            return known[named].model_validate(given)
-        except ValidationError as error:
-            raise ValueError(one_line(error, known[named])) from error
+        return validated(known[named], given)
 
     return BeforeValidator(validate)
+
+
+def validated(table: type[Model], given: object) -> Model:
+    """The table with these keys. Raises ValueError with its errors in one line."""
+    try:
+        return table.model_validate(given)
+    except ValidationError as error:
+        raise ValueError(one_line(error, table)) from error
 
 
 def one_line(error: ValidationError, table: type[BaseModel]) -> str:

@@ -6,10 +6,10 @@ import math
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import AfterValidator, BeforeValidator, ValidationError, model_validator
+from pydantic import AfterValidator, BeforeValidator, model_validator
 
 from ...arrays import Real
-from ..validation import Number, NumberRange, Table, one_line, within
+from ..validation import Number, NumberRange, Table, validated, within
 
 Finite = Annotated[Number, within(-1e15, 1e15, "", "no drawn quantity is larger")]
 
@@ -135,19 +135,12 @@ def _chosen(given: object) -> object:
     if not isinstance(given, dict):
         return Fixed(value=given)
     if given.keys() == {"low", "high"}:
-        return _of_kind(Uniform, given)
+        return validated(Uniform, given)
     kind = KINDS.get(given.get("distribution"))
     if kind is None:
         named = given.get("distribution")
         raise ValueError(f"distribution must be one of {', '.join(KINDS)}, got {named!r}")
-    return _of_kind(kind, given)
-
-
-def _of_kind(kind: type[AnyDistribution], given: dict) -> AnyDistribution:
-    try:
-        return kind.model_validate(given)
-    except ValidationError as error:
-        raise ValueError(one_line(error, kind)) from error
+    return validated(kind, given)
 
 
 Distribution = Annotated[AnyDistribution, BeforeValidator(_chosen)]

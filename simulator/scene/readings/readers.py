@@ -7,11 +7,11 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
-from pydantic import Field, ValidationError
+from pydantic import Field
 
 from ...arrays import Complex, Real
 from ..ranges import Capacitance
-from ..validation import Number, Table, one_line, within
+from ..validation import Number, Table, validated, within
 
 if TYPE_CHECKING:
     from .contacts import Interface
@@ -59,10 +59,7 @@ def checked_sources(given: object) -> object:
     """Converts tables in a list of names and tables to sources; a name alone to a list."""
     if not isinstance(given, list | tuple):
         return [given] if isinstance(given, str) else given
-    try:
-        return [Source.model_validate(one) if isinstance(one, Mapping) else one for one in given]
-    except ValidationError as error:
-        raise ValueError(one_line(error, Source)) from error
+    return [validated(Source, one) if isinstance(one, Mapping) else one for one in given]
 
 
 def check_reader(interface: Interface) -> None:

@@ -6,11 +6,14 @@ import itertools
 from collections.abc import Sequence
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field
+from pydantic import BeforeValidator, Field, ValidationError
 
 from ..skin import Name
 from ..validation import Table
-from .contacts import MAX_INTERFACES
+from .contacts import MAX_CONTACTS, MAX_INTERFACES
+
+PLACEHOLDER = {"name": "placeholder", "high": ["placeholder"], "low": ["placeholder"]}
+"""Interface of invalid readings."""
 
 
 def _listed(given: object) -> object:
@@ -29,6 +32,24 @@ class Readings(Table):
     named: Annotated[
         tuple[Name, ...], Field(max_length=MAX_INTERFACES), BeforeValidator(_listed)
     ] = ()
+
+
+def with_interfaces(given: dict[str, Any]) -> dict[str, Any]:
+    """Tables of a scene with its readings as interfaces.
+
+    Invalid readings or contacts give a placeholder; their errors are raised later.
+    """
+    if given.get("readings") is None:
+        return given
+    try:
+        readings = Readings.model_validate(given["readings"])
+        contacts = [(each["name"], each["electrode"]) for each in given["contact"]]
+    except (ValidationError, KeyError, TypeError):
+        return {"interface": [PLACEHOLDER], **given}
+    if len(contacts) > MAX_CONTACTS:
+        return {"interface": [PLACEHOLDER], **given}
+    own = list(given.get("interface", []))
+    return given | {"interface": [*own, *expanded_readings(readings, contacts)]}
 
 
 def expanded_readings(

@@ -12,7 +12,6 @@ from pydantic import (
     BeforeValidator,
     Field,
     SerializerFunctionWrapHandler,
-    ValidationError,
     model_serializer,
     model_validator,
 )
@@ -23,7 +22,7 @@ from ..keys.key_paths import OrTable, OrText
 from ..multisine.noise import multisine_deviation, smallest_deviation
 from ..multisine.reader import Multisine
 from ..ranges import Capacitance, Frequency, Inductance, Phase, Resistance, Seed, Share
-from ..validation import Number, Table, Whole, one_line, within
+from ..validation import Number, Table, Whole, validated, within
 from .converter import Converter
 from .readout_errors import spread_over
 from .readout_tables import DataSheet, SpreadTable
@@ -54,10 +53,7 @@ class FrequencyGrid(Table):
 def _listed(frequencies: object) -> object:
     if not isinstance(frequencies, dict):
         return frequencies
-    try:
-        return FrequencyGrid.model_validate(frequencies).values()
-    except ValidationError as error:
-        raise ValueError(one_line(error, FrequencyGrid)) from error
+    return validated(FrequencyGrid, frequencies).values()
 
 
 def ascending(frequencies: tuple[float, ...]) -> tuple[float, ...]:

@@ -6,14 +6,14 @@ import tomllib
 from typing import Annotated, Literal, Self
 
 import numpy as np
-from pydantic import BeforeValidator, Field, ValidationError, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from ...arrays import Complex, Integer, Real
 from ...meters.accuracy_table import ACCURACY_TABLES, AccuracyTable
 from ...meters.offset_accuracy import OffsetAccuracy
 from ..keys.key_paths import OrText
 from ..ranges import Frequency, Resistance
-from ..validation import Number, Table, one_line, within
+from ..validation import Number, Table, validated, within
 
 OF_UNIFORM = 1 / np.sqrt(3)
 """Standard deviation over the bound of an error that is uniform between its bounds. Where nothing
@@ -34,11 +34,7 @@ def _accuracy(given: object) -> object:
         given = tomllib.loads(text)
     if not isinstance(given, dict):
         return given
-    kind = OffsetAccuracy if "band" in given else AccuracyTable
-    try:
-        return kind.model_validate(given)
-    except ValidationError as error:
-        raise ValueError(one_line(error, kind)) from error
+    return validated(OffsetAccuracy if "band" in given else AccuracyTable, given)
 
 
 class DataSheet(Table):
