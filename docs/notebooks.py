@@ -38,8 +38,7 @@ matplotlib.rcParams.update({{
     **dict.fromkeys(("text.color", "axes.labelcolor", "axes.edgecolor"), "{INK}"),
     **dict.fromkeys(("xtick.color", "ytick.color", "grid.color"), "{INK}"),
     "figure.facecolor": "none", "axes.facecolor": "none", "grid.alpha": 0.4,
-    "legend.framealpha": 0, "figure.constrained_layout.use": True,
-    "savefig.bbox": "tight", "svg.hashsalt": "rcskin",
+    "legend.framealpha": 0, "savefig.bbox": "tight", "svg.hashsalt": "rcskin",
 }})
 warnings.simplefilter("error")
 """
