@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from rcskin.benchmarks.pictures import gallery
 from rcskin.docs import api, commands, rooms
 from rcskin.simulator.scene.keys import listing
 
@@ -16,6 +17,7 @@ HERE = Path(__file__).parent
 def pages() -> dict[Path, str]:
     """The text of each page by its path."""
     return {
+        gallery.PAGE: gallery.page(),
         HERE / "reference" / "keys.md": listing.page(),
         HERE / "reference" / "commands.md": commands.page(),
         HERE / "reference" / "api.md": api.page(),

@@ -22,6 +22,8 @@ LOWEST, HIGHEST = 0.5, 2.6
 """Limits of the height of the skin in the drawing, inches."""
 MAX_NAMED, MAX_PIXELS = 8, 60
 """Largest number of pixels along a side that have names, and that are drawn."""
+MIN_NAMED = 0.07
+"""Width of a pixel that has a name, over the longer side of the skin."""
 LAST = ("interface", "foil", "cut-off")
 """Topics of many lines, which stand below the others."""
 BESIDE = 0.09
@@ -72,5 +74,8 @@ def _draw_pixels(axes: Axes, scene: Scene) -> None:
     if most > MAX_NAMED:
         return
     for pixel in pixels_with_skin(scene):
-        x, y = MM * np.array(label_position(pixel, scene)[0])
+        place, wide = label_position(pixel, scene)
+        if wide < MIN_NAMED * max(scene.skin.sides):
+            continue
+        x, y = MM * place
         axes.text(x, y, "{},{}".format(*pixel), size=6, color="0.35", ha="center", va="center")

@@ -23,6 +23,7 @@ IN_MUJOCO = "docs/how-to/mount-a-skin-in-mujoco.md"
 IN_TORCH = "docs/how-to/train-in-torch.md"
 SELF_MADE = (
     "README.md",
+    "docs/gallery.md",
     FIRST_STEPS,
     OWN_SKIN,
     *(
