@@ -76,33 +76,33 @@ def moments_of_stacks(
     total = np.zeros((rows, columns))
     for press in range(presses):
         left, right, bottom, top = columns, 0, rows, 0
-        contacts, own = values[press, : counts[press]], of_press(stacks, press)
-        for k in range(len(contacts)):
-            discs = own.discs[k]
+        for k in range(counts[press]):
+            discs = stacks.discs[press, k]
             if discs == 0:
                 continue
-            contact, outer = contacts[k], own.radii[k, discs - 1]
+            contact, outer = values[press, k], stacks.radii[press, k, discs - 1]
             box = patch_box(contact, outer)
             left = min(left, max(int(box[0] / length * columns) - 1, 0))
             right = max(right, min(int(box[1] / length * columns) + 2, columns))
             bottom = min(bottom, max(int(box[2] / width * rows) - 1, 0))
             top = max(top, min(int(box[3] / width * rows) + 2, rows))
             if outer == 0.0:
-                _add_rectangle(total, contact, own.rises[k, 0], length, width)
+                _add_rectangle(total, contact, stacks.rises[press, k, 0], length, width)
                 continue
             mean, inner = 0.0, 0.0
             for disc in range(discs):
-                mean += own.rises[k, disc]
+                mean += stacks.rises[press, k, disc]
             whole = within_skin(contact, outer, cells)
             for disc in range(discs):
-                radius, scale = own.radii[k, disc], 1.0
+                radius, scale = stacks.radii[press, k, disc], 1.0
                 if not whole:
                     scale = area_on_skin(contact, radius, cells)
                     if disc > 0:
                         scale -= area_on_skin(contact, inner, cells)
                 _add_ring(total, contact, mean, inner, radius, scale, whole, length, width)
-                mean, inner = mean - own.rises[k, disc], radius
-        if len(contacts) > 1:
+                mean, inner = mean - stacks.rises[press, k, disc], radius
+        if counts[press] > 1:
+            contacts, own = values[press, : counts[press]], of_press(stacks, press)
             limited[press] |= _add_overlaps(contacts, by, own, foam, total, length, width)
         batch, found = moved_to_batch(total, (left, right, bottom, top), 0.0, FAINT, batch, found)
         batch.starts[press + 1] = found

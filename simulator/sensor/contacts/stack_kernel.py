@@ -50,11 +50,10 @@ def cells_of_stacks(
     total = np.full((rows, columns), unpressed)
     for press in range(presses):
         left, right, bottom, top = columns, 0, rows, 0
-        contacts, own = values[press, : counts[press]], of_press(stacks, press)
-        for k in range(len(contacts)):
-            for disc in range(own.discs[k]):
-                radius, rise = own.radii[k, disc], own.rises[k, disc]
-                box = patch_box(contacts[k], radius)
+        for k in range(counts[press]):
+            for disc in range(stacks.discs[press, k]):
+                radius, rise = stacks.radii[press, k, disc], stacks.rises[press, k, disc]
+                box = patch_box(values[press, k], radius)
                 span = box_cells(box, cells)
                 left, right = min(left, span[0]), max(right, span[1])
                 bottom, top = min(bottom, span[2]), max(top, span[3])
@@ -65,7 +64,8 @@ def cells_of_stacks(
                             total[i, j] *= (1 - covered) + (1 + rise) * covered
                         else:
                             total[i, j] += rise * covered
-        if by < FACTOR and len(contacts) > 1:
+        if by < FACTOR and counts[press] > 1:
+            contacts, own = values[press, : counts[press]], of_press(stacks, press)
             limited[press] |= _add_overlaps(contacts, by, own, foam, cells, total)
         batch, found = moved_to_batch(
             total, (left, right, bottom, top), unpressed, FAINT, batch, found
