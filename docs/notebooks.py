@@ -26,6 +26,8 @@ from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
 PAGES = sorted((Path(__file__).parent / "notebooks").glob("*.md"))
 CELL = re.compile(r"^```python\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 LINK = re.compile(r"\[([^\]]+)\]\((?!http)[^)]+\)")
+OF_WHOLE_PAGE = re.compile(r"<(style|metadata).*?</\1>", re.DOTALL)
+"""Parts of a drawing that would change the page around it, or that nobody reads."""
 INK = "#808182"
 """Colour of text and axes in figures, which the page replaces by that of its own text."""
 BEFORE = f"""
@@ -126,7 +128,8 @@ def _html(output: NotebookNode) -> str:
     data = {"text/plain": output.text} if output.output_type == "stream" else output.data
     if "image/svg+xml" in data:
         drawing = data["image/svg+xml"]
-        return drawing[drawing.index("<svg") :].replace(INK, "currentColor")
+        drawing = OF_WHOLE_PAGE.sub("", drawing[drawing.index("<svg") :])
+        return drawing.replace(INK, "currentColor")
     return data.get("text/html") or f"<pre>{escape(data['text/plain'].rstrip())}</pre>"
 
 
