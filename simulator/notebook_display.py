@@ -136,15 +136,17 @@ def _svg(chart: SmallChart | None) -> str:
 def _drawn(chart: SmallChart) -> str:
     """A chart as an SVG file of matplotlib.
 
-    Ticks between the labelled ones take most of the time to draw, so they are left out.
+    Ticks between the labelled ones take most of the time to draw, so they are left out. The style
+    of a notebook's own figures has no effect.
     """
+    from matplotlib import style
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
     from matplotlib.ticker import NullLocator
 
     written = StringIO()
-    with figure_style({**STYLE, **SMALL}):
-        figure = Figure(figsize=(chart.width, chart.height))
+    with style.context("default"), figure_style({**STYLE, **SMALL}):
+        figure = Figure(figsize=(chart.width, chart.height), layout="none")
         FigureCanvasSVG(figure)
         figure.subplots_adjust(**_margins(chart))
         chart.draw(figure)

@@ -6,6 +6,7 @@ from xml.etree import ElementTree
 import pytest
 import rcskin
 import xarray as xr
+from matplotlib import rc_context
 from rcskin.simulator import notebook_display
 from rcskin.simulator.limits.limit import Limit
 from rcskin.simulator.notebook_display import SmallChart, Tabular
@@ -89,6 +90,13 @@ def test_black_and_grey_are_shades_of_the_colour_of_the_page():
     page = Shown(["a"], draw)._repr_html_()
     assert not re.search(r"#([0-9a-f]{2})\1\1\b", page)
     assert "stroke: currentColor" in page and re.search("fill-opacity: 0.2;? ", page)
+
+
+def test_the_style_of_a_notebook_has_no_effect():
+    limit = Limit("column", 0.9, 0.01, 0.2)
+    plain = limit._repr_html_()
+    with rc_context({"text.color": "white", "figure.constrained_layout.use": True}):
+        assert limit._repr_html_() == plain
 
 
 def test_a_chart_that_cannot_be_drawn_says_why_in_one_line(monkeypatch):
