@@ -2,8 +2,8 @@
 
 import math
 import sys
-from importlib import import_module
 from pathlib import Path
+from types import SimpleNamespace
 
 from rcskin.__main__ import meter as app
 from rcskin.hardware.virtual import serving
@@ -83,10 +83,9 @@ def arguments(given):
 
 
 def run(given):
-    """Run a command of the meter with the toys in place."""
-    for name, toy in TOYS.items():
-        module, _, attribute = name.rpartition(".")
-        setattr(import_module(f"rcskin.{module}"), attribute, toy)
+    """Run a command of the meter with the toys in place; the page's imports half the simulator."""
+    serving.simulated = simulated
+    sys.modules["rcskin.simulator.page.linked"] = SimpleNamespace(linked_page=document)
     app(arguments(given))
 
 

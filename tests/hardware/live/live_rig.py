@@ -11,7 +11,6 @@ from rcskin.hardware.live.touch_answer import answer_of_classes
 from rcskin.hardware.meter.errors import MeterError
 from rcskin.simulator.cli import app
 from rcskin.simulator.command_line import run
-from rcskin.simulator.page import linked
 from rcskin.simulator.requests.overwrite_options import with_overwrite_options
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import OPENING, InputError, impedance
@@ -135,8 +134,11 @@ def document(data, kind, nonce):
 
 
 if __name__ == "__main__":
-    sys.modules["rcskin.hardware.live.live_localizer"] = SimpleNamespace(localizer_of=localizer_of)
-    linked.linked_page = document
+    for name, toys in (
+        ("hardware.live.live_localizer", {"localizer_of": localizer_of}),
+        ("simulator.page.linked", {"linked_page": document}),
+    ):  # in place of modules that import half of the simulator
+        sys.modules[f"rcskin.{name}"] = SimpleNamespace(**toys)
     app.command()(live)
     with_overwrite_options(app)
     run(app, (MeterError,))
