@@ -2,9 +2,10 @@
 
 The cache is in the user's cache folder, or in NUMBA_CACHE_DIR if that is set. It is never beside
 the source, where numba would put it: pip does not know these files and leaves them when it removes
-a package, and the remaining folder hides the next installation. No cache file and no folder is
-required: a kernel that cannot be read is compiled again. If several processes need the same kernel
-for the first time, one compiles it and the others wait for the cached result.
+a package, and the remaining folder hides the next installation. Installations of the same source
+share their kernels. No cache file and no folder is required: a kernel that cannot be read is
+compiled again. If several processes need the same kernel for the first time, one compiles it and
+the others wait for the cached result.
 
 Kernels are loops over numbers. Array assignments and whole-array arithmetic take numba seconds to
 compile; the loop takes a tenth of that.
@@ -23,7 +24,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import platformdirs
 from numba import config, njit
-from numba.core.caching import FunctionCache
+from numba.core.caching import FunctionCache, IndexDataCacheFile
 from numba.extending import is_jitted
 
 if TYPE_CHECKING:
@@ -40,15 +41,19 @@ class KernelCache(FunctionCache):
     """Cache of one compiled function; a corrupt or unwritable file counts as a cache miss.
 
     After a miss, processes take turns: numba's index names wrong files if two processes write it at
-    once. numba documents how to choose the folder, but nothing for corrupt files, turns and
-    imported sources. Therefore this class uses undocumented parts of numba.
+    once. The folder is named after the source, wherever that is installed. numba documents how to
+    choose the folder that contains it, but nothing for corrupt files, turns and imported sources.
+    Therefore this class uses undocumented parts of numba.
     """
 
     _turn: FileLock | None = None
 
     def __init__(self, function: Callable[..., Any]) -> None:
         super().__init__(function)
-        self._cache_file._source_stamp = _stamp(function)
+        stamp = _stamp(function)
+        self._cache_path = str(Path(self._cache_path).with_name(stamp[:40]))
+        self._impl.locator._cache_path = self._cache_path
+        self._cache_file = IndexDataCacheFile(self._cache_path, self._impl.filename_base, stamp)
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The compiled function for these types, or None if this process has to compile it."""
@@ -137,7 +142,8 @@ def _stamp(function: Callable[..., Any]) -> str:
     """Digest of all source that is compiled into a kernel.
 
     numba reads only the file of the function. Kernels and constants imported from other files are
-    compiled in as well; a kernel cached before one of these changed is outdated.
+    compiled in as well, and so is the order of fields of named tuples; a kernel cached before one
+    of these changed is outdated.
     """
     digest, used, seen = hashlib.sha256(), [function], set()
     while used:
@@ -150,6 +156,8 @@ def _stamp(function: Callable[..., Any]) -> str:
         for name, value in sorted(known.__globals__.items()):
             if isinstance(value, Number):
                 digest.update(f"{name} = {value!r}".encode())
+            elif isinstance(value, type) and issubclass(value, tuple):
+                digest.update(f"{name}: {getattr(value, '_fields', ())}".encode())
             elif is_jitted(value):
                 used.append(value.py_func)
     return digest.hexdigest()

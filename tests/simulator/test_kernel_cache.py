@@ -128,7 +128,7 @@ def scaled(tmp_path):
     script.parent.mkdir()
     script.write_text(KERNEL)
 
-    def of(factor=2, **settings):
+    def of(factor=2, script=script, **settings):
         (script.parent / "factor.py").write_text(f"FACTOR = {factor}")
         unset = {name: path for name, path in os.environ.items() if name != "NUMBA_CACHE_DIR"}
         settings = {**unset, "PYTHONDONTWRITEBYTECODE": "1", **settings}
@@ -145,7 +145,10 @@ def test_a_kernel_is_kept_for_its_user_and_for_what_it_was_compiled_from(scaled,
     settings = {"HOME": str(tmp_path / "home"), "XDG_CACHE_HOME": str(tmp_path / "cache")}
     settings["LOCALAPPDATA"] = settings["XDG_CACHE_HOME"]
     assert [scaled(factor, **settings) for factor in (2, 3)] == [42, 63]
-    assert kept(tmp_path) and not kept(tmp_path / "script")
+    known = kept(tmp_path)
+    assert known and not kept(tmp_path / "script")
+    copy = shutil.copytree(tmp_path / "script", tmp_path / "copy") / "scaled.py"
+    assert scaled(3, copy, **settings) == 63 and kept(tmp_path) == known
 
 
 @pytest.mark.parametrize("ending", ["nbi", pytest.param("nbc", marks=pytest.mark.slow)])
