@@ -31,7 +31,8 @@ class WindowNodes(NamedTuple):
         rows, columns = own = lattice.nodes(here)
         load = lattice.area * lattice.part[own]
         x, y = lattice.x[columns], lattice.y[rows]
-        return cls(x, y, lattice.right[own], lattice.up[own], load, lattice.steps)
+        right, up = lattice.right[own].copy(), lattice.up[own].copy()  # as cut, for one kernel
+        return cls(x, y, right, up, load, lattice.steps)
 
     def cut_at_edges(self, flat: LatticeApplicators, area: float) -> tuple[WindowNodes, float]:
         """Nodes with arms that end at the edges of flat indenters, and the share of the arms'
