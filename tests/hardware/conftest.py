@@ -73,7 +73,7 @@ class Looking:
 
     def _next(self, wanted):
         while True:
-            said = json.loads(self._socket.recv(timeout=20))
+            said = json.loads(self._socket.recv(timeout=60))
             if "frame" in said:
                 self._socket.send(json.dumps({"do": "seen", "frame": said["frame"]}))
             if wanted(said):

@@ -15,8 +15,8 @@ from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import InputError
 from typer.testing import CliRunner
 
-SOON = 5
-"""Seconds that the end may take on a busy machine; alone it takes half a second."""
+SOON = 30
+"""Seconds that the end may take on a very busy machine; alone it takes half a second."""
 
 
 @pytest.fixture

@@ -15,8 +15,8 @@ from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import read, violations
 
 RIG = Path(__file__).parents[1] / "rig.py"
-SOON = 5
-"""Seconds that the end may take on a busy machine; alone it takes half a second."""
+SOON = 30
+"""Seconds that the end may take on a very busy machine; alone it takes half a second."""
 
 REPETITIONS, SWEEPS = 20, "0*.json"
 

@@ -132,6 +132,7 @@ def test_signals_at_any_moment_end_it_and_it_goes_on(
     command, recording, instrument, as_found, tmp_path
 ):
     """Also between the opening of a file and the block that closes it: Python then warns of it."""
+    instrument.pace = 0.05  # or thousands of sweeps are read before a sender wakes
     folder = RecordingJournal(tmp_path / "run.nc").folder
 
     def send(kept, number, seconds):

@@ -9,7 +9,7 @@ from rcskin.hardware.control_client import send_request
 from rcskin.hardware.meter.instruments import open_meter
 from rcskin.simulator.sweeps import InputError
 
-SOON = 5
+SOON = 30
 ANYWHERE = ("--scene", "pillow", "--pace", 0, "--port", 0, "--control-port", 0)
 
 
