@@ -31,8 +31,10 @@ settings.register_profile(
 settings.register_profile("search", max_examples=400, deadline=None)
 settings.load_profile("reproducible")
 
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # of a run in the background, for children
-    signal.signal(signal.SIGINT, signal.default_int_handler)
+for name, default in (("SIGINT", signal.default_int_handler), ("SIGQUIT", signal.SIG_DFL)):
+    number = getattr(signal, name, None)  # Windows has no SIGQUIT
+    if number and signal.getsignal(number) is signal.SIG_IGN:  # of a run in the background
+        signal.signal(number, default)  # for children
 
 SYSTEMS = Path(__file__).with_name("systems")
 DRAW = """
