@@ -281,6 +281,13 @@ def undrawn(monkeypatch):
 
 
 @pytest.fixture
+def linear_intervals(monkeypatch):
+    """Intervals of calibrations are linear, not of profiles, which take half of the time."""
+    linear = "rcskin.simulator.calibration.likelihood.profile.Profile.linear"
+    monkeypatch.setattr(linear, lambda *given: True)
+
+
+@pytest.fixture
 def coarse(monkeypatch):
     """Limits are of readings told to a percent, by models that are soon trained."""
     monkeypatch.setattr("rcskin.simulator.bounds.touch_readings.RTOL", 1e-2)

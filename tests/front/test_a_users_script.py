@@ -19,6 +19,7 @@ from rcskin.simulator.check.sweep_curves import QUANTITIES, Quantity
 SCRIPT = Path(__file__).with_name("a_users_script.py")
 
 
+@pytest.mark.usefixtures("linear_intervals")
 def test_it_runs(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     runpy.run_path(str(SCRIPT))

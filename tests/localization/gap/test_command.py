@@ -65,6 +65,7 @@ def test_a_sheet_resistance_is_named_and_calibration_brings_accuracy_up(
     assert sheet["value"] == pytest.approx(1.2 * sheet["start"], rel=0.03)
 
 
+@pytest.mark.usefixtures("linear_intervals")
 def test_sweeps_without_noise_or_scene_are_served_by_the_scene_named(
     gap, files, tmp_path, monkeypatch
 ):
@@ -77,7 +78,7 @@ def test_sweeps_without_noise_or_scene_are_served_by_the_scene_named(
     assert "simulated again" in out and "have no noise" in out and "after calibration" in out
 
 
-@pytest.mark.usefixtures("unpainted")
+@pytest.mark.usefixtures("linear_intervals", "unpainted")
 def test_the_users_own_model_is_asked_as_it_is_and_adapted(gap, files, tmp_path, earth_alone):
     model = tmp_path / "m.skops"
     simulated, twin = map(read, files)

@@ -41,7 +41,7 @@ def recorded(magnitude_only):
     return read_out(simulate(Solver(scene), presses), scene.readout, np.random.default_rng(2))
 
 
-@pytest.mark.usefixtures("unpainted")
+@pytest.mark.usefixtures("linear_intervals", "unpainted")
 @pytest.mark.parametrize("magnitude_only", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_the_resistance_of_a_yarn_is_named_as_the_cause(run, tmp_path, magnitude_only):
     write(simulated(magnitude_only), tmp_path / "simulated.nc")

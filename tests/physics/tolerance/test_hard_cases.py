@@ -50,7 +50,7 @@ def kept_at(scene, press, rtol=RTOL):
     ("name", "rtol"),
     [
         ("sheet-5x5", 1e-6),
-        ("sheet-5x5-crossed", 1e-6),
+        pytest.param("sheet-5x5-crossed", 1e-6, marks=pytest.mark.slow),
         pytest.param("sheet-5x5-two-interfaces", 1e-5, marks=pytest.mark.slow),
     ],
 )

@@ -71,7 +71,10 @@ def calibrated(run, tmp_path):
     return calibrated
 
 
-@pytest.mark.parametrize("start", [NEAR, FAR_OFF], ids=["near", "far off"])
+@pytest.mark.usefixtures("linear_intervals")
+@pytest.mark.parametrize(
+    "start", [NEAR, pytest.param(FAR_OFF, marks=pytest.mark.slow)], ids=["near", "far off"]
+)
 def test_a_constant_phase_capacitance_follows_it(calibrated, start):
     told, _ = calibrated(*CONSTANT_PHASE, start=start)
     assert 100 * told["rms_relative_error"] == pytest.approx(3.1, abs=0.05)
@@ -87,6 +90,7 @@ def test_by_default_it_fits_what_the_sweep_tells(calibrated):
     assert told["intervals_95"]["phase_exponent"][1] < 0.98
 
 
+@pytest.mark.usefixtures("linear_intervals")
 def test_why_the_ideal_line_cannot(calibrated):
     told, out = calibrated(*CONSTANT_PHASE)
     ideal = told["ideal_capacitance"]

@@ -45,6 +45,7 @@ def test_what_the_data_tell_is_found(line, read):
     assert 0.5 < found.chi_squared < 1.6
 
 
+@pytest.mark.usefixtures("linear_intervals")
 def test_the_calibrated_scene_is_the_one_that_was_measured(line, read):
     found = calibrate(line, read(line, TRUTH, REST), Options(fit=tuple(TRUTH)))
     skin, true = found.scene.skin, scene_with(line, TRUTH).skin
@@ -107,6 +108,7 @@ def test_presses_are_used_and_their_strengths_found(line, read):
     assert not outside(found, TRUTH)
 
 
+@pytest.mark.usefixtures("linear_intervals")
 def test_strengths_taken_as_stated_are_not_fitted(line, read):
     sweeps = read(line, TRUTH, (*REST, "1,2:2.0"))
     found = calibrate(line, sweeps, Options(fit=tuple(TRUTH), strengths=False))
@@ -114,6 +116,7 @@ def test_strengths_taken_as_stated_are_not_fitted(line, read):
     assert found.fit.spec.touch_count == 0
 
 
+@pytest.mark.usefixtures("linear_intervals")
 def test_sheets_of_one_field_are_told_only_together(line, read):
     found = calibrate(line, read(line, TRUTH, REST), only(("sheet_resistance", "sheet_mismatch")))
     assert not found.identified["sheet_mismatch"]
@@ -122,6 +125,7 @@ def test_sheets_of_one_field_are_told_only_together(line, read):
     assert abs(found.values["sheet_mismatch"]) < 2
 
 
+@pytest.mark.usefixtures("linear_intervals")
 def test_a_parameter_without_any_effect_is_named(make_scene, line, read):
     scene = line.model_copy(update={"skin": make_scene(top=4e4, bottom=4e4).skin})
     found = calibrate(scene, read(scene, TRUTH, REST), only(("capacitance", "sheet_mismatch")))
@@ -184,6 +188,7 @@ def test_errors_grow_where_the_model_does_not_follow(line, read):
     assert ratio == pytest.approx(expected, rel=0.3)
 
 
+@pytest.mark.usefixtures("linear_intervals")
 def test_why_an_ideal_capacitance_does_not_do(line, read):
     found = calibrate(line, read(line, TRUTH, REST), Options(fit=tuple(TRUTH)))
     assert found.ideal is not None

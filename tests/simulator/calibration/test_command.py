@@ -40,7 +40,7 @@ def test_a_scene_is_calibrated(run, files, line, earth_alone):
     assert sorted(path.name for path in folder.parent.iterdir()) == ["found", "run.nc", "skin.toml"]
 
 
-@pytest.mark.usefixtures("unpainted")
+@pytest.mark.usefixtures("linear_intervals", "unpainted")
 def test_a_matrix_too_wide_for_the_terminal_is_left_to_its_file(run, files, monkeypatch):
     scene, measured, folder = files
     assert "correlation    " in run("calibrate", scene, measured, "-o", folder)[1]
@@ -125,7 +125,7 @@ def test_sweeps_of_another_skin_are_refused(refused, files):
     assert not folder.exists()
 
 
-@pytest.mark.usefixtures("unpainted")
+@pytest.mark.usefixtures("linear_intervals", "unpainted")
 def test_sweeps_of_another_skin_are_taken_where_one_insists(run, files, line, earth_alone):
     scene, measured, folder = files
     scene.write_text(scene_text(line.with_({"skin.length": 0.11, "name": "longer"})))

@@ -100,6 +100,7 @@ def test_a_twin_is_told_within_its_intervals_and_by_more_readings_better(own, sh
     assert np.mean(np.log(wider)) > 0
 
 
+@pytest.mark.usefixtures("linear_intervals")
 def test_noise_is_told_by_repeats_of_what_was_read(own, shared, simulated):
     bare = own.with_({"readout": {}})
     truth = restricted(simulated(shared, TRUTH, ["none"] * 12), own.taken)
@@ -118,7 +119,7 @@ def test_an_interface_that_the_band_leaves_nothing_of_is_left_out(own, shared, r
         measurements_of(own, sweeps, (1e7, np.inf))
 
 
-@pytest.mark.usefixtures("unpainted")
+@pytest.mark.usefixtures("linear_intervals", "unpainted")
 def test_the_command_takes_them(own, shared, read, run, tmp_path, earth_alone):
     write(restricted(read(shared, TRUTH, PRESSES), own.taken), tmp_path / "own.nc")
     (tmp_path / "own.toml").write_text(scene_text(own), encoding="utf-8")

@@ -66,12 +66,14 @@ def structure(found):
     return next((each for each in found.remarks if "leaves structure" in each), "")
 
 
+@pytest.mark.usefixtures("linear_intervals")
 def test_a_leak_that_the_scene_lacks_is_named(skin, leaking, read):
     told = structure(calibrate(skin, read(leaking), FIT))
     first, *others = told.partition("in addition, ")[2].split("; ")
     assert first.startswith("a leak of 1.5e+03 1/s (--also leak) leaves ") and len(others) == 3
 
 
+@pytest.mark.usefixtures("linear_intervals")
 def test_a_film_in_series_is_named(skin, read):
     sweeps = read(skin)
     film = 5e3 / (1 + 2j * np.pi * FREQUENCIES * 5e3 * 5e-9)
@@ -82,5 +84,6 @@ def test_a_film_in_series_is_named(skin, read):
     assert told.partition("in addition, ")[2].startswith("a film in series of ")
 
 
+@pytest.mark.usefixtures("linear_intervals")
 def test_noise_alone_has_no_structure(skin, read):
     assert not structure(calibrate(skin, read(skin), FIT))

@@ -94,6 +94,7 @@ def test_readings_far_off_do_not_move_a_fit(line, quiet, read, stated):
         assert widths[1] < 2 * widths[0] and widths[1] < widths[2]
 
 
+@pytest.mark.slow
 def test_intervals_hold_the_truth_of_twins_with_readings_far_off(line, read):
     held = []
     for seed in range(6):

@@ -107,6 +107,7 @@ def test_waves_of_an_even_skin_are_zero_within_their_intervals(scene, model):
     assert all(abs(found.values[name]) < 0.05 for name in FLAT)
 
 
+@pytest.mark.slow
 def test_waves_of_sheets_and_of_foam_are_told_apart(scene, twin, model):
     """The foam's are constant over each pixel, as the fit has them."""
     read, presses = twin.copy(deep=True), every_press(scene)
@@ -149,7 +150,7 @@ def test_waves_are_refused_where_they_cannot_be_told(scene, twin):
         calibrate(scene, twin, asked(*SHEET_MODES), model=Forward(scene, rtol=1e-2))
 
 
-@pytest.mark.usefixtures("unpainted")
+@pytest.mark.usefixtures("linear_intervals", "unpainted")
 def test_the_calibrated_file_has_the_waves_as_maps(run, tmp_path, strip):
     waves = {"top_x": 0.2}
     made = with_sheet_modes(strip, waves)

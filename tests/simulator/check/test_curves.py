@@ -51,7 +51,7 @@ def test_gains_are_drawn(run, refused, make_sweeps, file, tmp_path, magnitude_on
 
 
 def test_recordings_are_drawn_over_each_other(run, file, tmp_path):
-    code, out, _ = run("plot", file, file, "-o", tmp_path / "out.svg")
+    code, out, _ = run("plot", file, file, "-o", tmp_path / "out.svg", "--what", "Cp")
     assert code == 0 and "2 recordings -> " in out
     assert (tmp_path / "out.svg").read_text().count("run.nc") >= 2
 
@@ -111,7 +111,8 @@ def test_rows_of_a_column_have_lines_of_their_own(make_sweeps, run, tmp_path):
     assert rows_of([sweeps, sweeps], labels_of([sweeps, sweeps])) == {}
     write(sweeps, tmp_path / "run.nc")
     for name in ("out.svg", "out.html"):
-        assert run("plot", tmp_path / "run.nc", "-o", tmp_path / name)[0] == 0
+        asked = ("-o", tmp_path / name, "--what", "Cp")
+        assert run("plot", tmp_path / "run.nc", *asked)[0] == 0
         assert "row 7" in (tmp_path / name).read_text()
 
 
@@ -140,7 +141,7 @@ def two_files(make_sweeps, tmp_path):
 
 
 def test_the_legend_distinguishes_measured_and_simulated_sweeps(run, two_files, tmp_path):
-    assert run("plot", *two_files, "-o", tmp_path / "out.svg")[0] == 0
+    assert run("plot", *two_files, "-o", tmp_path / "out.svg", "--what", "Cp")[0] == 0
     text = (tmp_path / "out.svg").read_text()
     assert "all.nc (simulated)" in text and "run.nc (measured)" in text
 

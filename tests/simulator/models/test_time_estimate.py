@@ -84,7 +84,14 @@ def foreseen(monkeypatch):
     return found
 
 
-@pytest.mark.parametrize("press", ["3,3:2mm", "disc(0.05,0.06,0.01):2mm", "1,1:1mm+4,4:2.5mm"])
+@pytest.mark.parametrize(
+    "press",
+    [
+        "3,3:2mm",
+        "disc(0.05,0.06,0.01):2mm",
+        pytest.param("1,1:1mm+4,4:2.5mm", marks=pytest.mark.slow),
+    ],
+)
 def test_presses_that_are_answered_needed_what_was_foreseen(press, foreseen, monkeypatch):
     grown = []
     of = adaptive._Pressing.level

@@ -47,7 +47,7 @@ def meshed(tmp_path, tables):
 @pytest.fixture
 def mapped(tmp_path, tables):
     """A map as a picture beside its scene."""
-    shades = np.random.default_rng(1).integers(0, 256, (40, 50), dtype=np.uint8)
+    shades = np.random.default_rng(1).integers(0, 256, (8, 10), dtype=np.uint8)
     Image.fromarray(shades).save(tmp_path / "it.png")
     tables["skin"]["top"]["map"] = {"kind": "file", "path": "it.png", "low": 0.8, "high": 1.2}
     return tables
@@ -111,7 +111,7 @@ def received(request, tmp_path, run, tables):
     [
         "gap {0} {1}",
         "gap {1} {0}",
-        "calibrate sheet-3x3 {0} -o {2}",
+        "calibrate sheet-3x3 {0} -o {2} --fit capacitance --fix others",
         "check {0}",
         "plot {0} -o {2}.png",
         "train {0} -o {2}.skops",
@@ -119,6 +119,7 @@ def received(request, tmp_path, run, tables):
         "export {0} -o {2}.parquet",
     ],
 )
+@pytest.mark.usefixtures("unpainted")
 def test_no_command_opens_a_file_that_received_sweeps_name(received, run, tmp_path, command):
     path, secret = received
     OPENED.clear()
