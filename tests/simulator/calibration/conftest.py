@@ -69,7 +69,7 @@ def models_made_once():
 def nothing_tried(request, monkeypatch):
     """What surrounds a skin is tried in the tests of that alone: its training takes seconds."""
     if request.module.__name__.rpartition(".")[2] != "test_surroundings":
-        for module in ("surroundings_trials", "misfit"):
+        for module in ("trials.surroundings_trials", "misfit"):
             name = f"rcskin.simulator.calibration.{module}.addable_effects"
             monkeypatch.setattr(name, lambda scene: [])
 
