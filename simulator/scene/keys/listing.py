@@ -1,8 +1,9 @@
-"""Generates the page of all keys of a scene file: type, unit, default and range."""
+"""Generates the page of all keys of a scene file: type, unit, default, range and meaning."""
 
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin
@@ -23,7 +24,7 @@ HEAD = """# Every key of a scene file
 units. [Describe a skin](../how-to/describe-a-skin.md) explains the keys, and
 [Formulas](formulas.md) states what they compute.
 """
-COLUMNS = ("key", "type", "unit", "default", "range")
+COLUMNS = ("key", "type", "unit", "default", "range", "meaning")
 PLAIN = {float: "number", int: "whole number", bool: "true or false", str: "text"}
 BOUNDS = {"gt": "> {:g}", "ge": ">= {:g}", "lt": "< {:g}", "le": "<= {:g}"}
 LENGTHS = {"min_length": "length >= {}", "max_length": "length <= {}"}
@@ -65,12 +66,32 @@ def _also_read(
 
 
 def _section(table: type[BaseModel], places: Sequence[str]) -> str:
-    rows = [_row(name, field) for name, field in keys(table).items() if not _chosen(name, field)]
-    lines = [COLUMNS, ("---",) * len(COLUMNS), *rows]
-    description = inspect.cleandoc(table.__doc__ or "").split("\n\n")
-    paragraphs = [" ".join(each.split()) for each in description]
-    grid = "\n".join(f"| {' | '.join(map(_escaped, row))} |" for row in lines)
+    paragraphs, meanings = _described(table)
+    fields = {name: field for name, field in keys(table).items() if not _chosen(name, field)}
+    rows = [(*_row(name, field), meanings.get(name, "")) for name, field in fields.items()]
+    used = [k for k in range(len(COLUMNS)) if any(row[k] for row in rows)]
+    grid = "\n".join(
+        f"| {' | '.join(_escaped(row[k]) for k in used)} |"
+        for row in (COLUMNS, ("---",) * len(COLUMNS), *rows)
+    )
     return "\n\n".join([f"## {_heading(table, places)}", *paragraphs, f"{grid}\n"])
+
+
+def _described(table: type[BaseModel]) -> tuple[list[str], dict[str, str]]:
+    """Paragraphs on the whole table, and the meaning of each key that its docstring explains."""
+    first, *rest = inspect.cleandoc(table.__doc__ or "").split("\n\n")
+    name = rf"(?:{'|'.join(keys(table))})(?: \[[^\]]+\])?"
+    starts = re.compile(rf"(?:^|(?<=\. ))(?={name}(?:, {name})*: )")
+    paragraphs, meanings = [" ".join(first.split())], {}
+    for paragraph in rest:
+        general, *explained = starts.split(" ".join(paragraph.split()))
+        paragraphs += [general.strip()] if general else []
+        for each in explained:
+            names, _, meaning = each.partition(": ")
+            meanings |= dict.fromkeys(
+                re.sub(r" \[[^\]]+\]", "", names).split(", "), meaning.strip()
+            )
+    return paragraphs, meanings
 
 
 def _escaped(cell: str) -> str:
