@@ -24,15 +24,16 @@ import tomli_w
 ROOT = Path(__file__).parents[1]
 ROOMS = ("docs", "benchmarks", "tests", "simulator", "localization", "hardware")
 """Folders that hold pages or pictures."""
-SHOWN = {".md", ".png", ".svg", ".gif", ".mp4", ".html"}
+SHOWN = {".md", ".png", ".svg", ".gif", ".mp4", ".html", ".toml"}
 SCENE = "sheet-5x5"
 """The skin on the front page."""
 FRAME = f"""
-<iframe src="skin.html" title="{SCENE}, to press" style="width: 100%; height: 46rem; border: 0">
-</iframe>
+**Press this skin.** The curves are what an LCR meter would read at its edge.
 
-Press a pixel: the curves are what an LCR meter would read at the edge.
+<iframe class="skin" src="skin.html" title="{SCENE}, to press"></iframe>
 """
+WIDE = "---\nhide:\n  - navigation\n  - toc\n---"
+"""The front page without side bars, so that the skin and its curves fit side by side."""
 SECTION = re.compile(r"^## ([^:\n]+).*$", re.MULTILINE)
 ESCAPED_PIPE = r"\|"
 CODE = re.compile(r"`([^`]+)`")
@@ -66,7 +67,7 @@ def stage(source: Path) -> None:
         page.write_text(_pipes(page.read_text(encoding="utf-8")), encoding="utf-8")
     front = source / "README.md"
     title, first, rest = front.read_text(encoding="utf-8").split("\n\n", 2)
-    front.write_text("\n\n".join([title, first, FRAME.strip(), rest]), encoding="utf-8")
+    front.write_text("\n\n".join([WIDE, title, first, FRAME.strip(), rest]), encoding="utf-8")
 
 
 def _pipes(text: str) -> str:

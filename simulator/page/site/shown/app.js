@@ -204,6 +204,7 @@ function begin() {
   for (const [id, act] of Object.entries(clicks)) element(id).addEventListener("click", act);
   window.addEventListener("resize", () => refresh(false));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => refresh(false));
+  document.body.classList.toggle("embedded", window.parent !== window);
   gestures.touches = state.touches;
   controls.show();
   refresh(true);
