@@ -120,6 +120,14 @@ class PressReader:
                 "`contacts` must be None, the text of a press, a Press, PointContacts, "
                 f"a DepthImage or a PressureImage, got {type(given).__name__}"
             )
+        return self._of_points(given) if isinstance(given, PointContacts) else self._of(given)
+
+    @cached_method(1)
+    def _of_points(self, given: PointContacts) -> GivenPress:
+        """Contacts at points, which never change: the latest ones are known."""
+        return self._of(given)
+
+    def _of(self, given: Contacts) -> GivenPress:
         pressed, fixed = self._rasterizer(given), given.kind.startswith("depth")
         count, limited = pressed.batch.count, tuple(pressed.limited.tolist())
         return GivenPress(pressed.batch, (UNKNOWN,) * count, (fixed,) * count, limited)
