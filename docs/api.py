@@ -108,7 +108,7 @@ def _called(heading: str, name: str, function: Any, level: str = "##") -> Iterat
     signature = inspect.signature(function)
     text, meanings, errors = parts(function, list(signature.parameters))
     yield from (f"{level} {heading}", "", f"{first(function)} {text}".strip(), "")
-    yield from ("```python", call(name, signature), "```", "")
+    yield from ("```py", call(name, signature), "```", "")
     yield from _arguments(signature, meanings)
     result = str(signature.return_annotation).replace("Self", heading.partition(".")[0])
     if result != "None":
@@ -141,7 +141,7 @@ def _class(name: str) -> Iterator[str]:
     text, meanings, errors = parts(kind, [*signature.parameters, *annotations, "times"])
     yield from (f"## Class {name}", "", f"{first(kind)} {text}".strip(), "")
     if signature.parameters:
-        yield from ("```python", call(f"rcskin.{name}", signature), "```", "")
+        yield from ("```py", call(f"rcskin.{name}", signature), "```", "")
         yield from _arguments(signature, meanings)
     attributes = [
         _row(each, annotations.get(each, "float | None"), "", meaning)

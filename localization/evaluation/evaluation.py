@@ -11,6 +11,7 @@ from sklearn import config_context
 
 from ...simulator.progress import ProgressCallback, silent, tracked
 from ...simulator.scene.scene_files import carried_scene
+from ...simulator.sweeps import UNPRESSED
 from ..inputs.features import Quantities, available_features, chosen_quantities
 from ..inputs.samples import Samples, samples_of
 from ..inputs.targets import labels
@@ -211,17 +212,31 @@ def cross_validate(
     return over_folds(reference(X.shape[1]), X, y, splits)
 
 
-def held_out_accuracies(sweeps: xr.Dataset, target: str = "column") -> list[float]:
+def held_out_accuracies(
+    sweeps: xr.Dataset, target: str = "column", unpressed: float | None = None
+) -> list[float]:
     """Accuracy on each held-out part; `train` states their accuracy by default.
 
-    Whole sessions are held out if there are two. Raises InputError as `samples_of` and `splits_of`.
+    Whole sessions are held out if there are two. unpressed: weight of the unpressed skin, in 0..1;
+    None: as often as it was swept. Raises InputError as `samples_of` and `splits_of`.
     """
     samples = samples_of(sweeps, target)
     splits = splits_of(samples.strata, samples.sessions)
     X, y = samples.X, samples.y
+    none = sweeps["press"].to_numpy()[samples.rows] == UNPRESSED
     with config_context(**UNCHECKED):
         learned = ((reference(X.shape[1]).fit(X[train], y[train]), test) for train, test in splits)
-        return [float(np.mean(each.predict(X[test]) == y[test])) for each, test in learned]
+        return [
+            _weighted_accuracy(each.predict(X[test]) == y[test], none[test], unpressed)
+            for each, test in learned
+        ]
+
+
+def _weighted_accuracy(right: Mask, none: Mask, unpressed: float | None) -> float:
+    """Accuracy where the unpressed skin has this weight; none: sweeps of it."""
+    if unpressed is None or none.all() or not none.any():
+        return float(np.mean(right))
+    return float(unpressed * np.mean(right[none]) + (1 - unpressed) * np.mean(right[~none]))
 
 
 def join_scores(folds: Sequence[Score]) -> Score:

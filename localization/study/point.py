@@ -115,6 +115,14 @@ class EvaluationSettings:
         changed = scene.model_copy(update={"dataset": own})
         return Plan(changed, sweeps, scene.experiment.seed + draw, rtol)
 
+    def unpressed(self, scene: Scene) -> float | None:
+        """Weight of the unpressed skin in the accuracy; None: as often as it is drawn.
+
+        Draws of few presses sweep it more often than a data set, which must not raise the accuracy.
+        """
+        none, one = (*scene.dataset.press.touches, 0.0)[:2]
+        return none / (none + one) if self.repeated and none + one > 0 else None
+
     def nominal(self, scene: Scene) -> list[Press]:
         """One press of nominal strength for each pixel on the skin.
 
@@ -151,7 +159,10 @@ def score_point(scene: Scene, trial: EvaluationSettings, rtol: float) -> PointFi
     Z = impedances(scene, nominal, family, rtol)
     reading = scene.reading
     readings = in_units_of_error(Z, scene.readout, reading.frequency, reading.taken, reading.phases)
-    shares = [held_out_accuracies(in_memory(plan, family), trial.target) for plan in plans]
+    unpressed = trial.unpressed(scene)
+    shares = [
+        held_out_accuracies(in_memory(plan, family), trial.target, unpressed) for plan in plans
+    ]
     return PointFindings(
         tuple(share for each in shares for share in each),
         separation(readings, labels, scene.frequencies),

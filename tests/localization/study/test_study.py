@@ -44,7 +44,7 @@ def test_the_sweeps_given_to_the_localizer_are_of_several_skins_and_of_its_own_p
 ):
     seen = []
 
-    def look(sweeps, _):
+    def look(sweeps, *_):
         seen.append(sweeps)
         return [1.0]
 
@@ -121,3 +121,11 @@ def test_rest_is_a_class_where_the_experiment_has_it():
         EvaluationSettings(),
     )
     assert EvaluationSettings().nominal(scene)[0] == Press()
+
+
+def test_few_presses_do_not_make_the_unpressed_skin_count_more(run_study):
+    """Sheets without resistance: the unpressed skin is found, pressed columns are guessed."""
+    vary = ("skin.sheet_resistance=1", "experiment.repetitions=40")
+    found, _, _ = run_study("strip-1x3", *vary)
+    guessed = 0.1 / 0.8 + 0.7 / 0.8 / 3
+    assert float(found["accuracy"].item()) == pytest.approx(guessed, abs=0.07)
