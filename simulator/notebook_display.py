@@ -146,7 +146,7 @@ def _drawn(chart: SmallChart) -> str:
 
     written = StringIO()
     with style.context("default"), figure_style({**STYLE, **SMALL}):
-        figure = Figure(figsize=(chart.width, chart.height), layout="none")
+        figure = Figure(figsize=(chart.width, chart.height))
         FigureCanvasSVG(figure)
         figure.subplots_adjust(**_margins(chart))
         chart.draw(figure)

@@ -30,7 +30,7 @@ class CellSpreading(NamedTuple):
         """Presses on coarse cells. Fingers, numbered as in `Parts`, are spread as well."""
         from .spreading_kernel import spread
 
-        return spread(PressBatch(*map(np.ascontiguousarray, batch)), self.grid, self.parts)
+        return spread(PressBatch._make(map(np.ascontiguousarray, batch)), self.grid, self.parts)
 
 
 class SkinCells(NamedTuple):

@@ -111,10 +111,10 @@ class MountedSkins:
             Z = np.stack([self._skins[skin].sweep(*batch.one(press)) for skin, press in each])
             return Z[:, slice(None) if chosen is None else chosen, frequencies]
         stack, followed = self._stack, self._skins[0].parts.followed(batch)
-        batch = PressBatch(*map(np.ascontiguousarray, followed))
+        batch = PressBatch._make(map(np.ascontiguousarray, followed))
         s = np.ascontiguousarray(stack.s[:, frequencies])
         numbers = range(len(stack.excitations)) if chosen is None else chosen
-        Y = [
+        Y: list[Complex] = [
             self._kernel(stack.mass, stack.excitations[k], skins, presses, batch, s)
             for k in numbers
         ]

@@ -8,6 +8,7 @@ import rcskin
 import xarray as xr
 from matplotlib import rc_context
 from rcskin.simulator import notebook_display
+from rcskin.simulator.check.sweeps_view import SweepsView
 from rcskin.simulator.limits.limit import Limit
 from rcskin.simulator.notebook_display import SmallChart, Tabular
 
@@ -140,7 +141,7 @@ def test_gains_and_several_interfaces_are_shown():
 
 
 def test_what_is_no_sweeps_says_so():
-    text, _ = texts(xr.Dataset({"x": ("sweep", [1.0])}).rcskin)
+    text, _ = texts(SweepsView(xr.Dataset({"x": ("sweep", [1.0])})))
     assert text.count("missing from the sweeps") == 2
 
 

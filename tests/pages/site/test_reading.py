@@ -13,7 +13,9 @@ SHOWN = (
     "docs/reference/commands.html",
     "docs/reference/keys.html",
     "docs/reference/benchmarks.html",
-    "benchmarks/results/gallery.html",
+    "docs/gallery.html",
+    "docs/tutorials/python.html",
+    "docs/notebooks/trust-a-localizer.html",
     "benchmarks/results/verification.html",
     "CHANGELOG.html",
 )
