@@ -51,7 +51,7 @@ class Way:
     def row(self, target: str, name: str) -> dict[str, object]:
         """A line of the table."""
         return {
-            "told": target,
+            "target": target,
             "readings": name,
             "touches": len(self.right),
             "right": f"{100 * np.mean(self.right):.1f} %",

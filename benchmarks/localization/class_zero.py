@@ -83,8 +83,8 @@ def row(rests: int, sessions: int) -> list[dict[str, object]]:
             {
                 "reference": reference,
                 "rests a session": rests,
-                "at rest told as such": f"{100 * a:.1f} %",
-                "touches told as rest": f"{100 * b:.1f} %",
+                "unpressed found unpressed": f"{100 * a:.1f} %",
+                "touches found unpressed": f"{100 * b:.1f} %",
                 "apart, standard errors": f"{abs(a - b) / max(error, 1e-12):.1f}",
                 "tells": "yes" if abs(a - b) > APART * error else "no",
             }

@@ -206,10 +206,10 @@ def main(run: Run) -> None:
     sides, wires = asked.sides or run.sized(PIXELS, (2,)), asked.wires or run.sized(WIRES, (2,))
     work = (delayed(kept)(asked.found, *each, draws) for each in itertools.product(sides, wires))
     table = pd.concat(Parallel(n_jobs=asked.processes)(work), ignore_index=True)
-    publish(run.results, "design", "Pixels told right at most, of a known skin", table)
-    title = f"The most pixels told right {ENOUGH:g} % of the time at most"
+    publish(run.results, "design", "Pixels found at most, of a known skin", table)
+    title = f"The most pixels found {ENOUGH:g} % of the time at most"
     publish(run.results, "design_pixels", title, most_pixels(table))
-    title = f"Pixels told right at most, by every two wires; {1e-3 * USUAL:g} kohm/sq"
+    title = f"Pixels found at most, by every two wires; {1e-3 * USUAL:g} kohm/sq"
     publish(run.results, "design_sides", title, by_sides(table))
     others = pd.DataFrame(PUBLISHED, columns=["skin", "reached", "published"])
     publish(run.results, "design_published", "Published, measured on real skins", others)

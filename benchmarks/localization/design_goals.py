@@ -2,7 +2,7 @@
 
 `rcskin design` is asked for each goal on a built-in sheet with other pixels, and its own report is
 read: the best accuracy of any classifier of a known skin, or how near half of all answers can come,
-before and after; on the skin as it was meant, and on the worst of three casts. Nothing is trained
+before and after; on the nominal skin, and on the worst of three samples. Nothing is trained
 but the simulator's reduced model.
 
 With a folder of searches, goals that were told are not searched again, by `twin_design.py` neither.
@@ -95,10 +95,10 @@ def row(goal: Goal, folder: Path, usual: tuple[str, ...]) -> dict[str, object]:
     sheets = " and ".join(f"{each:.0f}" for each in _sheets(after))
     return {
         "goal": goal.name,
-        "asked": f"`{' '.join(goal.options)}`" if goal.options else "",
+        "requested": f"`{' '.join(goal.options)}`" if goal.options else "",
         "as it was": f"{scale.text(before['nine_of_ten_casts'])} {scale.unit}",
-        "designed, worst of three casts": f"{scale.text(after['nine_of_ten_casts'])} {scale.unit}",
-        "as it was meant": f"{scale.text(after['as_meant'])} {scale.unit}",
+        "designed, worst of three": f"{scale.text(after['nine_of_ten_casts'])} {scale.unit}",
+        "nominal skin": f"{scale.text(after['as_meant'])} {scale.unit}",
         "sheets (kohm/sq)": sheets,
         "readings": _readings(told),
         "frequencies": len(after["frequencies_Hz"]),

@@ -198,7 +198,7 @@ def draw(table: pd.DataFrame) -> Figure:
         millimetres = case.startswith("position")
         axes.bar_label(bars, fmt="%.1f mm" if millimetres else "%.1f %%", padding=3)
         axes.set_xlim(0, 1.25 * of["value"].max() if millimetres else 110)
-        axes.set_xlabel("Median error (mm)" if millimetres else "Told right (%)")
+        axes.set_xlabel("Median error (mm)" if millimetres else "Found (%)")
         axes.set_title(case, loc="left")
         axes.spines[["top", "right"]].set_visible(False)
     return figure

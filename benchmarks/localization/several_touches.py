@@ -1,6 +1,6 @@
 """How often a localizer of one touch notices that there are two, and how often anyone could.
 
-Columns of 5x5 by changes from rest and by the paper's Rs and Cp, capacitance raised 1.3 to 3 times,
+Columns of 5x5 by changes and by the paper's Rs and Cp, capacitance raised 1.3 to 3 times,
 on skins never trained on. Best possible is the likelihood ratio of two touches to one on a skin
 that is known exactly, each integrated over pixels and strengths: no test notices more pairs at its
 rate of single presses (J. Neyman, E. S. Pearson, Phil. Trans. A 231 (1933) 289-337). None of this
@@ -33,7 +33,7 @@ from rcskin.simulator.scene.scene_files import load_scene
 PREDICTION = (
     "Pairs shown in training are noticed more often than the spread of single presses alone tells, "
     "at nearly the same rate of single presses answered, also by a localizer that itself looks at "
-    "Rs and Cp: its guards look at changes from rest."
+    "Rs and Cp: its guards look at changes."
 )
 RTOL = 1e-3
 TRAINED, FEW_TRAINED = 8000, 600
@@ -138,7 +138,7 @@ def main(run: Run) -> None:
         rows += rows_of(name, known, sweeps_of(other, asked, 2 + k))
         print(name, flush=True)
     rows.append(best_row(run.sized(DRAWN, FEW_DRAWN), run.sized(STRENGTHS, FEW_STRENGTHS)))
-    title = "Two touches asked of a localizer of one: columns of 5x5, factors from 1.3 to 3"
+    title = "Two touches shown to a localizer of one: columns of 5x5, factors from 1.3 to 3"
     publish(run.results, "several_touches", title, pd.DataFrame(rows))
 
 

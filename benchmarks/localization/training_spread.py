@@ -40,7 +40,7 @@ TRIAL = TRIALS[2]
 SPREADS, FEW_SPREADS = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0), (0.5, 1.0)
 NUMBERS, FEW_NUMBERS = (10, 30, 100, 330), (4, 10)
 TWINS, TWIN_SPREADS = 40, (1.0, 2.0)
-FEATURES = {"changes from rest": CHANGE, "changes and the curve at rest": WHOLE}
+FEATURES = {"changes": CHANGE, "changes and the unpressed curve": WHOLE}
 
 
 def spread_by(scene: Scene, factor: float) -> Scene:
@@ -114,7 +114,7 @@ def tell(table: pd.DataFrame, count: int, folder: Path) -> None:
     cells = [f"{m} ± {s} ({low:.0f})" for m, s, low in table[["mean", "sem", "min"]].to_numpy()]
     by = ["features", "spread of twins", "skins"]
     wide = table.assign(cell=cells).pivot(index=by, columns="spread of training", values="cell")
-    title = f"Columns of {count} twins told right, %, by the spread of training (worst twin)"
+    title = f"Columns of {count} twins found, %, by the spread of training (worst twin)"
     publish(folder, "training_spread", title, wide.rename(columns=str).reset_index())
     draw(table, folder / "training_spread.png")
 

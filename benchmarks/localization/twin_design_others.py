@@ -43,7 +43,7 @@ def told(run: Run, folder: Path) -> None:
     answers = Parallel(n_jobs=asked.processes)(work)
     found = pd.DataFrame([row for rows in answers for row in rows])
     pixels = trial.believed.pixels
-    title = f"Pixels of {pixels.rows}x{pixels.columns} told right (%), as designed, other twins"
+    title = f"Pixels of {pixels.rows}x{pixels.columns} found (%), as designed, other twins"
     publish(run.results, "twin_design_others", title, pd.DataFrame(summary(found)))
 
 

@@ -50,8 +50,8 @@ def measured(cases: list[Case], rtols: tuple[float, ...]) -> pd.DataFrame:
                 {
                     "skin": case.name,
                     "against": "closed form" if case.closed else "finer triangles",
-                    "asked": f"{rtol:g}",
-                    "told": f"{told:.1e}",
+                    "tolerance": f"{rtol:g}",
+                    "estimate": f"{told:.1e}",
                     "true": f"{true:.1e}",
                     "ms": f"{1e3 * spent:.3g}",
                     "unknowns": unknowns,
@@ -77,7 +77,7 @@ def plain_path() -> pd.DataFrame:
 
     times = {
         "a further press of sheet-5x5, 1e-4": alone,
-        "of it: finding out that it is plain": best_time(found_plain, 200),
+        "of it: finding out that it is uniform": best_time(found_plain, 200),
         "the same press by the elements of varied skins": best_time(varied, 20),
     }
     return pd.DataFrame([{"what": k, "us": f"{1e6 * t:.3g}"} for k, t in times.items()])

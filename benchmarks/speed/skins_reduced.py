@@ -80,7 +80,7 @@ def _row(name: str, scene: Scene, rtol: float, presses: int) -> dict[str, object
     return {
         "skin": name,
         "pixels": f"{rows} x {columns}",
-        "asked": f"{rtol:g}",
+        "tolerance": f"{rtol:g}",
         "prepared in s": f"{prepared:.2g}",
         "vectors": reduced.size,
         "unknowns": reduced.family.space.inner,

@@ -99,7 +99,7 @@ def _pixels(table: str, asked: tuple[str, ...], names: tuple[str, ...]) -> Goal:
         training=0,
         hand=Hand(offset=OFFSET),
     )
-    return Goal(table, "Pixels of {} told right (%), four wires, as designed", trial, asked)
+    return Goal(table, "Pixels of {} found (%), four wires, as designed", trial, asked)
 
 
 GOALS = {
@@ -111,7 +111,7 @@ GOALS = {
     ),
     "column": Goal(
         "twin_design_columns",
-        "Columns of {} told right (%), two wires on one edge, graded sheets, as designed",
+        "Columns of {} found (%), two wires on one edge, graded sheets, as designed",
         Trial(
             "column",
             believed(ONE_EDGE, 8, SINGLE),
@@ -146,7 +146,7 @@ GOALS = {
     ),
     "pair": Goal(
         "twin_design_pairs",
-        "Both of two touches on {} told right (%), four wires, as designed",
+        "Both of two touches on {} found (%), four wires, as designed",
         Trial(
             "pair",
             believed(TWO, 4, DOUBLE),

@@ -1,4 +1,4 @@
-"""What no localizer can exceed, the best share of pixels told right: how far off each way is."""
+"""What no localizer can exceed, the best share of pixels found: how far off each way is."""
 
 from __future__ import annotations
 
@@ -103,7 +103,7 @@ class _InFull(TouchReadings):
 
 
 LIMITS = Question(
-    title="Limits: the best share of 25 pixels told right",
+    title="Limits: the best share of 25 pixels found",
     error="Error of the share",
     time="Time to the share (ms)",
     ours=(OURS, AGAIN),

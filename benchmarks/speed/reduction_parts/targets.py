@@ -69,7 +69,7 @@ def measured(target: Target) -> dict[str, str | float]:
     kept = all(value <= limit for value, limit in zip(reached, limits, strict=True))
     return {
         "skin": target.skin.title,
-        "asked": f"{model.reduced.rtol:g}",
+        "tolerance": f"{model.reduced.rtol:g}",
         "fields": model.reduced.circuit.fields,
         "unknowns": model.reduced.family.space.inner,
         "vectors": model.reduced.size,
@@ -99,7 +99,7 @@ def _errors(reduced: Reduced, count: int) -> dict[str, float]:
         "true error": worst(presses.solved(skin), true_impedance(presses)),
         "left out by the basis": float(left_out.max()),
         "largest certificate": float(certified.max()),
-        "certificates above asked (%)": 100 * float((certified > reduced.rtol).mean()),
+        "certificates above it (%)": 100 * float((certified > reduced.rtol).mean()),
         "certificate over left out, least": float(ratio.min()),
         "certificate over left out, median": float(np.median(ratio)),
     }
