@@ -66,7 +66,7 @@ def test_every_table_is_the_same_bytes_on_a_second_run(tmp_path):
 
 
 def test_every_chart_is_drawn_and_in_the_report(results):
-    report = (results / "report.html").read_text()
+    report = (results / "report.html").read_text(encoding="utf-8")
     assert report.count('src="data:image/png;base64,') == len(CHARTS)
     for name in CHARTS:
         picture = imread(results / f"{name}.png")
@@ -89,7 +89,7 @@ def test_charts_for_papers_are_written_beside_the_pictures(tmp_path, monkeypatch
 
 
 def test_the_report_stands_alone_and_holds_every_claim(results):
-    report = (results / "report.html").read_text()
+    report = (results / "report.html").read_text(encoding="utf-8")
     assert "http" not in report
     comparison = pd.read_csv(results / "comparison.csv")
     assert report.count("✓ agrees") == comparison["agrees"].sum()
