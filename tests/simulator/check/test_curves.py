@@ -43,7 +43,7 @@ def test_gains_are_drawn(run, refused, make_sweeps, file, tmp_path, magnitude_on
     write(sweeps, tmp_path / "gains.nc")
     output = tmp_path / "gains.svg"
     assert run("plot", tmp_path / "gains.nc", "-o", output)[0] == 0
-    assert ("phase (°)" in output.read_text()) != magnitude_only
+    assert ("phase (°)" in output.read_text(encoding="utf-8")) != magnitude_only
     wrong = refused("plot", tmp_path / "gains.nc", "-o", output, "--what", "Rs")
     assert f"--what of {kind.name} must be of gain, " in wrong and "got 'Rs'" in wrong
     mixed = refused("plot", tmp_path / "gains.nc", file, "-o", output)
@@ -53,7 +53,7 @@ def test_gains_are_drawn(run, refused, make_sweeps, file, tmp_path, magnitude_on
 def test_recordings_are_drawn_over_each_other(run, file, tmp_path):
     code, out, _ = run("plot", file, file, "-o", tmp_path / "out.svg", "--what", "Cp")
     assert code == 0 and "2 recordings -> " in out
-    assert (tmp_path / "out.svg").read_text().count("run.nc") >= 2
+    assert (tmp_path / "out.svg").read_text(encoding="utf-8").count("run.nc") >= 2
 
 
 @pytest.mark.parametrize(
@@ -113,7 +113,7 @@ def test_rows_of_a_column_have_lines_of_their_own(make_sweeps, run, tmp_path):
     for name in ("out.svg", "out.html"):
         asked = ("-o", tmp_path / name, "--what", "Cp")
         assert run("plot", tmp_path / "run.nc", *asked)[0] == 0
-        assert "row 7" in (tmp_path / name).read_text()
+        assert "row 7" in (tmp_path / name).read_text(encoding="utf-8")
 
 
 def test_a_pixel_of_one_strength_is_the_same_press_without_it(make_sweeps):
@@ -142,7 +142,7 @@ def two_files(make_sweeps, tmp_path):
 
 def test_the_legend_distinguishes_measured_and_simulated_sweeps(run, two_files, tmp_path):
     assert run("plot", *two_files, "-o", tmp_path / "out.svg", "--what", "Cp")[0] == 0
-    text = (tmp_path / "out.svg").read_text()
+    text = (tmp_path / "out.svg").read_text(encoding="utf-8")
     assert "all.nc (simulated)" in text and "run.nc (measured)" in text
 
 
@@ -151,7 +151,7 @@ def test_a_page_holds_every_curve_and_needs_no_network(run, two_files, tmp_path)
     asked = [word for name in CHOICES["impedance"] for word in ("--what", name)]
     code, out, err = run("plot", *two_files, "-o", output, *asked)
     assert (code, out, err) == (0, f"2 recordings -> {output}\n", "")
-    text = output.read_text()
+    text = output.read_text(encoding="utf-8")
     assert "<script src=" not in text and "plotly.js v" in text
     for name in ("unpressed, all.nc (simulated)", "1,1, run.nc (measured)"):
         assert text.count(f'"name":"{name}"') == 2 * len(CHOICES["impedance"])

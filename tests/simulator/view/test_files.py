@@ -142,7 +142,7 @@ def test_xdmf_has_frequency_for_time(fields, stage, tmp_path, corners):
 
 def read_page(path):
     """The text of a page, its traces and its layout."""
-    page = path.read_text()
+    page = path.read_text(encoding="utf-8")
     decoder = json.JSONDecoder()
     start = page.index("[", re.search(r'Plotly\.newPlot\(\s*"skin",', page).end())
     traces, end = decoder.raw_decode(page, start)

@@ -78,6 +78,7 @@ def test_which_of_several_interfaces_is_shown_is_said(solved, capsys, interface,
     assert solved[0][2] == (interface or "left")
 
 
+@pytest.mark.posix("Windows always has a display")
 def test_without_a_display_a_page_is_opened(run, solved, scene_file, monkeypatch, tmp_path):
     opened = []
     monkeypatch.delenv("DISPLAY", raising=False)
@@ -160,6 +161,7 @@ def test_what_is_not_installed_is_told_with_its_extra(
     assert err == f"rcskin: {arguments[-1]}: needs {library}: pip install 'rcskin[view]'\n"
 
 
+@pytest.mark.posix("Windows always has what draws")
 @pytest.mark.parametrize("name", ["out.png", "out.gif", "out.mp4"])
 def test_where_nothing_draws_it_is_told_before_anything_is_solved(
     run, solved, scene_file, tmp_path, monkeypatch, name
@@ -174,6 +176,7 @@ def test_where_nothing_draws_it_is_told_before_anything_is_solved(
 
 
 @pytest.mark.pictures
+@pytest.mark.posix("EGL is of Linux")
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="EGL is of Linux")
 def test_a_library_without_a_driver_does_not_take_the_program_down(tmp_path):
     without_drivers = {**os.environ, "__EGL_VENDOR_LIBRARY_FILENAMES": str(tmp_path / "none")}
