@@ -73,7 +73,7 @@ class BaselineDataset:
 
     @property
     def sweeps(self) -> xr.Dataset:
-        """See `rest_dataset`."""
+        """See `baseline_dataset`."""
         counting = self.rest.opening, list(self.rest.sweeps)
         if self._made is None or counting != self._of:
             self._of, self._made = counting, baseline_dataset(self.rest, self.model)

@@ -77,7 +77,7 @@ class Line:
     def _between_two_ends(self, press: Press, frequency: Real) -> Complex:
         """Z of interfaces that drive the first end, the second, or both tied together."""
         ports = self.ports(press, frequency)
-        return np.stack([ports.seen_from(on.high, on.low) for on in self._circuit.excitations])
+        return np.stack([ports.to_earth(on.high, on.low) for on in self._circuit.excitations])
 
     def ports(self, press: Press, frequency: Real) -> LinePorts:
         """Network between the end of the first contact, the far end, and the low terminal.

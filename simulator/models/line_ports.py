@@ -36,7 +36,7 @@ class LinePorts(NamedTuple):
             other.far + other.between * middle / total,
         )
 
-    def seen_from(self, driven: Collection[int], at_earth: Collection[int] = ()) -> Complex:
+    def to_earth(self, driven: Collection[int], at_earth: Collection[int] = ()) -> Complex:
         """Impedance to earth in ohm of the driven ends, tied together.
 
         driven, at_earth: 0 for the near end, 1 for the far one; an end that is neither is open.

@@ -77,7 +77,7 @@ def marks(
     skin: SkinSurface,
     to_space: Callable[[Real], Real],
 ) -> Marks:
-    """Marks on the skin, without the field; `laid` as for `foils`."""
+    """Marks on the skin, without the field; `to_space` as for `foils`."""
     mesh = SkinMesh(scene, press, skin) if scene.skin.mesh else None
     if mesh and scene.pixels.groups:
         grid, middles = list(mesh.pixel_lines()), mesh.middles()

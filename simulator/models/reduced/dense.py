@@ -178,7 +178,7 @@ def _by_touches(
 
     rows: rows of the terminals in M, shape (press, N, N + n). P: 1 / (1 + s M) where M is diagonal,
     (press or 1, s, n). U, C: factors of cells there, (press, rank, n), and their weights, (press,
-    rank). woodbury: see `_seen`.
+    rank). woodbury: see `_woodbury_matrices`.
     """
     N, F = len(excited.potential), excited.floating
     floats = F.shape[1]

@@ -58,7 +58,7 @@ def grouped(table: ImportedTable, frequency: Real, failed: Mask, labels: LineLab
     latest: dict[tuple[str, ...], ImportedSweep] = {}
     sweeps: list[ImportedSweep] = []
     for place, (line, _) in enumerate(table.rows):
-        key, told = labels.keys[place], labels.told[place]
+        key, pressed = labels.keys[place], labels.presses[place]
         reading = labels.interfaces[place], float(common.frequency[place])
         sweep = latest.get(key)
         if sweep is None or reading in sweep.lines:
@@ -66,9 +66,9 @@ def grouped(table: ImportedTable, frequency: Real, failed: Mask, labels: LineLab
                 before = table.rows[sweep.lines[reading]][0]
                 message = f"the same sweep has {reading[1]:g} Hz in line {before} already"
                 raise table.error(line, message)
-            sweep = latest[key] = ImportedSweep(line, *told)
+            sweep = latest[key] = ImportedSweep(line, *pressed)
             sweeps.append(sweep)
-        if (sweep.press, sweep.row, sweep.column, sweep.session) != told:
+        if (sweep.press, sweep.row, sweep.column, sweep.session) != pressed:
             raise table.error(line, f"has another press or session than line {sweep.line}")
         sweep.lines[reading] = place
     if not labels.by_sweep:

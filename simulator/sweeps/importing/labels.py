@@ -35,13 +35,13 @@ class Defaults:
 class LineLabels:
     """Labels of every line.
 
-    keys: what distinguishes sweeps. told: press, row, column and session. by_sweep: a column counts
+    keys: what distinguishes sweeps. presses: press, row, column, session. by_sweep: a column counts
     the sweeps. columns: those that were used. counting: columns that only count the lines.
     """
 
     keys: list[tuple[str, ...]]
     interfaces: list[str]
-    told: list[tuple[str, int, int, int]]
+    presses: list[tuple[str, int, int, int]]
     by_sweep: bool
     columns: list[Column]
     counting: list[Column]
@@ -63,8 +63,8 @@ def line_labels(table: ImportedTable, frequency: Real, defaults: Defaults) -> Li
     texts = [table.text(used[name]) for name in [*names, "session"] if name in used]
     keys = list(zip(*texts, strict=True)) if texts else [()] * len(table.rows)
     interfaces = _column(table, used, "interface", defaults.interface, UNNAMED)
-    told = _told(table, used, defaults)
-    return LineLabels(keys, interfaces, told, "sweep" in used, list(used.values()), counting)
+    presses = _line_presses(table, used, defaults)
+    return LineLabels(keys, interfaces, presses, "sweep" in used, list(used.values()), counting)
 
 
 def _counting(table: ImportedTable, frequency: Real) -> list[Column]:
@@ -84,7 +84,7 @@ def _counting(table: ImportedTable, frequency: Real) -> list[Column]:
     ]
 
 
-def _told(
+def _line_presses(
     table: ImportedTable, used: dict[str, Column], defaults: Defaults
 ) -> list[tuple[str, int, int, int]]:
     """Tuple (press, row, column, session) of every line."""

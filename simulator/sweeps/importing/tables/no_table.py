@@ -26,11 +26,11 @@ def no_table(path: Path, lines: Lines, scans: list[Scan], given: list[str] | Non
     return InputError(
         f"{path}: no line names a frequency column (as `Frequency (kHz)`, `f/Hz`) and a column of "
         f"impedance or gain beside it, separated by {', '.join(SEPARATORS.values())} or spaces"
-        f"{_seen(lines)}; --columns f,Rs,X names columns"
+        f"{_likely_header(lines)}; --columns f,Rs,X names columns"
     )
 
 
-def _seen(lines: Lines) -> str:
+def _likely_header(lines: Lines) -> str:
     """The cells of the line above the first line of numbers, as the header that may be meant."""
     above: tuple[int, str] | None = None
     for number, text in lines:
