@@ -6,8 +6,10 @@ from pathlib import Path
 from types import SimpleNamespace
 
 from rcskin.__main__ import meter as app
+from rcskin.hardware.meter.errors import MeterError
 from rcskin.hardware.virtual import serving
 from rcskin.hardware.virtual.recorded_skin import exact_readout
+from rcskin.simulator.command_line import run as run_command_line
 from rcskin.simulator.scene.readings.changed_readings import (
     checked_interfaces,
     restricted_to_interfaces,
@@ -83,10 +85,11 @@ def arguments(given):
 
 
 def run(given):
-    """Run a command of the meter with the toys in place; the page's imports half the simulator."""
+    """Run a command of the meter as `rcskin` does, with the toys in place of half the simulator."""
     serving.simulated = simulated
     sys.modules["rcskin.simulator.page.linked"] = SimpleNamespace(linked_page=document)
-    app(arguments(given))
+    sys.argv[1:] = arguments(given)
+    run_command_line(app, (MeterError,))
 
 
 if __name__ == "__main__":

@@ -47,7 +47,9 @@ def test_killed_again_and_again_it_goes_on_and_loses_nothing(ports, start_rig, t
     assert process.returncode == 0
     earth, put_back = err.splitlines()
     assert "the scene has no [surroundings]" in earth
-    assert re.fullmatch(rf"{folder}: .* the original ones at its end: header = .*", put_back)
+    assert re.fullmatch(
+        rf"rcskin: note: {folder}: .* the original ones at its end: header = .*", put_back
+    )
     sweeps = read(output)
     assert not folder.exists()
     first = sorted(kept)
@@ -95,7 +97,8 @@ def test_a_meter_ends_while_its_first_reading_is_solved(slow_meter):
     process = slow_meter(quick=0)
     assert process.stdout.readline() == "solving\n"
     process.send_signal(signal.SIGINT)
-    process.communicate(timeout=SOON)
+    _, err = process.communicate(timeout=SOON)
+    assert process.returncode == 130 and err == "rcskin: interrupted\n"
 
 
 def test_a_meter_ends_while_a_client_awaits_a_reading(slow_meter):
