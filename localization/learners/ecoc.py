@@ -109,7 +109,8 @@ class ECOCClassifier(MetaEstimatorMixin, ClassifierMixin, BaseEstimator):
 
     def _scores_of_pairs(self, X):
         """Scores of all pairs in the order of `one_versus_one`, shape (n, L)."""
-        pairs = list(combinations(range(self.classes_.size), 2))
-        last = self.classes_.size - 1
-        order = [pairs.index((last - second, last - first)) for first, second in pairs]
+        count = self.classes_.size
+        first, second = np.triu_indices(count, 1)
+        lower, upper = count - 1 - second, count - 1 - first
+        order = lower * (2 * count - lower - 1) // 2 + upper - lower - 1
         return -self.estimators_[0].decision_function(X)[:, order]

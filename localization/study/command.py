@@ -10,10 +10,11 @@ import typer
 from ...simulator.requests.options import SceneName
 from ...simulator.safe_text import say
 
-SECONDS_A_POINT = 1.0
+SECONDS_A_POINT = 4.0
 """Approximate time of one process for a point.
 
-It is for a reduced model of the paper's sheets, 2000 sweeps and four trainings.
+It is for a reduced model of the paper's sheets, 2000 sweeps and four trainings; mean of the default
+study of `sheet-5x5` by two processes on two processors of a server.
 """
 
 
