@@ -284,21 +284,23 @@ async def serve_page(control: ControlPort, page_options: PageOptions) -> AsyncIt
             watch.cancel()
 
 
-def _on_signal(
-    number: signal.Signals, loop: asyncio.AbstractEventLoop, call: Callable[[], None]
-) -> None:
-    """Call a function in the loop at a signal, also on Windows, where loops take no signals."""
+def _on_signal(number: signal.Signals, call: Callable[[], None], stack: AsyncExitStack) -> None:
+    """Call a function in the loop at a signal, also on Windows, where loops take no signals.
+
+    What was done at the signal before is done again once the stack, or the loop, is closed.
+    """
+    loop = asyncio.get_running_loop()
     try:
         loop.add_signal_handler(number, call)
     except NotImplementedError:
-        signal.signal(number, lambda *_: loop.call_soon_threadsafe(call))
+        before = signal.signal(number, lambda *_: loop.call_soon_threadsafe(call))
+        stack.callback(signal.signal, number, before)
 
 
 async def _run_until_signal(open_: Callable[[AsyncExitStack], Awaitable[None]]) -> None:
     stopped = asyncio.Event()
-    loop = asyncio.get_running_loop()
-    for end in (signal.SIGINT, signal.SIGTERM):
-        _on_signal(end, loop, stopped.set)
     async with AsyncExitStack() as stack:
+        for end in (signal.SIGINT, signal.SIGTERM):
+            _on_signal(end, stopped.set, stack)
         await open_(stack)
         await stopped.wait()

@@ -24,21 +24,12 @@ def test_a_recording_ends_whole_where_open_files_stay(windows, command, ports, t
     assert sorted(path.name for path in tmp_path.iterdir()) == ["a.nc", "order.txt"]
 
 
-@pytest.fixture
-def signals_as_before():
-    """What is done at a signal is at the end as it was."""
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
-    yield
-    for number, handler in before.items():
-        signal.signal(number, handler)
-
-
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_a_signal_ends_a_virtual_meter_where_loops_take_none(
-    windows, signals_as_before, make_instrument, number
-):
+def test_a_signal_ends_a_virtual_meter_where_loops_take_none(windows, make_instrument, number):
+    before = signal.getsignal(number)
     told = lambda ports: signal.raise_signal(number)  # noqa: E731
     serve_until_told(make_instrument(), (), told, port=0, control_port=0)
+    assert signal.getsignal(number) is before
 
 
 @pytest.mark.parametrize(
