@@ -1,7 +1,6 @@
 """A virtual skin and a live session, each on its page, as their commands serve them."""
 
 import os
-import signal
 import subprocess
 import sys
 from contextlib import contextmanager
@@ -51,7 +50,7 @@ def command(*words):
         try:
             yield process
         finally:
-            process.send_signal(signal.SIGINT)
+            process.terminate()
             process.communicate()
 
 

@@ -69,6 +69,7 @@ def test_in_a_pipe_each_answer_is_a_line(start, ports):
     assert "leave the skin untouched: unpressed sweep 1 of 3" in err
 
 
+@pytest.mark.posix("there one process ends another without a word to it")
 def test_ctrl_c_ends_it_and_leaves_meter_and_log_in_order(start, instrument, tmp_path):
     before = set_otherwise(instrument)
     instrument.pace = 1.0
@@ -86,6 +87,7 @@ def test_ctrl_c_ends_it_and_leaves_meter_and_log_in_order(start, instrument, tmp
     assert err.splitlines()[-2].startswith(last)
 
 
+@pytest.mark.posix("there one process ends another without a word to it")
 def test_ctrl_c_ends_it_while_an_answer_is_awaited(start, instrument):
     process = start("--timeout", 60)
     process.stdout.readline()
@@ -211,6 +213,7 @@ def test_sweeps_are_those_of_the_skin(live, cushion, tmp_path):
     assert np.allclose(read(log)["X"].values, truth, rtol=1e-5)
 
 
+@pytest.mark.posix("there one process ends another without a word to it")
 def test_told_to_end_it_leaves_the_meter_as_found_and_the_log_whole(start, instrument, tmp_path):
     before, log = set_otherwise(instrument), tmp_path / "run.nc"
     process = start("--log", log)

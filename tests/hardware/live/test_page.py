@@ -51,10 +51,11 @@ def test_viewers_see_sweeps_answers_and_faults(paged, look, press, instrument):
         state = one.until(lambda state: "trying again" in state["why"])
         assert state["answer"] is None and state["measured"] is not None
         assert one.until(answered("column 3"))["times"]["failed"] >= 1
-    process.send_signal(signal.SIGINT)
+    process.terminate()
     assert state["why"] in process.communicate(timeout=SOON)[1]
 
 
+@pytest.mark.posix("there one process ends another without a word to it")
 def test_ctrl_c_leaves_the_meter_as_found_though_a_viewer_is_stuck(paged, look, instrument):
     instrument.pace = 1.0
     process, url = paged()

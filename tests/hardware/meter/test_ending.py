@@ -2,7 +2,6 @@
 
 import ctypes
 import gc
-import os
 import signal
 import time
 from threading import Thread
@@ -21,7 +20,7 @@ class Deaf:
     """Is interrupted where Python lets no error out."""
 
     def __del__(self):
-        os.kill(os.getpid(), signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
         for _ in range(1000):
             pass
 
@@ -42,7 +41,7 @@ def test_an_ignored_signal_stays_ignored(monkeypatch):
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
     try:
         with orderly_termination():
-            os.kill(os.getpid(), signal.SIGHUP)
+            signal.raise_signal(signal.SIGHUP)
             raise_pending_signal()
     finally:
         signal.signal(signal.SIGHUP, before)

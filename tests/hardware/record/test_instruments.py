@@ -122,7 +122,7 @@ def test_a_sweep_of_hundreds_of_frequencies_comes_whole(meter, pillow):
     np.testing.assert_allclose([complex(r.Rs, r.X) for r in readings], exact, rtol=2e-3)
 
 
-@pytest.mark.posix("there SIGTERM ends a process without a word to it")
+@pytest.mark.posix("there one process ends another without a word to it")
 @pytest.mark.parametrize("case", [E4980A, E4990A], indirect=True, ids=lambda case: case.model)
 def test_a_recording_that_is_ended_leaves_it_as_found(start_rig, ports, instrument, case, tmp_path):
     instrument.pace = 0.5

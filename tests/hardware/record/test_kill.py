@@ -61,10 +61,11 @@ def test_killed_again_and_again_it_goes_on_and_loses_nothing(ports, start_rig, t
     assert out == f"{len(order)} sweeps x 3 frequencies -> {output}; 0 with remarks\n"
 
 
-KILLED = pytest.mark.posix("there SIGTERM ends a process without a word to it")
+TOLD = pytest.mark.posix("there one process ends another without a word to it")
 
 
-@pytest.mark.parametrize("end", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=KILLED)])
+@TOLD
+@pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])
 def test_a_served_meter_ends_when_it_is_told(start_rig, end):
     process = start_rig("serve", "--scene", "pillow", "--port", 0, "--control-port", 0)
     assert "TCPIP0::127.0.0.1::" in process.stdout.readline()
@@ -93,6 +94,7 @@ def slow_meter(spawn):
     return lambda quick: spawn(sys.executable, "-c", SLOW.format(rig=str(RIG), quick=quick))
 
 
+@TOLD
 def test_a_meter_ends_while_its_first_reading_is_solved(slow_meter):
     process = slow_meter(quick=0)
     assert process.stdout.readline() == "solving\n"
@@ -101,6 +103,7 @@ def test_a_meter_ends_while_its_first_reading_is_solved(slow_meter):
     assert process.returncode == 130 and err == "rcskin: interrupted\n"
 
 
+@TOLD
 def test_a_meter_ends_while_a_client_awaits_a_reading(slow_meter):
     process = slow_meter(quick=1e3)
     port = process.stdout.readline().split("::")[2]
@@ -112,6 +115,7 @@ def test_a_meter_ends_while_a_client_awaits_a_reading(slow_meter):
     assert process.returncode == 0
 
 
+@TOLD
 def test_ctrl_c_ends_a_recording_that_awaits_the_meter_and_says_how_to_go_on(
     start_rig, serve, make_instrument, tmp_path
 ):

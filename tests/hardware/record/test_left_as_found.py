@@ -1,7 +1,6 @@
 """A recording leaves the meter as it was found, however it ends, or says what it did not."""
 
 import copy
-import os
 import signal
 import time
 from threading import Thread
@@ -15,7 +14,7 @@ NOT_AS_FOUND = "the meter did not confirm these original settings; check them on
 ENDS = [signal.SIGINT]
 if hasattr(signal, "SIGHUP"):
     ENDS += [signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT]
-KILLED = "there SIGTERM and its like end a process without a word to it"
+KILLED = "there one process ends another without a word to it"
 
 
 @pytest.fixture
@@ -75,6 +74,7 @@ def under_way(start_rig, recording, instrument, tmp_path):
     return under_way
 
 
+@pytest.mark.posix(KILLED)
 @pytest.mark.parametrize("end", ENDS, ids=str)
 def test_a_recording_that_is_ended_leaves_it_as_found(
     under_way, instrument, as_found, tmp_path, end
@@ -139,7 +139,7 @@ def test_signals_at_any_moment_end_it_and_it_goes_on(
         while sum(1 for _ in folder.glob("0*.json")) <= kept:
             time.sleep(0.005)
         time.sleep(seconds)
-        os.kill(os.getpid(), number)
+        signal.raise_signal(number)
 
     random = np.random.default_rng(1)
     for number in [*ENDS, *ENDS]:

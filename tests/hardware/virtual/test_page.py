@@ -42,6 +42,7 @@ def test_a_press_that_is_none_is_refused_and_the_page_goes_on(served, look):
         assert viewer.press("1,1")["do"] == "pressed"
 
 
+@pytest.mark.posix("there one process ends another without a word to it")
 def test_ctrl_c_ends_it_though_viewers_are_there(served, look):
     process, *_, url = served
     with look(url) as viewer:

@@ -94,7 +94,7 @@ def test_bad_input_ends_with_one_line_and_code_2(refused, tmp_path, monkeypatch,
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.posix("there SIGTERM ends a process without a word to it")
+@pytest.mark.posix("there one process ends another without a word to it")
 @pytest.mark.parametrize(
     ("workers", "number"),
     [(1, signal.SIGTERM), pytest.param(2, signal.SIGINT, marks=pytest.mark.slow)],

@@ -8,6 +8,7 @@ import multiprocessing.context
 import os
 import selectors
 import signal
+import subprocess
 import sys
 import time
 
@@ -45,6 +46,7 @@ def without_unix(context):
     context.setattr(signal, "SIGBREAK", signal.Signals(SIGBREAK), raising=False)
     context.setattr(signal, "signal", _of_windows(signal.signal))
     context.setattr(os, "kill", _at_once(os.kill))
+    context.setattr(subprocess.Popen, "send_signal", _two_alone(subprocess.Popen.send_signal))
     loop = asyncio.unix_events._UnixSelectorEventLoop
     context.setattr(loop, "add_signal_handler", _not_here)
     tracker = sys.modules.get("multiprocessing.resource_tracker")
@@ -104,12 +106,22 @@ def _of_windows(call):
 
 
 def _at_once(call):
-    """SIGTERM ends a process without a word to it; 0 would be Ctrl-C, for the whole console."""
+    """Any signal ends a process without a word to it; 0 is Ctrl-C, for the whole console."""
 
     def kill(process, number):
-        if number == 0:
-            raise AssertionError("os.kill(PROCESS, 0) sends Ctrl-C on Windows")
-        ends = number == signal.SIGTERM and process != os.getpid()
-        call(process, signal.SIGKILL if ends else number)
+        if number == 0 or process == os.getpid():
+            raise AssertionError(f"os.kill(PROCESS, {number}) ends the caller, too, on Windows")
+        call(process, signal.SIGKILL)
 
     return kill
+
+
+def _two_alone(call):
+    """A process can be ended; the console's own signals go to groups of processes."""
+
+    def send_signal(process, number):
+        if number not in (signal.SIGTERM, signal.SIGKILL):
+            raise ValueError(f"Unsupported signal: {number}")
+        call(process, number)
+
+    return send_signal
