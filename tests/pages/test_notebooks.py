@@ -19,8 +19,8 @@ def cells(page):
     return [ast.parse(block) for block in blocks(page, "python")]
 
 
-def test_there_are_four():
-    assert len(NOTEBOOKS) == 4
+def test_there_are_at_least_four():
+    assert len(NOTEBOOKS) >= 4
 
 
 @pytest.mark.parametrize("page", NOTEBOOKS)
