@@ -1,4 +1,4 @@
-"""Which pixel of 6x6 is pressed: the share told wrong on skins never seen, and the time for one."""
+"""Which pixel of 6x6 is pressed: the share of wrong answers on skins never seen, and the time for one."""
 
 from __future__ import annotations
 
@@ -72,12 +72,12 @@ def _answered(way: str, name: str, samples: Samples, sessions: int) -> Answer:
 
 LOCALIZERS = Question(
     title="Localizers: pixel of 6x6, two interfaces, trained on more sweeps",
-    error="Share told wrong",
+    error="Share of wrong answers",
     time="Time to one answer (ms)",
     ours=(MODEL,),
     answers=answers,
     pick=(
-        "Take model-based where the scene is known: it tells most, in a millisecond; "
+        "Take model-based where the scene is known: it finds most, in a millisecond; "
         "ksvm-components where there is nothing but sweeps."
     ),
     wrong=0.7,
