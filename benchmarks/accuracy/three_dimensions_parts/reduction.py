@@ -137,16 +137,18 @@ def reduced(interface: Driven, masses: Masses, s: Complex, rtol: float) -> tuple
 def _new(interface: Driven, drawn: Array, space: Array) -> Array:
     """K^-1 of charges on the free unknowns, less what the space has of it, orthonormal by K.
 
-    Vectors and K times them, as those of the space: shape (2, unknown, vector).
+    Each time vectors are made orthonormal, what rounding leaves of the space in a short one grows
+    with its length: a third time nothing is left. Vectors and K times them, as those of the space:
+    shape (2, unknown, vector).
     """
     found = interface.inverse @ drawn
-    found = np.stack([found, interface.K @ found])
-    size = np.einsum("ij,ij->j", *found)
-    for _ in range(2):
-        found = found - space @ (space[0].T @ found[1])
-    values, turn = np.linalg.eigh(found[0].T @ found[1])
-    kept = values > SMALL**2 * size.max(initial=0.0)
-    return found @ (turn[:, kept] / np.sqrt(values[kept]))
+    size = np.einsum("ij,ij->j", found, interface.K @ found).max(initial=0.0)
+    for _ in range(3):
+        found = found - space[0] @ (space[1].T @ found)
+        values, turn = np.linalg.eigh(found.T @ interface.K @ found)
+        kept = values > SMALL**2 * size
+        found, size = found @ (turn[:, kept] / np.sqrt(values[kept])), 1.0
+    return np.stack([found, interface.K @ found])
 
 
 def _transfer(interface: Driven, masses: Masses, s: Complex, space: Array) -> Complex:

@@ -1,4 +1,4 @@
-"""Which pixel of 6x6 is pressed: the share of wrong answers on skins never seen, and the time for one."""
+"""Which pixel of 6x6 is pressed: share of wrong answers on skins never seen, and time for one."""
 
 from __future__ import annotations
 
