@@ -12,6 +12,8 @@ from websockets.sync.client import connect
 from .hostile import Target
 
 NEVER = float("inf")
+PATIENCE = 10.0
+"""Seconds that a viewer may wait for its first frame."""
 
 
 @dataclass
@@ -47,7 +49,7 @@ class Viewer:
 
 
 class Watching:
-    """Viewers in threads of their own while the block runs."""
+    """Viewers in threads of their own while the block runs, from their first frame on."""
 
     def __init__(self, url: str, *slowness: float) -> None:
         self.viewers = [Viewer(url, each) for each in slowness]
@@ -59,6 +61,11 @@ class Watching:
     def __enter__(self) -> list[Viewer]:
         for thread in self._threads:
             thread.start()
+        end = time.monotonic() + PATIENCE
+        while not all(viewer.frames for viewer in self.viewers):
+            if time.monotonic() > end:
+                raise RuntimeError(f"a viewer was sent no frame in {PATIENCE:g} s")
+            time.sleep(0.01)
         return self.viewers
 
     def __exit__(self, *error: object) -> None:
