@@ -19,6 +19,8 @@ from rcskin.simulator.scene.scene_files import load_scene
 
 FACTOR = 2.0
 AROUND_THE_KNEE = (0.1, 1.0, 10.0)
+KNEE = 1e3
+"""Hz, where u is 1: those from 1e-9 to 1e9 are frequencies that a scene may have."""
 
 
 @dataclass(frozen=True)
@@ -52,13 +54,18 @@ class Axis:
 
 
 def varied(name: str, u: Iterable[float], changes: dict[str, Any]) -> Scene:
-    """A built-in scene with other tables, swept where omega (R_t + R_b) c L² is u."""
+    """A built-in scene with other tables, swept where omega (R_t + R_b) c L² is u.
+
+    Its foam has the capacitance that puts u = 1 at KNEE.
+    """
     tables = load_scene(name).model_dump(by_alias=True, exclude_none=True) | changes
     skin = Scene.model_validate(tables).skin
-    sheets = skin.both_sheets
-    RC = sheets * skin.foam.unpressed_capacitance_per_area * skin.length**2
-    frequencies = [each / (2 * np.pi * RC) for each in u]
-    return Scene.model_validate(tables | {"sweep": {"frequencies": frequencies}})
+    c = 1 / (2 * np.pi * KNEE * skin.both_sheets * skin.length**2)
+    foam = tables["skin"]["foam"] | {"capacitance_per_area": c}
+    frequencies = [KNEE * each for each in u]
+    return Scene.model_validate(
+        tables | {"skin": tables["skin"] | {"foam": foam}, "sweep": {"frequencies": frequencies}}
+    )
 
 
 def of_frequency(u: float) -> Case:
