@@ -11,6 +11,8 @@ EDGES = ("left", "right", "bottom", "top")
 SPANS = ((0.0, 1.0), (0.0, 1.0), (0.2, 0.7), (0.5, 1.0), (0.31, 0.34))
 FREQUENCIES = 5
 U_RANGE = (1e-3, 1e5)
+KNEE = 1e3
+"""Hz, where omega R C L² is 1: all of U_RANGE are frequencies that a scene may have."""
 
 
 def logarithmic(rng: np.random.Generator, low: float, high: float) -> float:
@@ -23,14 +25,13 @@ def random_scene(rng: np.random.Generator, u_range: tuple[float, float] = U_RANG
 
     u_range: where the middle frequency's omega R C L² lies.
     """
-    top, contrast = logarithmic(rng, 1e2, 1e8), 1.0
+    top, contrast = logarithmic(rng, 1e2, 1e4), 1.0
     if rng.random() < 0.5:
         contrast = logarithmic(rng, 1e-6, 1e6)
     bottom = top * contrast
     length, width = logarithmic(rng, 0.02, 0.2), logarithmic(rng, 0.02, 0.2)
     contacts = _foils(rng, "top", top) + _foils(rng, "bottom", bottom)
-    c = 5e-9
-    unit = 1 / (2 * np.pi * (top + bottom) * c * max(length, width) ** 2)
+    c = 1 / (2 * np.pi * KNEE * (top + bottom) * max(length, width) ** 2)
     middle = logarithmic(rng, *u_range)
     spread = np.geomspace(0.1, 10, FREQUENCIES)
     return Scene.model_validate(
@@ -49,7 +50,7 @@ def random_scene(rng: np.random.Generator, u_range: tuple[float, float] = U_RANG
             "contact": contacts,
             "interface": [_interface(rng, contacts)],
             "pixels": {"rows": int(rng.integers(1, 9)), "columns": int(rng.integers(1, 9))},
-            "sweep": {"frequencies": list(unit * middle * spread)},
+            "sweep": {"frequencies": list(KNEE * middle * spread)},
         }
     )
 
