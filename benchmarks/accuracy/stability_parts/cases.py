@@ -19,8 +19,8 @@ from rcskin.simulator.scene.scene_files import load_scene
 
 FACTOR = 2.0
 AROUND_THE_KNEE = (0.1, 1.0, 10.0)
-KNEE = 1e3
-"""Hz, where u is 1: those from 1e-9 to 1e9 are frequencies that a scene may have."""
+KNEE, MAX_FREQUENCY = 1e3, 1e12
+"""Hz: where u is 1, so that scenes may have 1e-9 to 1e9; the largest that one may have."""
 
 
 @dataclass(frozen=True)
@@ -56,16 +56,18 @@ class Axis:
 def varied(name: str, u: Iterable[float], changes: dict[str, Any]) -> Scene:
     """A built-in scene with other tables, swept where omega (R_t + R_b) c L² is u.
 
-    Its foam has the capacitance that puts u = 1 at KNEE.
+    Where no scene may have such frequencies, its foam has the capacitance that puts u = 1 at KNEE.
     """
     tables = load_scene(name).model_dump(by_alias=True, exclude_none=True) | changes
     skin = Scene.model_validate(tables).skin
-    c = 1 / (2 * np.pi * KNEE * skin.both_sheets * skin.length**2)
-    foam = tables["skin"]["foam"] | {"capacitance_per_area": c}
-    frequencies = [KNEE * each for each in u]
-    return Scene.model_validate(
-        tables | {"skin": tables["skin"] | {"foam": foam}, "sweep": {"frequencies": frequencies}}
-    )
+    per_capacitance = 2 * np.pi * skin.both_sheets * skin.length**2
+    c, u = skin.foam.unpressed_capacitance_per_area, np.asarray([*u])
+    if u.max() / (per_capacitance * c) > MAX_FREQUENCY:
+        c = 1 / (per_capacitance * KNEE)
+        foam = tables["skin"]["foam"] | {"capacitance_per_area": c}
+        tables |= {"skin": tables["skin"] | {"foam": foam}}
+    frequencies = [float(each) for each in u / (per_capacitance * c)]
+    return Scene.model_validate(tables | {"sweep": {"frequencies": frequencies}})
 
 
 def of_frequency(u: float) -> Case:
