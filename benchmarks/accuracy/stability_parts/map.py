@@ -71,7 +71,7 @@ def _value_ticks(axes: Axes, values: np.ndarray) -> None:
     exponents = np.log10(values)
     if values.max() / values.min() > 1e4:
         shown = np.flatnonzero(np.isclose(exponents % 3, 0))
-        labels = [f"$10^{{{exponent:.0f}}}$" for exponent in exponents[shown]]
+        labels = [f"1e{exponent:.0f}" for exponent in exponents[shown]]
     else:
         shown = np.arange(0, len(values), 2)
         labels = [f"{value:g}" for value in values[shown]]
