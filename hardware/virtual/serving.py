@@ -287,7 +287,7 @@ async def serve_page(control: ControlPort, page_options: PageOptions) -> AsyncIt
 def _on_signal(number: signal.Signals, call: Callable[[], None], stack: AsyncExitStack) -> None:
     """Call a function in the loop at a signal, also on Windows, where loops take no signals.
 
-    What was done at the signal before is done again once the stack, or the loop, is closed.
+    There, closing the stack restores the handler of before; a loop resets its own signals itself.
     """
     loop = asyncio.get_running_loop()
     try:

@@ -112,5 +112,6 @@ class ECOCClassifier(MetaEstimatorMixin, ClassifierMixin, BaseEstimator):
         count = self.classes_.size
         first, second = np.triu_indices(count, 1)
         lower, upper = count - 1 - second, count - 1 - first
+        # libsvm's classes run backwards; pair (a, b) of K has a (2K - a - 1) / 2 pairs of less a
         order = lower * (2 * count - lower - 1) // 2 + upper - lower - 1
         return -self.estimators_[0].decision_function(X)[:, order]

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from rcskin.benchmarks.accuracy.random_scenes import KNEE
 from rcskin.benchmarks.rivals import over_resolved
 from rcskin.benchmarks.rivals.cells import Cells
 from rcskin.benchmarks.rivals.scikit_fem_script import Elements
@@ -19,8 +20,8 @@ from rcskin.simulator.scene.scene_files import load_scene
 
 FACTOR = 2.0
 AROUND_THE_KNEE = (0.1, 1.0, 10.0)
-KNEE, MAX_FREQUENCY = 1e3, 1e12
-"""Hz: where u is 1, so that scenes may have 1e-9 to 1e9; the largest that one may have."""
+MAX_FREQUENCY = 1e12
+"""Hz, that a scene may have; with u = 1 at KNEE those of u from 1e-9 to 1e9 are no larger."""
 
 
 @dataclass(frozen=True)
