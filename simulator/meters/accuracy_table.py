@@ -89,7 +89,11 @@ class AccuracyModel(BaseModel):
 
 
 class RangeErrors(AccuracyModel):
-    """Coefficients (A, B) of one range for each band. full_scale: ohm. Z: %. theta: degrees."""
+    """Coefficients (A, B) of one range for each band.
+
+    full_scale [ohm]: |Z| at which the range is full. Z: coefficients of the error of |Z|, %. theta:
+    coefficients of the error of the phase, degrees.
+    """
 
     full_scale: Positive
     Z: BandErrors
@@ -97,7 +101,10 @@ class RangeErrors(AccuracyModel):
 
 
 class SpeedFactors(AccuracyModel):
-    """Factors on the error by the speed of a reading."""
+    """Factors on the error by the speed of a reading.
+
+    FAST, MEDIUM, SLOW, SLOW2: factor at this speed.
+    """
 
     FAST: Positive
     MEDIUM: Positive
@@ -112,7 +119,11 @@ class SpeedFactors(AccuracyModel):
 
 
 class ErrorFactors(AccuracyModel):
-    """Factors on the error. level: (from V, factor). cable_1m: factor at 0 Hz, rise per kHz."""
+    """Factors on the error.
+
+    level: pairs of the lowest voltage [V] at which a factor holds, and that factor. cable_1m: with
+    1 m of cable, the factor at 0 Hz and its rise per kHz.
+    """
 
     level: tuple[tuple[Error, Positive], ...]
     speed: SpeedFactors
@@ -120,14 +131,21 @@ class ErrorFactors(AccuracyModel):
 
 
 class RangeLimits(AccuracyModel):
-    """Limits (min, max) of |Z| over full scale: guaranteed accuracy, and display."""
+    """Limits (min, max) of |Z| over full scale.
+
+    guaranteed: between which the accuracy holds. displayed: between which the meter shows a value.
+    """
 
     guaranteed: tuple[Error, Positive]
     displayed: tuple[Error, Positive]
 
 
 class AccuracyTable(AccuracyModel):
-    """Accuracy table of a meter. band_starts, stop: Hz; a band ends at the start of the next."""
+    """Accuracy table of a meter, by ranges of |Z| and bands of frequency.
+
+    name: of the meter. band_starts [Hz]: lowest frequency of each band; a band ends at the start of
+    the next. stop [Hz]: end of the last band. range: the error in each measurement range.
+    """
 
     name: str
     band_starts: tuple[Positive, ...]

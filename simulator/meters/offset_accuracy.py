@@ -12,10 +12,11 @@ from .accuracy_table import AccuracyModel, Error, Positive
 
 
 class OffsetBand(AccuracyModel):
-    """One band of frequencies, from `start` in Hz.
+    """One band of frequencies.
 
-    basic: %. short_offset: ohm. open_offset: S. short_corner, open_corner: Hz; an offset is
-    multiplied by 1 + sqrt(corner / frequency).
+    start [Hz]: its lowest frequency. basic: part of the bound that does not depend on |Z|, %.
+    short_offset [ohm]: part that grows as |Z| falls. open_offset [S]: part that grows with |Z|.
+    short_corner, open_corner [Hz]: the offset is multiplied by 1 + sqrt(corner / frequency).
     """
 
     start: Positive
@@ -29,7 +30,7 @@ class OffsetBand(AccuracyModel):
 class OffsetAccuracy(AccuracyModel):
     """Bounds basic + short_offset/|Z| + open_offset |Z| on |Z| (a fraction) and on phase (rad).
 
-    stop: end of the last band, Hz; beyond the bands, the nearest one holds.
+    name: of the meter. stop: end of the last band, Hz; beyond the bands, the nearest one holds.
     """
 
     name: str

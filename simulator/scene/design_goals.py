@@ -19,17 +19,18 @@ class Design(Table):
     """Goals and limits of `rcskin design`; everything else of the scene stays unchanged.
 
     target: what a sweep shall identify. want: fraction of sweeps that shall identify it. within:
-    for positions, the largest median error [m]. wires, readings, frequencies: largest numbers of
-    wired foils, of readings between sets of them, and of frequencies of each reading; by default
-    those of the scene. seconds: longest duration of a sweep on the meter. band: range of
-    frequencies [Hz]; by default that of the scene. sheet_resistance: bounds for both sheets
-    [ohm/sq]. sheet_ratio: largest ratio of their resistances. foam_thickness: bounds [m] for the
-    foam; without them, or if the scene gives no thickness, the foam stays as it is. grading:
-    largest ratio of a sheet's resistances at opposite edges. own_frequencies: true lets each
-    reading have its own frequencies, with the same total number. foils: true lets positions and
-    lengths of foils change. foil_length: bounds of a foil's length over that of its edge.
-    against_rest: number of baseline sweeps that each sweep is compared with. casts: number of skins
-    drawn by [dataset.session]; the value of a design is what nine of ten of them reach.
+    for positions, the largest median error [m]. wires: largest number of wired foils; by default
+    that of the scene. readings: largest number of readings between sets of them. frequencies:
+    largest number of frequencies of each reading; by default that of the scene. seconds: longest
+    duration of a sweep on the meter. band: range of frequencies [Hz]; by default that of the scene.
+    sheet_resistance: bounds for both sheets [ohm/sq]. sheet_ratio: largest ratio of their
+    resistances. foam_thickness: bounds [m] for the foam; without them, or if the scene gives no
+    thickness, the foam stays as it is. grading: largest ratio of a sheet's resistances at opposite
+    edges. own_frequencies: true lets each reading have its own frequencies, with the same total
+    number. foils: true lets positions and lengths of foils change. foil_length: bounds of a foil's
+    length over that of its edge. against_rest: number of baseline sweeps that each sweep is
+    compared with. casts: number of skins drawn by [dataset.session]; the value of a design is what
+    nine of ten of them reach.
     """
 
     target: Target = "pixel"

@@ -17,7 +17,9 @@ PRESSED_BY = ("capacitance_factor", "depth", "force", "capacitance")
 class Pixels(Table):
     """The grid of pixels, by which presses are named.
 
-    groups: on a mesh, names of the groups of elements that form the pixels, by row and column.
+    rows: number along y, row 1 along the bottom edge. columns: number along x, column 1 along the
+    left edge. groups: on a mesh, names of the groups of elements that form the pixels, by row and
+    column.
     """
 
     rows: Annotated[Whole, Field(ge=1, le=1000)]
@@ -43,12 +45,14 @@ class Pixels(Table):
 class Pressing(Table):
     """The press of a pixel: its capacitance over the unpressed one, and the spread of presses.
 
-    factor_spread: standard deviation of the rise (factor - 1), as a fraction of that rise. depth
-    [m] or force [N]: the pixel is pressed mechanically by a rigid flat applicator of its shape.
-    finger: the finger of an earthed person, or of a floating one (150 pF to earth), or a
-    capacitance to earth [F]; default a rod without capacitance to earth. A finger needs
-    [surroundings]. adds = "capacitance to earth": a touch does not press; it adds `capacitance`
-    [F] to that of a skin of one conductor (`skin.bottom = "earth"`), with the spread factor_spread.
+    capacitance_factor: capacitance of a pressed pixel over the unpressed one. factor_spread:
+    standard deviation of the rise (factor - 1), as a fraction of that rise. depth: into the foam,
+    by a rigid flat applicator of the pixel's shape, in place of the factor. force: on such an
+    applicator, in place of the factor. finger: the finger of an earthed person, or of a floating
+    one (150 pF to earth), or a capacitance to earth [F]; default a rod without capacitance to
+    earth. A finger needs [surroundings]. adds: a touch does not press; it adds `capacitance` to
+    that of a skin of one conductor (`skin.bottom = "earth"`), with the spread factor_spread.
+    capacitance: to earth, which a touch adds.
     """
 
     capacitance_factor: CapacitanceFactor = 2.0

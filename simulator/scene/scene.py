@@ -63,6 +63,7 @@ def _spent(readings: object) -> None:
 class Scene(Table):
     """Everything that determines a simulated measurement.
 
+    name: by which results and messages refer to the scene. description: free text for readers.
     plausible: false states that unusual numbers are intended; no command then warns of them.
     """
 

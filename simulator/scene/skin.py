@@ -56,8 +56,9 @@ class Anisotropy(Table):
 class Sheet(Table):
     """An electrode sheet: its sheet resistance [ohm/sq] and the variation of it.
 
-    piezoresistance: relative rise of the sheet resistance per unit of compressive strain of the
-    foam beneath. map: factor by position, or a tear.
+    sheet_resistance: nominal value, which `map` multiplies. piezoresistance: relative rise of the
+    sheet resistance per unit of compressive strain of the foam beneath. map: factor by position, or
+    a tear.
     """
 
     sheet_resistance: SheetResistance
@@ -101,9 +102,13 @@ BottomSheet = Annotated[
 class Skin(Table):
     """Two electrode sheets around a foam; length and width are those before stretching.
 
-    The skin is a rectangle, or has an outline, or comes from a mesh file. With an outline or
-    a mesh, the grid of pixels lies on the rectangle of length and width. bottom = "earth": a skin
-    of one conductor, the top sheet; foam.capacitance_per_area is its capacitance to earth.
+    The skin is a rectangle, or has an outline, or comes from a mesh file. With an outline or a
+    mesh, the grid of pixels lies on the rectangle of length and width. length: along x, from the
+    left edge to the right. width: along y, from the bottom edge to the top. mesh: a mesh, or the
+    path of its file from the folder of the scene file. bottom: the lower electrode sheet; "earth"
+    is a skin of one conductor, the top sheet, whose capacitance to earth is
+    foam.capacitance_per_area. top: the upper electrode sheet. shape: the surface to which the skin
+    is bent, a cylinder or a sphere.
     """
 
     length: Length

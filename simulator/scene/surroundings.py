@@ -83,7 +83,8 @@ class Body(Table):
 class Cover(Table):
     """The insulating layer between one sheet and a finger.
 
-    side: the electrode that fingers touch.
+    side: the electrode that fingers touch. thickness: of the layer. relative_permittivity: of its
+    material.
     """
 
     side: Electrode = "top"
@@ -92,7 +93,11 @@ class Cover(Table):
 
 
 class Rim(Table):
-    """Capacitance along the outline [F/m]: between the sheets, and of each sheet to earth."""
+    """Capacitance along the outline [F/m]: between the sheets, and of each sheet to earth.
+
+    mutual: between the sheets. top: of the top sheet to earth. bottom: of the bottom sheet to
+    earth.
+    """
 
     mutual: PerLength = 0.0
     top: PerLength = 0.0

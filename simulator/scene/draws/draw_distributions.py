@@ -29,7 +29,10 @@ class _Drawn(Table):
 
 
 class Fixed(_Drawn):
-    """A constant value; a number in place of a table is short for this."""
+    """A constant value; a number in place of a table is short for this.
+
+    value: of every draw.
+    """
 
     distribution: Literal["fixed"] = "fixed"
     value: Finite
@@ -47,7 +50,10 @@ class Fixed(_Drawn):
 
 
 class Uniform(_Drawn):
-    """Uniform between `low` and `high`; a table of these two keys alone is short for this."""
+    """Uniform between `low` and `high`; a table of these two keys alone is short for this.
+
+    low: smallest value. high: largest value.
+    """
 
     distribution: Literal["uniform"] = "uniform"
     low: Finite
@@ -64,7 +70,11 @@ class Uniform(_Drawn):
 
 
 class Normal(_Drawn):
-    """Normal with `mean` and standard `deviation`, truncated at `cut` deviations."""
+    """Normal with `mean` and standard `deviation`, truncated at `cut` deviations.
+
+    mean: of the distribution. deviation: before truncation. cut: number of deviations from the mean
+    that draws do not exceed.
+    """
 
     distribution: Literal["normal"] = "normal"
     mean: Finite
@@ -88,8 +98,9 @@ class Normal(_Drawn):
 class Lognormal(_Drawn):
     """A value whose logarithm is normally distributed around that of `median`.
 
-    spread: standard deviation of the logarithm; a small one is the relative standard deviation of
-    the value. The distribution is truncated at `cut` of these deviations.
+    median: of the value. spread: standard deviation of the logarithm; a small one is the relative
+    standard deviation of the value. cut: number of these deviations from the median that draws do
+    not exceed.
     """
 
     distribution: Literal["lognormal"] = "lognormal"

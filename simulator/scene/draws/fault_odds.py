@@ -22,8 +22,8 @@ class FaultOdds(Table):
     no contact. tear: a straight cut of a sheet from an edge inwards, without conductance. tears:
     number of different tears in a data set; each takes the training of a model. tear_length: over
     the skin's side. torn_sheets: one of the two sheets, or both at the same place. stuck_spot: a
-    pixel whose foam stays pressed; stuck_factor: its capacitance over the unpressed one. A touch
-    there multiplies what is left. aged_gain: a reader whose gain has changed; gain_factor: the
+    pixel whose foam stays pressed. stuck_factor: its capacitance over the unpressed one; a touch
+    there multiplies what is left. aged_gain: a reader whose gain has changed. gain_factor: the
     factor on its readings at the lowest and at the highest frequency, drawn for each, and between
     them linear in the logarithm of frequency.
     """

@@ -59,13 +59,14 @@ class DrawnPress(Table):
     offset: standard deviation of a touch's displacement from its pixel along each side, over that
     side; the label of the press is the pixel without displacement. factor: capacitance over the
     unpressed one; in a scene that presses by depth, the factor under the applicator, unless depth
-    [m] is drawn. shape and size [m] (sides of a rectangle, diameter of a disc): used only for the
-    place "anywhere". cells_per_pixel: cells along each side of a pixel if touches are not whole
-    pixels; the capacitance of a cell rises in proportion to its covered part, or by the mean over
-    the cell where a tension spreads the press. finger: capacitance of a touch to earth, uniform
-    over the touch; default that of the scene's `press.finger`. without_press: fraction of touches
-    by a finger without pressure. capacitance: that to earth which a touch adds in a scene with
-    `press.adds`, in place of factor; default `press.capacitance`.
+    is drawn. depth: into the foam, in place of factor. shape: of a touch at the place "anywhere".
+    size: sides of a rectangle or diameter of a disc, at the place "anywhere". cells_per_pixel:
+    cells along each side of a pixel if touches are not whole pixels; the capacitance of a cell
+    rises in proportion to its covered part, or by the mean over the cell where a tension spreads
+    the press. finger: capacitance of a touch to earth, uniform over the touch; default that of the
+    scene's `press.finger`. without_press: fraction of touches by a finger without pressure.
+    capacitance: that to earth which a touch adds in a scene with `press.adds`, in place of factor;
+    default `press.capacitance`.
     """
 
     touches: Annotated[
@@ -106,19 +107,19 @@ class DrawnPress(Table):
 class Session(Table):
     """Quantities that are drawn once for every session.
 
-    rest_every: number of presses between baseline sweeps; a session begins with three of them, as
-    in a lab. 0: the only unpressed sweeps are those that `touches` draws.
-    sheet_resistance: common factor on both sheets (ageing, humidity). sheet_mismatch: further
-    factor, drawn for each sheet. unevenness: standard deviation of each cosine mode of a sheet's
-    conductance over its mean; the modes are half a cosine along x, along y, and along both.
-    capacitance: factor on the whole foam. foam_spread: relative standard deviation of the
-    capacitance over the foam: of each pixel independently or, if foam_pattern is "smooth", of each
-    cosine mode. loss_tangent: added to that of the foam. contact_resistance: factor, drawn for each
-    contact; ideal foils have no resistance. stray_capacitance [F] and lead_resistance [ohm]: added
-    to those of the leads; a guard does not reduce them. temperature [°C], humidity [%RH]: ambient
-    of a session, if the foam has tables for them; default those of `experiment`. body, rim: factors
-    on the capacitance of the scene's `surroundings.body` and of its rim; default 1. faults: odds of
-    faults; default none.
+    sweeps_per_session: number of sweeps between two draws. rest_every: number of presses between
+    baseline sweeps; a session begins with three of them, as in a lab. 0: the only unpressed sweeps
+    are those that `touches` draws. sheet_resistance: common factor on both sheets (ageing,
+    humidity). sheet_mismatch: further factor, drawn for each sheet. unevenness: standard deviation
+    of each cosine mode of a sheet's conductance over its mean; the modes are half a cosine along x,
+    along y, and along both. capacitance: factor on the whole foam. foam_spread: relative standard
+    deviation of the capacitance over the foam. foam_pattern: that deviation is drawn for each pixel
+    independently, or, if "smooth", for each cosine mode. loss_tangent: added to that of the foam.
+    contact_resistance: factor, drawn for each contact; ideal foils have no resistance.
+    stray_capacitance, lead_resistance: added to that of the leads; a guard does not reduce it.
+    temperature [°C], humidity [%RH]: ambient of a session, if the foam has tables for them; default
+    those of `experiment`. body, rim: factors on the capacitance of the scene's `surroundings.body`
+    and of its rim; default 1. faults: odds of faults; default none.
 
     The defaults are assumptions. Simulations of electrical impedance tomography for transfer to
     real devices used 3 % for geometry and 4 % for contacts in each session. 5 % for the sheets

@@ -33,14 +33,16 @@ class Foam(Table):
 
     The capacitance is computed from thickness and relative_permittivity. If thickness and
     capacitance_per_area are both given, such as from measurements, they determine the permittivity.
-    loss_tangent: tan d in jwC (1 - j tan d). phase_exponent: a of a constant-phase capacitance
-    (jw)^a, which has its nominal value at 1 kHz; 1 is an ideal capacitor. leak: conductance of the
-    foam over its capacitance, which is its conductivity over its permittivity [1/s]. map: factor on
-    the capacitance by position. mechanics: response to depth or force of a press; it needs the
-    thickness, and gives the permittivity unless that or capacitance_per_area is given. relaxation:
-    one or two standard linear solids, by which the foam creeps under a press and recovers after it.
-    hysteresis: fraction of the work of loading that unloading does not return; at the same load, a
-    foam is more compressed in unloading than in loading.
+    capacitance_per_area: of the unpressed foam. thickness: of the unpressed foam.
+    relative_permittivity: of foam and air together, unpressed. loss_tangent: tan d in jwC (1 - j
+    tan d). phase_exponent: a of a constant-phase capacitance (jw)^a, which has its nominal value at
+    1 kHz; 1 is an ideal capacitor. leak: conductance of the foam over its capacitance, which is its
+    conductivity over its permittivity [1/s]. map: factor on the capacitance by position. mechanics:
+    response to depth or force of a press; it needs the thickness, and gives the permittivity unless
+    that or capacitance_per_area is given. relaxation: one or two standard linear solids, by which
+    the foam creeps under a press and recovers after it. hysteresis: fraction of the work of loading
+    that unloading does not return; at the same load, a foam is more compressed in unloading than in
+    loading.
     """
 
     capacitance_per_area: PerArea | None = None

@@ -52,7 +52,8 @@ class Temperature(Table):
     """Relative changes of capacitance and sheet resistance per kelvin away from a reference.
 
     The scene's numbers hold at the reference. The temperature is that of `experiment`, or drawn by
-    `dataset.session`.
+    `dataset.session`. reference: temperature at which the scene's numbers hold. capacitance:
+    relative rise per kelvin. sheet_resistance: relative rise per kelvin, of both sheets.
     """
 
     reference: Celsius = 23.0
@@ -61,7 +62,11 @@ class Temperature(Table):
 
 
 class Humidity(Table):
-    """Relative changes of capacitance and sheet resistance per percent of relative humidity."""
+    """Relative changes of capacitance and sheet resistance per percent of relative humidity.
+
+    reference: humidity at which the scene's numbers hold. capacitance: relative rise per percent.
+    sheet_resistance: relative rise per percent, of both sheets.
+    """
 
     reference: Humid = 50.0
     capacitance: PerPercent = 0.0

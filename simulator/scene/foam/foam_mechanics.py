@@ -153,7 +153,11 @@ class Mechanics(Table):
     """A foam whose Poisson's ratio is 0: it does not expand sideways under compression.
 
     Pores close as its volume falls: at strain e the porosity is (porosity - e)/(1 - e), from which
-    the law `effective_medium` gives the permittivity; "constant" leaves it unchanged. modulus
+    the law `effective_medium` gives the permittivity; "constant" leaves it unchanged. porosity:
+    fraction of air in the volume of the unpressed foam. solid_permittivity: relative permittivity
+    of the solid; needed unless effective_medium is "constant". effective_medium: law of the
+    permittivity of the mixture. solid_modulus: Young's modulus of the solid. stress_strain:
+    "elastomer", with a plateau and densification; "linear", stress in proportion to strain. modulus
     [Pa]: Young's, or `solid_modulus` (1 - porosity)², that of open cells (Gibson and Ashby, eq.
     5.6). plateau_stress [Pa]: default 0.05 of the modulus. densification_strain: default the
     porosity. tension [N/m]: of both electrode skins together, equal in all directions.

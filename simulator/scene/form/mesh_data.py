@@ -19,7 +19,11 @@ Rows = Annotated[str, Field(description="Rows of numbers, separated by commas.")
 
 
 class MeshGroup(Table):
-    """A named group of a mesh: numbers of its lines and of its triangles, both counted from 0."""
+    """A named group of a mesh: numbers of its lines and of its triangles, both counted from 0.
+
+    name: by which contacts and pixels refer to the group. lines, triangles: rows of those that
+    belong to it.
+    """
 
     name: Annotated[str, Field(min_length=1), AfterValidator(single_line)]
     lines: Rows = ""

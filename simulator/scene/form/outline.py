@@ -26,7 +26,8 @@ Size = Annotated[Number, within(1e-9, 1e3, "m", "no skin is larger, no hole as s
 class Curve(Table):
     """A closed curve: a polygon of corners (x, y) in m in either sense, or circle = (x, y, radius).
 
-    A circle runs anticlockwise from its point of largest x.
+    A circle runs anticlockwise from its point of largest x. points: corners (x, y) of a polygon.
+    circle: its centre and radius (x, y, radius).
     """
 
     points: (
@@ -74,7 +75,10 @@ class Curve(Table):
 
 
 class Outline(Curve):
-    """The outer curve of a skin, and the curves of its holes."""
+    """The outer curve of a skin, and the curves of its holes.
+
+    points: corners (x, y) of a polygon. circle: its centre and radius (x, y, radius).
+    """
 
     holes: Annotated[tuple[Curve, ...], Field(max_length=MAX_HOLES)] = ()
 

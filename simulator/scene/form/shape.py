@@ -31,9 +31,11 @@ Sides = tuple[float, float]
 class Stretch(Table):
     """Stretch ratios along x and y, and the Poisson ratios of the materials.
 
-    y: default x ** -sheet_poisson_ratio, as for a strip pulled at its ends. The thickness of an
-    electrode is proportional to J ** (-p / (1 - p)) with the area's stretch J and its Poisson ratio
-    p; the same holds for the foam. Rubber electrodes keep their volume: p = 0.5.
+    x: stretched length over the length. sheet_poisson_ratio: of both electrodes.
+    foam_poisson_ratio: of the foam. y: default x ** -sheet_poisson_ratio, as for a strip pulled at
+    its ends. The thickness of an electrode is proportional to J ** (-p / (1 - p)) with the area's
+    stretch J and its Poisson ratio p; the same holds for the foam. Rubber electrodes keep their
+    volume: p = 0.5.
     """
 
     x: Ratio = 1.0
@@ -61,7 +63,11 @@ def thinning(poisson_ratio: float) -> float:
 
 
 class Cylinder(Table):
-    """A cylinder of a radius [m] with its axis along the skin's x or y; the skin only bends."""
+    """A cylinder of a radius [m] with its axis along the skin's x or y; the skin only bends.
+
+    radius: of the surface on which the skin lies. axis: side of the skin along which it stays
+    straight.
+    """
 
     kind: Literal["cylinder"] = "cylinder"
     radius: Radius
@@ -106,7 +112,10 @@ class Cylinder(Table):
 
 
 class Sphere(Table):
-    """A sphere of a radius [m]; the skin is placed on it with its middle at the top."""
+    """A sphere of a radius [m]; the skin is placed on it with its middle at the top.
+
+    radius: of the surface on which the skin lies.
+    """
 
     kind: Literal["sphere"] = "sphere"
     radius: Radius

@@ -68,7 +68,10 @@ def _also_read(
 def _section(table: type[BaseModel], places: Sequence[str]) -> str:
     paragraphs, meanings = _described(table)
     fields = {name: field for name, field in keys(table).items() if not _chosen(name, field)}
-    rows = [(*_row(name, field), meanings.get(name, "")) for name, field in fields.items()]
+    rows = [
+        (*_row(name, field), meanings.get(name) or _of_table(field))
+        for name, field in fields.items()
+    ]
     used = [k for k in range(len(COLUMNS)) if any(row[k] for row in rows)]
     grid = "\n".join(
         f"| {' | '.join(_escaped(row[k]) for k in used)} |"
@@ -92,6 +95,13 @@ def _described(table: type[BaseModel]) -> tuple[list[str], dict[str, str]]:
                 re.sub(r" \[[^\]]+\]", "", names).split(", "), meaning.strip()
             )
     return paragraphs, meanings
+
+
+def _of_table(field: FieldInfo) -> str:
+    """What the table that a key holds is; empty if it holds none, or one of several."""
+    tables = [table for table, _ in inner(field)]
+    said = _described(tables[0])[0][0] if len(tables) == 1 else ""
+    return said[:1].lower() + said[1:]
 
 
 def _escaped(cell: str) -> str:

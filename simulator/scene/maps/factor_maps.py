@@ -110,7 +110,10 @@ class FactorMap(Table):
 
 
 class Constant(FactorMap):
-    """One factor everywhere."""
+    """One factor everywhere.
+
+    value: the factor.
+    """
 
     kind: Literal["constant"] = "constant"
     value: Factor
@@ -126,7 +129,8 @@ class Constant(FactorMap):
 class Gradient(FactorMap):
     """A linear map with the factor `middle` in the middle of the skin.
 
-    x, y: rise of the factor from the left edge to the right, and from the bottom edge to the top.
+    x: rise of the factor from the left edge to the right. y: rise of the factor from the bottom
+    edge to the top. middle: factor in the middle.
     """
 
     kind: Literal["gradient"] = "gradient"
@@ -159,8 +163,9 @@ class Gradient(FactorMap):
 class Random(FactorMap):
     """A smooth random field of mean 1 with a relative standard deviation.
 
-    correlation_length [m]: l of exp(-r² / (2 l²)). distribution: of the factor; a normal one is
-    refused if it falls below 0.05 anywhere.
+    deviation: relative standard deviation. correlation_length [m]: l of exp(-r² / (2 l²)).
+    distribution: of the factor; a normal one is refused if it falls below 0.05 anywhere. seed: of
+    the random numbers; equal seeds give equal fields.
     """
 
     kind: Literal["random"] = "random"
@@ -231,7 +236,7 @@ class Grid(FactorMap):
 
     The first and last values lie on the edges, the others at equal distances, and between four of
     them the map is bilinear. The error for a smooth map is O(h²) everywhere; values at the centres
-    of cells would give O(h) along the edges.
+    of cells would give O(h) along the edges. values: factors of row 1, of row 2, and so on.
     """
 
     kind: Literal["grid"] = "grid"

@@ -33,8 +33,10 @@ class MapFile(Table):
     """A CSV file of factors, or a picture with factors from `low` (black) to `high` (white).
 
     The first line of a CSV is row 1, along the bottom edge, as for rows of pixels; the lower side
-    of a picture is at the bottom edge. Colours count by their lightness. rows, columns: size to
-    which the values are reduced by averaging; by default they are unchanged.
+    of a picture is at the bottom edge. Colours count by their lightness. path: of the file, from
+    the folder of the scene file. low: factor of black, for a picture. high: factor of white, for a
+    picture. rows, columns: size to which the values are reduced by averaging; by default they are
+    unchanged.
     """
 
     kind: Literal["file"] = "file"

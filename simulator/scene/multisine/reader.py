@@ -29,10 +29,14 @@ class Multisine(Table):
     [V], on both sides of 0 V, takes samples at `sampling_rate` [Hz]. A sweep is the Fourier
     transform of a frame, or of the mean of `frames`.
 
-    amplitudes: of the tones, ascending in frequency, relative to each other; equal by default.
-    adc_noise: standard deviation of the ADC's own noise, in its steps; from 0.5 on it also makes
-    the errors of rounding independent from frame to frame. voltage_noise [V/Hz^0.5], current_noise
-    [A/Hz^0.5]: of the amplifier. input_capacitance [F]: of amplifier and cable to earth.
+    feedback_resistance, feedback_capacitance: of the amplifier, in parallel. peak_voltage: of the
+    sum of all tones. full_scale: highest voltage of the ADC on either side of 0 V. frame: duration
+    after which the tones repeat, also the spacing of their frequencies as 1/frame. frames: number
+    that a reading averages. sampling_rate: of the ADC. bits: of the ADC. amplitudes: of the tones,
+    ascending in frequency, relative to each other; equal by default. adc_noise: standard deviation
+    of the ADC's own noise, in its steps; from 0.5 on it also makes the errors of rounding
+    independent from frame to frame. voltage_noise [V/Hz^0.5], current_noise [A/Hz^0.5]: of the
+    amplifier. input_capacitance [F]: of amplifier and cable to earth.
     """
 
     feedback_resistance: Annotated[Number, within(1.0, 1e12, "ohm", ELECTRONIC)]

@@ -155,9 +155,11 @@ Fraction = Annotated[Number, Field(ge=0, le=1), AfterValidator(whole_within_roun
 class Contact(Table):
     """A foil strip on one electrode: an equipotential terminal along part of an edge.
 
-    edge: left, right, bottom or top on a rectangle; "outline", "outline.3" (its third side),
-    "hole1" or "hole1.2" on an outline; the name of a group of boundary lines on a mesh. width [m]:
-    how far it overlaps the sheet, which has its potential there; 0 is a foil on the edge alone.
+    name: by which interfaces refer to the contact. electrode: the sheet that it touches. span: its
+    two ends as fractions of the edge. resistance: of the film between foil and sheet. edge: left,
+    right, bottom or top on a rectangle; "outline", "outline.3" (its third side), "hole1" or
+    "hole1.2" on an outline; the name of a group of boundary lines on a mesh. width [m]: how far it
+    overlaps the sheet, which has its potential there; 0 is a foil on the edge alone.
     """
 
     name: Name
@@ -213,16 +215,18 @@ class Contact(Table):
 class Interface(Table):
     """One way of connecting the meter or another reader; contacts in neither list float.
 
-    low: "earth" for a skin of one conductor (`skin.bottom = "earth"`).
-    frequencies: the frequencies of [sweep] at which it is read [Hz]; default: all of them. reader:
-    "impedance", that between high and low, as a meter reads it; "multisine", the same at all
-    frequencies at once, by the electronics of readout.multisine; "gain", the complex gain V / V_s
-    of the node that high is, with a source V_s behind a series resistor between it and low. The
-    reader is the same at all interfaces. For gains: series_resistance [ohm] of that resistor;
-    load, the input of the amplifier that reads the node; magnitude_only, true if it reads |V / V_s|
-    and no phase, the same at all interfaces; driven_with, names of the other interfaces whose
-    sources are on at the same time, or tables of sources whose nodes are not read. All low foils of
-    sources that are on are tied together. Earth, in scenes with surroundings, is at low.
+    Earth, in scenes with surroundings, is at low. name: by which commands and results refer to the
+    interface. high: names of the contacts at the high terminal. low: names of those at the low
+    terminal; "earth" for a skin of one conductor (`skin.bottom = "earth"`). frequencies: the
+    frequencies of [sweep] at which it is read [Hz]; default: all of them. reader: "impedance", that
+    between high and low, as a meter reads it; "multisine", the same at all frequencies at once, by
+    the electronics of readout.multisine; "gain", the complex gain V / V_s of the node that high is,
+    with a source V_s behind a series resistor between it and low. The reader is the same at all
+    interfaces. series_resistance: for gains, that of the resistor behind the source. load: for
+    gains, the input of the amplifier that reads the node. magnitude_only: for gains, true if |V /
+    V_s| is read and no phase; the same at all interfaces. driven_with: for gains, names of the
+    other interfaces whose sources are on at the same time, or tables of sources whose nodes are not
+    read; all low foils of sources that are on are tied together.
     """
 
     name: Name

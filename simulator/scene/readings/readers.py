@@ -31,7 +31,8 @@ LoadResistance = Annotated[
 class Load(Table):
     """Input of the amplifier, between a node and low: a resistance and a capacitance in parallel.
 
-    resistance [ohm]: none by default, an input that draws no direct current.
+    resistance [ohm]: none by default, an input that draws no direct current. capacitance: of input
+    and cable.
     """
 
     resistance: LoadResistance | None = None

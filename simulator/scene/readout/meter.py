@@ -31,7 +31,11 @@ METERS = Path(__file__).parents[2] / "meters"
 
 
 class FrequencyGrid(Table):
-    """Evenly spaced frequencies, both ends included."""
+    """Evenly spaced frequencies, both ends included.
+
+    start: the lowest. stop: the highest. points: their number. spacing: even in the logarithm of
+    frequency, or in frequency.
+    """
 
     start: Frequency
     stop: Frequency
@@ -65,7 +69,10 @@ def ascending(frequencies: tuple[float, ...]) -> tuple[float, ...]:
 
 
 class Sweep(Table):
-    """The frequencies [Hz] of one sweep, kept ascending."""
+    """The frequencies [Hz] of one sweep, kept ascending.
+
+    frequencies: a list of them, or a table of evenly spaced ones.
+    """
 
     frequencies: Annotated[
         tuple[Frequency, ...],
@@ -84,10 +91,13 @@ class Readout(Table):
     """The meter's error on |Z| (a fraction) and phase (rad), and the digits it displays.
 
     Accuracy is the standard deviation of the error that is fixed during a session; noise is that of
-    the error of each single reading. data_sheet: both by |Z| and frequency, in place of the four
-    numbers. spread: noise as measured, in place of any other. multisine: the electronics of
-    interfaces whose reader is "multisine"; converter: source and converter of interfaces whose
-    reader is "gain"; their noise is added.
+    the error of each single reading. magnitude_accuracy: of |Z|, fixed during a session.
+    phase_accuracy: of the phase, fixed during a session. magnitude_noise: of |Z|, of each reading.
+    phase_noise: of the phase, of each reading. display_digits: significant digits to which readings
+    are rounded. data_sheet: both by |Z| and frequency, in place of the four numbers. spread: noise
+    as measured, in place of any other. multisine: the electronics of interfaces whose reader is
+    "multisine"; converter: source and converter of interfaces whose reader is "gain"; their noise
+    is added.
     """
 
     magnitude_accuracy: Share = 0.0
@@ -201,10 +211,11 @@ class Timing(Table):
     """Times of presses and durations of their sweeps, for foam that creeps.
 
     A press begins `before` [s] before its sweep and ends with the sweep; after a `pause` [s] the
-    next press begins. Without a pause a press changes into the next one without release. speed,
-    averaging: of the meter, which reads one frequency after the other, lowest first, and one
-    interface after the other. A multisine reader reads all frequencies of an interface in its
-    frames instead.
+    next press begins. before: from the beginning of a press to that of its sweep. pause: from the
+    end of a press to the beginning of the next; 0 changes one press into the next one without
+    release. speed: of the meter, which reads one frequency after the other, lowest first, and one
+    interface after the other; a multisine reader reads all frequencies of an interface in its
+    frames instead. averaging: number of readings that the meter averages.
     """
 
     before: Wait = 0.0
@@ -216,6 +227,7 @@ class Timing(Table):
 class Experiment(Table):
     """Repetitions of the presses of every pixel, and the conditions of the experiment.
 
+    repetitions: presses of each pixel. seed: of the random numbers; equal seeds give equal sweeps.
     unpressed: true makes the unpressed skin a class of its own. timing: of presses and readings.
     temperature, humidity: of the simulation; by default the references of the foam's tables.
     """
@@ -237,7 +249,8 @@ class Leads(Table):
     """Stray capacitance [F] in parallel with the skin; resistance [ohm] and inductance [H] in
     series with both. They are equal at all interfaces.
 
-    guard: fraction of the stray capacitance that a driven guard removes.
+    resistance: of both leads together. inductance: of both leads together. stray_capacitance:
+    between the leads. guard: fraction of the stray capacitance that a driven guard removes.
     """
 
     resistance: Resistance = 0.0

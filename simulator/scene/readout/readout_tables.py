@@ -82,9 +82,10 @@ class DataSheet(Table):
 class SpreadTable(Table):
     """Measured spreads of repeated readings, on a grid of impedances and frequencies.
 
-    impedance [ohm], frequency [Hz]: ascending. magnitude (share of |Z|), phase [rad]: a row for
-    each impedance, with a number for each frequency. Logarithms are interpolated linearly in the
-    logarithms of |Z| and frequency; beyond the grid, the nearest number holds.
+    Logarithms are interpolated linearly in the logarithms of |Z| and frequency; beyond the grid,
+    the nearest number holds. impedance [ohm], frequency [Hz]: ascending. magnitude: spread of |Z|
+    as a fraction, a row for each impedance with a number for each frequency. phase [rad]: spread of
+    the phase, in such rows.
     """
 
     impedance: Annotated[tuple[Resistance, ...], Field(min_length=1, max_length=1000)]

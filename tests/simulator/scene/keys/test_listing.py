@@ -42,6 +42,14 @@ def test_a_row_has_type_unit_default_and_range(row):
     assert any(line.startswith(row) for line in PAGE.splitlines())
 
 
+def test_every_row_has_a_meaning():
+    rows = [line for line in PAGE.splitlines() if line.startswith("| `")]
+    assert len(rows) > 250
+    assert not [row for row in rows if row.endswith("|  |")]
+    heads = {line for line in PAGE.splitlines() if line.startswith("| key ")}
+    assert all(head.endswith("| meaning |") for head in heads)
+
+
 def test_a_row_has_the_meaning_that_the_docstring_gives():
     row = next(line for line in PAGE.splitlines() if line.startswith("| `loss_tangent` | number |"))
     assert row.endswith("| tan d in jwC (1 - j tan d). |")
