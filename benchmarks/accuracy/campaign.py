@@ -1,14 +1,14 @@
-"""Where answers are further off than was asked or told, on scenes of every kind drawn at random.
+"""Answers further off than their tolerance or estimate, on random scenes of every kind.
 
 Run: python benchmarks/accuracy/campaign.py -o LINES [--in-turn] [--kinds KIND,KIND] [--seeds A:B]
      [--workers N]
 
 Each scene is answered at a tolerance drawn with it, and by another route that shares no mesh with
-the first: another telling of the same skin, polygons for discs, a formula, or a finer file.
+the first: the same skin described in another way, polygons for discs, a formula, or a finer file.
 Verdicts go to LINES as they come, so that a campaign that was ended goes on where it was if the
 code is the same. One of all kinds and SEEDS ends in results/campaign.csv, one --in-turn, of the
 kinds that are no even rectangles, one scene each at 1e-3, 1e-4 and 1e-5, in
-results/campaign_in_turn.csv; verification.py tells of both.
+results/campaign_in_turn.csv; verification.py reports on both.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def main(run: Run) -> int:
     for count, verdict in enumerate(verdicts(left, asked.workers, asked.timeout), 1):
         record.appended(lines, verdict, code)
         known[verdict.kind, verdict.seed] = verdict
-        told(verdict)
+        report(verdict)
         print(f"{count} of {len(left)}, {time.perf_counter() - start:.0f} s", file=sys.stderr)
     found = [known[case] for case in cases]
     for table, (kinds, seeds) in TABLES.items():
@@ -62,9 +62,9 @@ def main(run: Run) -> int:
     return int(any(each.broken or each.outcome == "failed" for each in found))
 
 
-def told(verdict: Verdict) -> None:
+def report(verdict: Verdict) -> None:
     """One line of what is wrong; how the others went beside it."""
-    wrong = verdict.broken or verdict.boasted or verdict.outcome == "failed"
+    wrong = verdict.broken or verdict.underestimated or verdict.outcome == "failed"
     print(verdict.line(), file=sys.stdout if wrong else sys.stderr, flush=True)
 
 
@@ -73,7 +73,7 @@ def summary(found: list[Verdict]) -> str:
     counts = {
         "judged": sum(each.outcome == "judged" for each in found),
         "broke their tolerance": sum(each.broken for each in found),
-        "further off than told": sum(each.boasted for each in found),
+        "further off than estimated": sum(each.underestimated for each in found),
         "not judged": sum(each.outcome == "not judged" for each in found),
         "refused": sum(each.outcome == "refused" for each in found),
         "failed": sum(each.outcome == "failed" for each in found),

@@ -128,7 +128,7 @@ def measured(axis: Axis, ways: dict[str, Way]) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["way", "value", "Rs", "Cp"])
 
 
-def told(error: float) -> str:
+def listed(error: float) -> str:
     """An error for the table."""
     if np.isnan(error):
         return ""
@@ -140,9 +140,9 @@ def told(error: float) -> str:
 
 
 def ends(axis: Axis) -> Axis:
-    """The first and the last of the values that are told."""
-    few = tuple(dict.fromkeys((axis.told[0], axis.told[-1])))
-    return replace(axis, values=few, told=few)
+    """The first and the last of the values that are listed."""
+    few = tuple(dict.fromkeys((axis.listed[0], axis.listed[-1])))
+    return replace(axis, values=few, listed=few)
 
 
 def poles_off_axis(name: str, along: Axis) -> str:
@@ -163,8 +163,8 @@ def summary(axes: Iterable[Axis], maps: dict[str, pd.DataFrame], names: list[str
     for axis in axes:
         rows = maps[axis.label].assign(worst=lambda rows: rows[["Rs", "Cp"]].max(axis=1))
         worst = rows.pivot(index="way", columns="value", values="worst")
-        for value in axis.told:
-            table[f"{axis.label} {value:g}"] = [told(worst.loc[name, value]) for name in names]
+        for value in axis.listed:
+            table[f"{axis.label} {value:g}"] = [listed(worst.loc[name, value]) for name in names]
     return table.assign(**{"poles off s <= 0": [poles_off_axis(name, axes[0]) for name in names]})
 
 

@@ -62,7 +62,7 @@ def main(run: Run) -> int:
     """Run every chapter, write the page, and say whether all passed."""
     start = time.perf_counter()
     chapters = [
-        (title, says, [told(each(run)) for each in parts]) for title, says, parts in CHAPTERS
+        (title, says, [printed(each(run)) for each in parts]) for title, says, parts in CHAPTERS
     ]
     sections = [section for *_, found in chapters for section in found]
     checks = [check for section in sections for check in section.checks]
@@ -78,7 +78,7 @@ def main(run: Run) -> int:
     return 1 if failed else 0
 
 
-def told(section: Section) -> Section:
+def printed(section: Section) -> Section:
     """The same section, printed as soon as it is there."""
     print("\n".join(section.lines()), flush=True)
     return section

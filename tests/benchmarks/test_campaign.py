@@ -1,4 +1,4 @@
-"""A scene of nearly each kind of the campaign: none is further off than was asked, or than told."""
+"""A scene of nearly each kind of the campaign: no error above its tolerance or estimate."""
 
 import importlib
 import itertools
@@ -77,7 +77,7 @@ def part():
 def test_asked_and_told_are_kept(part, kind):
     verdict = part("judging").judged(kind, CHEAP[kind])
     assert verdict.outcome == "judged", verdict.line()
-    assert not verdict.broken and not verdict.boasted, verdict.line()
+    assert not verdict.broken and not verdict.underestimated, verdict.line()
 
 
 def test_no_kind_is_left_out(part):
@@ -93,7 +93,7 @@ def test_the_same_seed_is_the_same_scene(part):
 
 
 def test_what_is_off_is_found(part, monkeypatch):
-    """An answer that is wrong by twice its tolerance, and one that is wrong by what was told."""
+    """An answer wrong by twice its tolerance, and one wrong by 1.5 times its estimate."""
     judging = part("judging")
     case = judging.drawn("foils", 0)
 
@@ -107,12 +107,12 @@ def test_what_is_off_is_found(part, monkeypatch):
         return judging.judged("foils", 0)
 
     kept, wrong = off_by(0.0), off_by(2 * case.rtol)
-    assert (kept.outcome, kept.broken, kept.boasted) == ("judged", False, False)
-    assert (wrong.outcome, wrong.broken, wrong.boasted) == ("judged", True, True)
+    assert (kept.outcome, kept.broken, kept.underestimated) == ("judged", False, False)
+    assert (wrong.outcome, wrong.broken, wrong.underestimated) == ("judged", True, True)
     assert wrong.line().startswith(f"broken: foils seed 0 rtol {case.rtol:g}: ")
-    told = max(np.max(kept.told), 1e-12)
-    boasted = off_by(1.5 * told)
-    assert boasted.boasted
+    estimated = max(np.max(kept.estimated), 1e-12)
+    underestimated = off_by(1.5 * estimated)
+    assert underestimated.underestimated
 
 
 def test_an_exception_is_a_failure_and_told(part, monkeypatch):
@@ -130,17 +130,17 @@ def test_an_exception_is_a_failure_and_told(part, monkeypatch):
 
 def test_doubt_of_the_reference_is_set_aside(part):
     Verdict = part("verdict").Verdict
-    errors = {"told": [[[1e-5]], [[1e-5]]], "frequency": (1.0,)}
+    errors = {"estimated": [[[1e-5]], [[1e-5]]], "frequency": (1.0,)}
     for true, doubt, broken in ((1.2e-4, 1e-5, True), (1.2e-4, 3e-5, False)):
-        values = {"true": [[[true]], [[0.0]]], "doubt": [[[doubt]], [[doubt]]]}
+        values = {"true": [[[true]], [[0.0]]], "uncertain": [[[doubt]], [[doubt]]]}
         verdict = Verdict("foils", 0, 1e-4, "judged", **errors, **values)
         assert verdict.broken is broken
-        assert verdict.boasted
+        assert verdict.underestimated
 
 
 def test_a_record_is_read_as_it_was_written(part, tmp_path):
     record, Verdict = part("record"), part("verdict").Verdict
-    errors = {name: [[[1e-5, 2e-6]]] * 2 for name in ("true", "told", "doubt")}
+    errors = {name: [[[1e-5, 2e-6]]] * 2 for name in ("true", "estimated", "uncertain")}
     judged = Verdict("foils", 1, 1e-4, "judged", "", "elements", (1.0, 20.0), **errors)
     refused = Verdict("foils", 2, 1e-6, "refused", "too many triangles, too few")
     lines, table = tmp_path / "lines.jsonl", tmp_path / "table.csv"

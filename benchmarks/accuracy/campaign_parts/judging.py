@@ -62,7 +62,7 @@ def _held(
     kind: str, seed: int, rtol: float, answer: Solution, truth: Truth, seconds: tuple[float, float]
 ) -> Verdict:
     true = relative_difference(answer.Z, truth.Z)
-    told = np.stack(answer.relative_errors)
+    estimated = np.stack(answer.relative_errors)
     sure = truth.doubt.max() <= DOUBT * rtol
     return Verdict(
         kind,
@@ -73,7 +73,7 @@ def _held(
         answer.model,
         tuple(answer.frequency.tolist()),
         _rounded(true),
-        _rounded(told),
+        _rounded(estimated),
         _rounded(truth.doubt),
         seconds,
     )

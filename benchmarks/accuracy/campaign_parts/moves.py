@@ -1,4 +1,4 @@
-"""The same problem told in other words, which the solver takes another way through."""
+"""The same problem described in another way, which the solver answers by another route."""
 
 from __future__ import annotations
 

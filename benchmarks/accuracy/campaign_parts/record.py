@@ -12,7 +12,7 @@ from rcskin.benchmarks.accuracy.campaign_parts.verdict import Verdict
 from rcskin.simulator.sweeps import whole_file
 
 COLUMNS = ("kind", "seed", "rtol", "outcome", "reason", "model", "seconds")
-ERRORS = ("true", "told", "doubt")
+ERRORS = ("true", "estimated", "uncertain")
 
 
 def read(path: Path, commit: str) -> Iterator[Verdict]:

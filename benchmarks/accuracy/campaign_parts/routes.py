@@ -52,7 +52,7 @@ def by_polygons(
 
 
 def by_telling(problem: Problem, tell: Telling, share: float = OTHER_SHARE) -> Route:
-    """The truth is the problem told otherwise, with polygons for discs if there are any."""
+    """The truth is the problem described in another way, with polygons for any discs."""
     if not has_discs(problem.press):
         return by(tell(problem), share)
     cut = len(problem.press.touches) > 1 or "outline" in problem.tables["skin"]

@@ -46,12 +46,12 @@ class Case:
 
 @dataclass(frozen=True)
 class Axis:
-    """What is varied, over which values, and the case at each; told: values for the table."""
+    """What is varied, over which values, and the case at each; listed: values for the table."""
 
     label: str
     case: Callable[[float], Case]
     values: tuple[float, ...]
-    told: tuple[float, ...]
+    listed: tuple[float, ...]
 
 
 def varied(name: str, u: Iterable[float], changes: dict[str, Any]) -> Scene:

@@ -67,7 +67,7 @@ def _heat_map(axes: Axes, errors: pd.DataFrame, wrong: float) -> AxesImage:
 
 
 def _value_ticks(axes: Axes, values: np.ndarray) -> None:
-    """Every second value is told, or of powers of ten every third."""
+    """Every second value is listed, or of powers of ten every third."""
     exponents = np.log10(values)
     if values.max() / values.min() > 1e4:
         shown = np.flatnonzero(np.isclose(exponents % 3, 0))

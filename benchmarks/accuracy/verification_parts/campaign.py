@@ -26,19 +26,19 @@ COMMAND_IN_TURN = (
 )
 PLANNED = len(NOT_EVEN) * len(SEEDS_IN_TURN)
 """Scenes of a whole run of that command."""
-LEAST_TOLD, MOST_TOLD = 0.3, 10.0
-"""Of the truth: what an estimate is wished to be."""
+LEAST_ESTIMATE, MOST_ESTIMATE = 0.3, 10.0
+"""Range wanted of an estimate, over the true error."""
 QUANTILES = (0.5, 0.95, 0.99, 1.0)
 LEAST_JUDGED = 0.9
 """Of the scenes of all kinds."""
-MOST_BOASTED = 0.01
-"""Of those judged: the error that is told is an estimate, not a bound."""
+MOST_UNDERESTIMATED = 0.01
+"""Of those judged; an estimate is not a bound."""
 HEADER = (
     "kind",
     "judged",
     "broke its tolerance",
-    "further off than told",
-    "true / told: 50, 95, 99 %, largest",
+    "further off than estimated",
+    "true / estimated: 50, 95, 99 %, largest",
     "not judged",
     "refused",
     "",
@@ -58,17 +58,17 @@ class Kind:
 
     @property
     def broken(self) -> int:
-        """How many are further off than was asked."""
+        """Number of scenes beyond their tolerance."""
         return sum(each.broken for each in self.verdicts)
 
     @property
-    def boasted(self) -> int:
-        """How many are further off than was told."""
-        return sum(each.boasted for each in self.verdicts)
+    def underestimated(self) -> int:
+        """Number of scenes further off than their estimate."""
+        return sum(each.underestimated for each in self.verdicts)
 
     @property
     def ratios(self) -> np.ndarray:
-        """True over told errors of all values that the references tell."""
+        """True over estimated errors of all values whose references are sure enough."""
         return np.concatenate([np.empty(0), *(each.ratios for each in self.verdicts)])
 
     def row(self) -> tuple[str, ...]:
@@ -78,7 +78,7 @@ class Kind:
             self.name.replace("-", " "),
             f"{self.count('judged')}",
             f"{self.broken}",
-            f"{self.boasted}",
+            f"{self.underestimated}",
             ", ".join(f"{each:.2g}" for each in quantiles),
             f"{self.count('not judged')}",
             f"{self.count('refused')}",
@@ -102,7 +102,7 @@ class Kinds(Section):
 
 
 def section(run: Run) -> Section:
-    """No answer may be further off than asked, and few further than told."""
+    """No answer may be further off than asked, and few further than estimated."""
     found = published(RESULTS / TABLE)
     kinds = [Kind(name, tuple(each for each in found if each.kind == name)) for name in KINDS]
     draw(run.results / CHART, kinds)
@@ -127,7 +127,7 @@ def _of_estimates(found: list[Verdict]) -> str:
     judged = [each for each in found if each.outcome == "judged"]
     times = np.array([each.overstated for each in judged])
     times = times[np.isfinite(times)]
-    within = np.mean((times >= LEAST_TOLD) & (times <= MOST_TOLD))
+    within = np.mean((times >= LEAST_ESTIMATE) & (times <= MOST_ESTIMATE))
     asked = ", ".join(
         f"{sum(each.rtol == rtol for each in judged)} at {rtol:g}" for rtol in IN_TURN
     )
@@ -136,10 +136,10 @@ def _of_estimates(found: list[Verdict]) -> str:
         f"{len(judged)} of them "
         f"judged ({asked}), were recorded by `{COMMAND_IN_TURN}`: "
         f"{sum(each.broken for each in judged)} broke their tolerance, "
-        f"{sum(each.boasted for each in judged)} were further off than told. Of the {len(times)} "
-        "whose reference is surer than the error it finds the largest error told is "
-        f"{LEAST_TOLD:g} to {MOST_TOLD:g} times the largest true one in {within:.0%} (wished: "
-        f"95%), from {times.min():.2g} to {times.max():.2g}; in the median "
+        f"{sum(each.underestimated for each in judged)} were further off than estimated. Of the "
+        f"{len(times)} whose reference is surer than the error it finds the largest estimate is "
+        f"{LEAST_ESTIMATE:g} to {MOST_ESTIMATE:g} times the largest true one in {within:.0%} "
+        f"(wanted: 95%), from {times.min():.2g} to {times.max():.2g}; in the median "
         f"{np.median(times):.2g} times."
     )
 
@@ -151,16 +151,16 @@ def check(kind: Kind) -> Check:
 
 
 def check_of_all(whole: Kind) -> Check:
-    """The same, that few are further off than was told, and that enough are judged."""
+    """The same, that few are further off than estimated, and that enough are judged."""
     judged = whole.count("judged")
     enough = judged >= LEAST_JUDGED * len(whole.verdicts)
-    few = whole.boasted <= MOST_BOASTED * judged
-    expected = f"{LEAST_JUDGED:.0%} judged, {MOST_BOASTED:.0%} further off than told"
+    few = whole.underestimated <= MOST_UNDERESTIMATED * judged
+    expected = f"{LEAST_JUDGED:.0%} judged, {MOST_UNDERESTIMATED:.0%} further off than estimated"
     return replace(check(whole), expected=expected, passed=check(whole).passed and enough and few)
 
 
 def draw(path: Path, kinds: list[Kind]) -> None:
-    """True over told error of every value, kind by kind."""
+    """True over estimated error of every value, kind by kind."""
     with chart(path, 7, 0.19 * len(kinds) + 0.9) as figure:
         axes = figure.subplots()
         for number, kind in enumerate(kinds):
@@ -171,5 +171,5 @@ def draw(path: Path, kinds: list[Kind]) -> None:
         axes.set_xscale("log")
         axes.set_yticks(range(len(kinds)), [kind.name.replace("-", " ") for kind in kinds])
         axes.invert_yaxis()
-        axes.set_xlabel("true over told relative error of Rs and Cp")
-        axes.set_title("Right of the line an answer is further off than was told")
+        axes.set_xlabel("true over estimated relative error of Rs and Cp")
+        axes.set_title("Right of the line an answer is further off than estimated")

@@ -58,8 +58,8 @@ def section(run: Run) -> Section:
     return Section(
         "Closed forms and laws",
         f"Largest relative errors of Rs and of Cp of the shipped solver, asked for {RTOL:g}, over "
-        "u = ωRCL² from 1e-9 to 1e9 where nothing else is said. Elements are told apart from the "
-        "exact line, which the solver prefers where it applies; the laws are checked on random "
+        "u = ωRCL² from 1e-9 to 1e9 where nothing else is said. Elements are distinguished from "
+        "the exact line, which the solver prefers where it applies; the laws are checked on random "
         "skins and on the paper's.",
         tuple(checks(run.sized(EVERY_U, FEW_U), run.sized(RANDOM_SKINS, FEW_SKINS))),
     )

@@ -66,7 +66,7 @@ class Judged:
 
 
 def section(run: Run) -> Section:
-    """The estimate must be kept, and neither boast nor waste."""
+    """No error may exceed the tolerance, and estimates must be near the true errors."""
     skins = run.sized(SKINS, FEW_SKINS)
     cases = list(itertools.islice(light_cases(), skins))
     drawn = [judged(scene, press, rtol) for _, scene, press, rtol in cases]
@@ -195,4 +195,4 @@ def draw(path: Path, ratio: NDArray) -> None:
         axes.axvline(0, color=UNPRESSED_COLOUR, linewidth=1)
         axes.set_xlabel("log10(estimated / true relative error) of Rs and Cp")
         axes.set_ylabel("Values")
-        axes.set_title("Left of the line the solver boasts, right of it it works more than asked")
+        axes.set_title("Left of the line an error is larger than estimated")

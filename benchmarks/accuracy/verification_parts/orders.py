@@ -170,12 +170,12 @@ def gains(title: str, errors: dict[int, tuple[float, float]]) -> list[Check]:
     orders = f"orders {min(errors)} to {max(errors)}"
     for name, each in zip(("Rs", "Cp"), np.array(list(errors.values())).T, strict=True):
         factor = (each[-1] / each[0]) ** (1 / (len(each) - 1))
-        told = ", ".join(f"{error:.0e}" for error in each)
+        stated = ", ".join(f"{error:.0e}" for error in each)
         checks.append(
             Check(
                 f"{title}, 1.2 p + 3 rings: error of {name}, {orders}",
                 f"times {GAIN_OF_AN_ORDER} an order or less",
-                f"times {factor:.2f}: {told}",
+                f"times {factor:.2f}: {stated}",
                 factor <= GAIN_OF_AN_ORDER,
             )
         )

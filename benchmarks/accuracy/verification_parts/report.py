@@ -46,8 +46,8 @@ class Section:
 
 def below(what: str, limit: float, *measured: float) -> Check:
     """That none of some errors passes a limit."""
-    told = ", ".join(f"{error:.1e}" for error in measured)
-    return Check(what, f"<= {limit:.0e}", told, all(error <= limit for error in measured))
+    stated = ", ".join(f"{error:.1e}" for error in measured)
+    return Check(what, f"<= {limit:.0e}", stated, all(error <= limit for error in measured))
 
 
 def slopes(what: str, expected: Iterable[float], measured: Iterable[float]) -> Check:

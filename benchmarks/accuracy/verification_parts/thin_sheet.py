@@ -66,13 +66,13 @@ def checks(ratios: tuple[float, ...]) -> Iterator[Check]:
         off = max(abs(t - p) for t, p in zip(true, predicted, strict=True))
         yield Check(
             f"d/δ = {ratio:g}: Rs, Cp off by",
-            f"{told(predicted)}, less than {bound:.1e}",
-            told(true),
+            f"{stated(predicted)}, less than {bound:.1e}",
+            stated(true),
             off <= AGREEMENT * max(map(abs, predicted)) and max(map(abs, true)) <= bound,
         )
 
 
-def told(deviations: tuple[float, float]) -> str:
+def stated(deviations: tuple[float, float]) -> str:
     """Signed, of Rs and of Cp."""
     return ", ".join(f"{each:+.1e}" for each in deviations)
 

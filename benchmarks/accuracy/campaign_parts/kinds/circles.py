@@ -122,7 +122,7 @@ def discs_cut_by_the_edge(rng: Rng) -> Case:
         return Problem(tables, _on_skin(places.disc(rng, _lines(tables)), tables))
 
     problem = first_valid(once)
-    return Case(problem, draws.tolerance(rng, DECADES), by_telling(problem, lambda told: told))
+    return Case(problem, draws.tolerance(rng, DECADES), by_telling(problem, lambda same: same))
 
 
 def outlines(rng: Rng) -> Case:
@@ -140,7 +140,7 @@ def outlines(rng: Rng) -> Case:
     return Case(
         problem,
         draws.tolerance(rng, DECADES),
-        by_telling(problem, lambda told: turned(told, angle)),
+        by_telling(problem, lambda one: turned(one, angle)),
     )
 
 

@@ -67,7 +67,7 @@ def ls_from_files(rng: Rng) -> Case:
     whole = _shaken(rng, flat, _lattice_of(rng, flat, (np.array([x]), np.array([y]))), x, y)
     middle = whole.p[whole.cells].mean(axis=1)
     kept = ~((middle[:, 0] > x) & (middle[:, 1] > y))
-    return _on_file(rng, flat, replace(whole, cells=whole.cells[kept]), lambda told: told)
+    return _on_file(rng, flat, replace(whole, cells=whole.cells[kept]), lambda same: same)
 
 
 def annuli_from_files(rng: Rng) -> Case:
@@ -148,7 +148,7 @@ def _on_file(rng: Rng, flat: Problem, known: Lattice, draw: Telling) -> Case:
     return Case(
         problem,
         draws.tolerance(rng, DECADES),
-        by_telling(flat, lambda told: turned(draw(told), angle)),
+        by_telling(flat, lambda one: turned(draw(one), angle)),
     )
 
 
