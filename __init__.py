@@ -24,7 +24,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .localization.api.analysis import calibrate, limits, study
+from .localization.api.analysis import calibrate, gap, limits, study
 from .localization.api.input_output import plot, read, write
 from .localization.api.localizer import evaluate, features, load_model, localize, train
 from .localization.api.simulation import dataset, load, measured, reduce, sweep
@@ -56,6 +56,7 @@ __all__ = [
     "dataset",
     "evaluate",
     "features",
+    "gap",
     "limits",
     "load",
     "load_model",

@@ -46,6 +46,8 @@ Z = reduced.impedance("1,2", np.array([1e3, 1e4]))  # ohm, shape (interface, fre
     "limits": """accuracy, standard_error = rcskin.limits(scene, "column", draws=100)""",
     "calibrate": """found = rcskin.calibrate(scene, recorded, fit=["capacitance"])
 print(found.values["capacitance"], found.intervals["capacitance"])""",
+    "gap": """difference = rcskin.gap(skins, unseen, draws=1)
+print(difference.summary)""",
     "study": """study = rcskin.study(scene, {"pixels.columns": [2, 3]}, repetitions=5)
 print(study.best)""",
 }
@@ -76,6 +78,7 @@ CLASSES = {
     "Reduced": ("simulator.models.reduced.reduced_model", ("impedance",)),
     "Limit": ("simulator.limits.limit", ()),
     "Calibration": ("simulator.calibration.run", ("chi_squared", "rms_error", "strengths")),
+    "GapFindings": ("localization.gap.gap_findings", ("summary", "write")),
     "Study": ("localization.study.study", ("best", "spacing", "write", "plot")),
     "InputError": ("simulator.sweeps.errors", ()),
     "ToleranceError": ("simulator.sweeps.errors", ()),

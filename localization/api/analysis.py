@@ -1,4 +1,4 @@
-"""Limits of a skin, parameter studies, and the calibration of a scene to sweeps."""
+"""Limits of a skin, parameter studies, calibration of a scene to sweeps, and the gap to them."""
 # pyright: standard
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...simulator.requests.argument_types import scene_of
-from .arguments import checked, sweeps_of
+from .arguments import checked, model_of, sweeps_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from ...simulator.limits.limit import Limit
     from ...simulator.scene.draws.draw_distributions import AnyDistribution
     from ...simulator.scene.scene import Scene
+    from ..gap.gap_findings import GapFindings
+    from ..inversion.estimators import EstimatorName
+    from ..model.localizer_model import Model
     from ..study.separation import Target as PixelTarget
     from ..study.study import Study, Vary
 
@@ -151,3 +154,50 @@ def calibrate(
         robust=robust,
     )
     return calibrated(foldable(scene, "a calibration"), sweeps, options)
+
+
+@checked
+def gap(
+    simulated: xr.Dataset | str | Path,
+    measured: xr.Dataset | str | Path,
+    scene: Scene | str | Path | None = None,
+    target: PixelTarget | None = None,
+    estimator: EstimatorName | None = None,
+    *,
+    model: Model | str | Path | None = None,
+    seed: int = 0,
+    draws: int = 5,
+    calibration_touches: int = 5,
+    anyway: bool = False,
+) -> GapFindings:
+    """Compare simulated with measured sweeps, and find what explains the gap.
+
+    simulated, measured: the sweeps or the paths of their files. scene: scene of the simulated
+    sweeps, by default the one that they store. target: "column" (the default), "row" or "pixel".
+    estimator: name of the localizer that is trained, by default "ksvm-ovo". model: a model to test
+    instead, as it is and adapted, or the path of its file; it sets target and estimator. seed: seed
+    of all random numbers. draws: number of random draws of the sweeps that are added to training.
+    calibration_touches: number of pressed sweeps that calibrate; they are never tested. anyway:
+    True also accepts sweeps of another skin. Raises InputError if the sweeps have no pixel,
+    interface or reading in common, and for a value that does not fit them.
+    """
+    from ...simulator.progress import silent
+    from ..gap.comparison import prepare_comparison
+    from ..gap.gap_findings import find_gap
+    from ..gap.options import gap_options
+    from ..gap.pair import checked_pair
+
+    own = None if model is None else model_of(model)
+    if own is not None and anyway:
+        own = own.for_any_skin()
+    options = gap_options(target, estimator, own, seed, draws, calibration_touches)
+    pair = checked_pair(
+        sweeps_of(simulated, "simulated"),
+        sweeps_of(measured, "measured"),
+        ("`simulated`", "`measured`"),
+        None if scene is None else scene_of(scene),
+        own,
+        seed,
+        any_skin=anyway,
+    )
+    return find_gap(prepare_comparison(pair, options, own), silent)

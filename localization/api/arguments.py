@@ -14,6 +14,8 @@ from ...simulator.requests.argument_types import arguments_of, refuse
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ..model.localizer_model import Model
+
 Given = ParamSpec("Given")
 Made = TypeVar("Made")
 OPTION = re.compile(r"--([a-z][a-z-]*)")
@@ -72,6 +74,16 @@ def with_view(sweeps: xr.Dataset) -> xr.Dataset:
     from ...simulator.check import sweeps_view  # noqa: F401
 
     return sweeps
+
+
+def model_of(given: Model | str | Path) -> Model:
+    """The model itself, or the one in the file. Raises InputError if it is neither."""
+    from ..model.localizer_file import load
+    from ..model.localizer_model import Model
+
+    if isinstance(given, str | Path):
+        return load(given)
+    return given if isinstance(given, Model) else refuse("model", "a Model or a path", given)
 
 
 def path_of(given: str | Path, name: str = "path") -> str | Path:

@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ...simulator.requests.argument_types import refuse
-from .arguments import checked, path_of, sweeps_of
+from .arguments import checked, model_of, path_of, sweeps_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -100,7 +99,7 @@ def localize(
     of the training.
     """
     baselines = None if rest is None else sweeps_of(rest, "rest")
-    return _model_of(model).answers(sweeps_of(sweeps), baselines)
+    return model_of(model).answers(sweeps_of(sweeps), baselines)
 
 
 @checked
@@ -117,13 +116,5 @@ def evaluate(
     from ..evaluation.result import evaluated
 
     baselines = None if rest is None else sweeps_of(rest, "rest")
-    known = _model_of(model)
+    known = model_of(model)
     return evaluated(known.learned, known.samples(sweeps_of(sweeps), baselines))
-
-
-def _model_of(given: Model | str | Path) -> Model:
-    from ..model.localizer_model import Model
-
-    if isinstance(given, str | Path):
-        return load_model(given)
-    return given if isinstance(given, Model) else refuse("model", "a Model or a path", given)

@@ -72,46 +72,24 @@ def gap(
     from ...simulator.chart_style import checked_ending
     from ...simulator.progress import on_terminal
     from ...simulator.requests.requested_scene import requested_scene, warn_of_earth
-    from ...simulator.scene.scene_files import scene_text
-    from ...simulator.sweeps import InputError, checked_folder, made_folder, read, read_joined
-    from ...simulator.sweeps.reading_subset import with_named_interface
+    from ...simulator.sweeps import checked_folder, made_folder, read, read_joined
     from ..gap.comparison import prepare_comparison
     from ..gap.gap_findings import find_gap
-    from ..gap.options import GapOptions
-    from ..gap.pair import pair_sweeps
+    from ..gap.options import gap_options
+    from ..gap.pair import checked_pair
     from ..gap.report.html_report import HTML, JSON, write_report
-    from ..gap.side_label import check_other, check_simulated
-    from ..inputs.features import at_interfaces
     from .model_notes import load_model_for
 
     ending = None if charts is None else checked_ending(charts)
     sides = read(simulated), read_joined(measured)
-    model = None
-    if own is not None:
-        if target or estimator:
-            raise InputError(
-                "--model already sets target and estimator: leave out --target and --estimator"
-            )
-        model = load_model_for(sides[1], measured, own, any_skin=anyway)
-        ours, theirs = (with_named_interface(each, model.interfaces) for each in sides)
-        model.samples(theirs)
-        simulation_side, other = (at_interfaces(each, model.interfaces) for each in (ours, theirs))
-        sides = simulation_side, other
-        target, estimator = model.target, model.estimator
-    target, estimator = target or "column", estimator or "ksvm-ovo"
-    gap_options = GapOptions(target, estimator, seed, draws, calibration_touches)
-    check_simulated(sides[0], simulated)
+    model = None if own is None else load_model_for(sides[1], measured, own, any_skin=anyway)
+    settings = gap_options(target, estimator, model, seed, draws, calibration_touches)
     named = requested_scene(scene) if scene else None
-    if not anyway:
-        check_other(
-            sides[1],
-            scene_text(named) if named else str(sides[0].attrs.get("scene", "")),
-            ", ".join(map(str, measured)),
-        )
-    pair = pair_sweeps(*sides, named, seed)
+    names = str(simulated), ", ".join(map(str, measured))
+    pair = checked_pair(*sides, names, named, model, seed, any_skin=anyway)
     checked_folder(made_folder(output), JSON, HTML)
     with on_terminal() as progress:
-        findings = find_gap(prepare_comparison(pair, gap_options, model), progress)
+        findings = find_gap(prepare_comparison(pair, settings, model), progress)
     write_report(output, findings, ending)
     _show(findings, output / HTML)
     if pair.scene is not None:
@@ -120,12 +98,11 @@ def gap(
 
 def _show(findings: GapFindings, report: Path) -> None:
     from ...simulator.report.terminal import table
-    from ..gap.report.sentences import accuracy_rows, cause_sentence, column_headings, summary
+    from ..gap.report.sentences import accuracy_table
 
-    rows = ([row.trained, *row.cells] for row in accuracy_rows(findings))
-    terminal().print(table(["trained on", *column_headings(findings)], rows))
-    lines = [*summary(findings), cause_sentence(findings), *findings.notes]
-    say(*filter(None, [*lines, _written(findings, report)]))
+    header, *rows = accuracy_table(findings)
+    terminal().print(table(header, rows))
+    say(*findings.summary, *findings.notes, _written(findings, report))
 
 
 def _written(findings: GapFindings, report: Path) -> str:

@@ -104,7 +104,7 @@ TouchSpeed = Annotated[float, typer.Option(help="Speed of a touch in mm/s, with 
 OPTION_NAMES = {"quantities": "features", "interfaces": "interface"}
 """Options whose names differ from the parameters behind them."""
 QUOTED = re.compile(
-    "`(target|estimator|quantities|interfaces|certain|folds|seed|draws|calibration-touches|pace|touch-lasts|touch-every|touch-speed)`"
+    "`(target|estimator|quantities|interfaces|certain|folds|seed|draws|calibration_touches|pace|touch-lasts|touch-every|touch-speed)`"
 )
 """Parameters in backquotes, as error messages name them."""
 WARNERS = r"(sklearn|rcskin\.localization)(\.|$)"
@@ -132,4 +132,4 @@ def with_option_names(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def _option(match: re.Match[str]) -> str:
-    return f"--{OPTION_NAMES.get(match[1], match[1])}"
+    return f"--{OPTION_NAMES.get(match[1], match[1]).replace('_', '-')}"

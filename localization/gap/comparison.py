@@ -118,7 +118,7 @@ def _splits(
     found = {k: touch_splits(pixel, kept, k, options.draws, options.seed) for k in TOUCHES}
     if found[0] is None:
         raise InputError(
-            "no sweep is left to test: record more sweeps, or set `calibration-touches` below "
+            "no sweep is left to test: record more sweeps, or set `calibration_touches` below "
             f"{options.calibration_touches}"
         )
     splits = {

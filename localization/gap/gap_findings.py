@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...simulator.arrays import Real
+from ...simulator.notebook_display import SmallChart, Tabular
 from ...simulator.progress import ProgressCallback, tracked
 from ...simulator.sweeps import InputError, ToleranceError
 from ..evaluation.evaluation import ClassScore
@@ -55,9 +57,9 @@ class ModelFindings:
     score: ClassScore
 
 
-@dataclass(frozen=True, eq=False)
-class GapFindings:
-    """All findings of the report.
+@dataclass(frozen=True, eq=False, repr=False)
+class GapFindings(Tabular):
+    """Gap between simulated and measured sweeps: distances, accuracies, and causes.
 
     stages: before and after calibration. own: training and test on the other side, by set of
     features, `grouped` as hard as possible and `single` sweeps. causes: share that each parameter
@@ -73,6 +75,37 @@ class GapFindings:
     notes: Sequence[str]
     model: ModelFindings | None = None
     together: Sequence[JointEffect] = ()
+
+    @property
+    def summary(self) -> list[str]:
+        """Sentences on the distance, the accuracy, and the parameter that explains most."""
+        from .report.sentences import summary
+
+        return summary(self)
+
+    def write(self, folder: str | Path) -> None:
+        """Write gap.html with charts, and gap.json with all numbers.
+
+        folder: made if absent. Raises InputError if it cannot be made, or if the files there cannot
+        be replaced.
+        """
+        from ...simulator.sweeps import checked_folder, made_folder
+        from .report.html_report import HTML, JSON, write_report
+
+        made = made_folder(Path(folder))
+        checked_folder(made, JSON, HTML)
+        write_report(made, self)
+
+    def _table(self) -> tuple[str, list[tuple[str, ...]]]:
+        from .report.sentences import accuracy_table
+
+        title = f"Accuracy on {self.trial.pair.label.adjective} sweeps"
+        return title, accuracy_table(self)
+
+    def _chart(self) -> SmallChart | None:
+        from .report.gap_curves import small_distance_chart
+
+        return small_distance_chart(self)
 
 
 def find_gap(trial: PreparedComparison, progress: ProgressCallback) -> GapFindings:

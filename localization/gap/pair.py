@@ -15,13 +15,15 @@ from ...simulator.sweeps import InputError
 from ...simulator.sweeps.reading_quantities import kind_of
 from ...simulator.sweeps.reading_subset import read_mask, restricted, with_named_interface
 from ...simulator.sweeps.same_frequency import same_frequencies
-from .side_label import SideLabel, label_of_side
+from ..inputs.features import at_interfaces
+from .side_label import SideLabel, check_other, check_simulated, label_of_side
 from .subsampling import subsampled
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from ...simulator.arrays import Integer
+    from ..model.localizer_model import Model
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +40,35 @@ class SweepPair:
     scene: Scene | None
     noise_free: bool
     notes: Sequence[str] = field(default_factory=tuple)
+
+
+def checked_pair(
+    simulated: xr.Dataset,
+    other: xr.Dataset,
+    names: tuple[str, str],
+    scene: Scene | None,
+    model: Model | None,
+    seed: int,
+    *,
+    any_skin: bool,
+) -> SweepPair:
+    """A pair of sweeps as given by a user, checked to be what they are taken for.
+
+    names: names of both sides in error messages. scene, seed: see `pair_sweeps`. model: the model
+    to be tested, whose interfaces are chosen. any_skin: True accepts sweeps of another skin. Raises
+    InputError as `pair_sweeps`, if the simulated sweeps are measured ones, if the others are of
+    another skin, and if they do not fit the model.
+    """
+    sides = simulated, other
+    if model is not None:
+        ours, theirs = (with_named_interface(each, model.interfaces) for each in sides)
+        model.samples(theirs)
+        simulated, other = (at_interfaces(each, model.interfaces) for each in (ours, theirs))
+    check_simulated(simulated, names[0])
+    if not any_skin:
+        own = scene_text(scene) if scene else str(simulated.attrs.get("scene", ""))
+        check_other(other, own, names[1])
+    return pair_sweeps(simulated, other, scene, seed)
 
 
 def pair_sweeps(

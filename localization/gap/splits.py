@@ -26,7 +26,7 @@ def reserved_for_calibration(row: Integer, column: Integer, touches: int, sessio
     InputError if `touches` is below 0.
     """
     if touches < 0:
-        raise InputError(f"`calibration-touches` must be >= 0, got {touches}")
+        raise InputError(f"`calibration_touches` must be >= 0, got {touches}")
     reserved = np.zeros(row.size, dtype=bool)
     for each in np.unique(session):
         rest = np.flatnonzero((row == 0) & (session == each))

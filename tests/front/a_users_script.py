@@ -40,6 +40,10 @@ print(found, found.scene.name, check(found.values["capacitance"]), check(found.c
 for quantity in found.quantities:
     check(quantity.value)
 
+difference = rcskin.gap(skins, unseen, target="pixel", draws=1)
+print(difference, difference.summary[0], len(difference.causes), *difference.notes)
+difference.write("gap")
+
 study = rcskin.study(strip, {"pixels.columns": [2]}, target="column", repetitions=5)
 study.write("study.csv")
 study.plot("study.png")

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....simulator.chart_style import COLOURS, chart, frequency_axis
+from ....simulator.notebook_display import CLOSE_LEGEND, SmallChart
 from ....simulator.sweeps.reading_subset import read_mask
 from ..paired_samples import FEATURE_LABELS
 from ..versions import AFTER, BEFORE
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from ..distance import Distance
     from ..gap_findings import GapFindings
@@ -30,6 +32,8 @@ LINEAR = {"meter_errors": 1.0, "percent": 1.0, "separations": 0.1}
 """Negligible distances: the axis range contains them, and is linear up to them if logarithmic."""
 FAR = 30
 """Multiple of LINEAR above which an axis is logarithmic."""
+SMALL = (4.8, 2.4)
+"""Size of the small chart, inches."""
 
 
 def draw_distances(findings: GapFindings, kind: str, path: Path) -> None:
@@ -50,6 +54,28 @@ def draw_distances(findings: GapFindings, kind: str, path: Path) -> None:
         for axes in panels[-1]:
             frequency_axis(axes)
         _legend(figure, panels[0, 0])
+
+
+def small_distance_chart(findings: GapFindings) -> SmallChart | None:
+    """Distances of the pressed sweeps in per cent, for a notebook; None if there are none."""
+    found = findings.stages[BEFORE].pressed or {}
+    if not all(_known(each, "percent") for each in found.values()):
+        return None
+    return SmallChart(lambda figure: _draw_small(figure, findings), *SMALL, top=0.4)
+
+
+def _draw_small(figure: Figure, findings: GapFindings) -> None:
+    shown = {name: stage.pressed or {} for name, stage in findings.stages.items()}
+    quantities = list(shown[BEFORE])
+    panels = figure.subplots(1, len(quantities), squeeze=False)[0]
+    for axes, quantity in zip(panels, quantities, strict=True):
+        found = {name: each[quantity] for name, each in shown.items()}
+        _draw_distance(axes, findings, found, "percent")
+        axes.set_title(f"{quantity} {UNITS['percent']}")
+        frequency_axis(axes)
+    panels[0].set_ylabel(f"{findings.trial.pair.label.adjective} - simulated")
+    handles, labels = panels[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="upper center", ncols=2, **CLOSE_LEGEND)
 
 
 def _known(distance: Distance, unit: str) -> bool:

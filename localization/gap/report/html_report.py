@@ -13,7 +13,7 @@ from ....simulator.report.files import filled_at_once, write_json
 from ....simulator.report.page import Items, Picture, ReportSection, TableGrid, write_page
 from .chart_list import charts_of
 from .json_data import numbers
-from .sentences import accuracy_rows, cause_sentence, column_headings, estimate_row, summary
+from .sentences import accuracy_rows, column_headings, estimate_row, summary
 
 if TYPE_CHECKING:
     from ..gap_findings import GapFindings
@@ -55,7 +55,7 @@ def _sections(findings: GapFindings, pictures: Sequence[Picture]) -> list[Report
     calibrated = ["", "Scene", "Calibrated", "95 % interval"]
     estimates = [estimate_row(each) for each in findings.trial.estimates]
     return [
-        ReportSection("", [_compared(findings), Items([*summary(findings), *_cause(findings)])]),
+        ReportSection("", [_compared(findings), Items(summary(findings))]),
         _accuracies(findings),
         *(ReportSection(title, found) for title, found in shown.items() if found),
         *(
@@ -76,11 +76,6 @@ def _compared(findings: GapFindings) -> str:
         f"interface{'s' if len(names) > 1 else ''} {', '.join(names)}; {options.target}s by "
         f"{options.estimator}, seed {options.seed}."
     )
-
-
-def _cause(findings: GapFindings) -> list[str]:
-    sentence = cause_sentence(findings)
-    return [sentence] if sentence else []
 
 
 def _accuracies(findings: GapFindings) -> ReportSection:

@@ -51,6 +51,12 @@ def accuracy_rows(findings: GapFindings) -> list[AccuracyRow]:
     return list(dict.fromkeys(rows))
 
 
+def accuracy_table(findings: GapFindings) -> list[tuple[str, ...]]:
+    """All accuracies: the header, and one row for each kind of training."""
+    rows = [(row.trained, *row.cells) for row in accuracy_rows(findings)]
+    return [("trained on", *column_headings(findings)), *rows]
+
+
 def column_headings(findings: GapFindings) -> list[str]:
     """Headings of the cells of a row."""
     return [", ".join(findings.trial.features[name]) for name in findings.own]
@@ -62,7 +68,11 @@ def model_label(k: int) -> str:
 
 
 def summary(findings: GapFindings) -> list[str]:
-    """The most important findings, one sentence each."""
+    """The most important findings, one sentence each, and the cause of the gap if it is known."""
+    return list(filter(None, [*_distances_and_accuracies(findings), cause_sentence(findings)]))
+
+
+def _distances_and_accuracies(findings: GapFindings) -> list[str]:
     label, target = findings.trial.pair.label, findings.trial.options.target
     before = _largest(findings, BEFORE)
     sentences = [f"Distance of the mean {label.name} from the simulation, pressed: {before}."]

@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+import rcskin
 from rcskin.localization.model.localizer_file import load, save
 from rcskin.localization.model.training import train
 from rcskin.simulator.measure.experiment import planned_presses
@@ -63,6 +64,20 @@ def test_a_sheet_resistance_is_named_and_calibration_brings_accuracy_up(
     sheet = next(each for each in found["calibration"] if each["unit"] == "ohm/sq")
     assert sheet["low"] / sheet["start"] < 1.2 < sheet["high"] / sheet["start"]
     assert sheet["value"] == pytest.approx(1.2 * sheet["start"], rel=0.03)
+
+
+def test_a_script_finds_the_same_gap(gap, files, tmp_path):
+    _, out, _ = gap(*files, "-o", tmp_path / "typed", "--draws", 1)
+    found = rcskin.gap(*files, draws=1)
+    found.write(tmp_path / "written")
+    for name in ("gap.json", "gap.html"):
+        written, typed = (tmp_path / folder / name for folder in ("written", "typed"))
+        assert written.read_bytes() == typed.read_bytes()
+    assert all(sentence in out for sentence in found.summary)
+    assert "Sheet resistance explains most" in found.summary[-1]
+    shown = found._repr_html_()
+    assert shown.count("<svg") == 1 and "after calibration" in shown and "Rs (%)" in shown
+    assert repr(found).startswith("Accuracy on twin sweeps\ntrained on")
 
 
 @pytest.mark.usefixtures("linear_intervals")

@@ -141,7 +141,7 @@ def test_one_class_alone_cannot_be_asked_for(make_skin_sweeps, make_findings):
         ({"target": "position"}, "`target` must be one of column, row, pixel, got 'position'"),
         ({"draws": 0}, "`draws` must be >= 1, got 0"),
         ({"seed": -1}, "`seed` must be >= 0, got -1"),
-        ({"calibration_touches": -1}, "`calibration-touches` must be >= 0, got -1"),
+        ({"calibration_touches": -1}, "`calibration_touches` must be >= 0, got -1"),
     ],
 )
 def test_values_out_of_range_are_refused(asked, message):

@@ -71,7 +71,7 @@ def test_large_pictures_are_reduced_to_means_on_request(mapped, tmp_path):
 )
 def test_bad_files_are_refused_in_one_line(run, mapped, tmp_path, name, content, lines, told):
     if content is not None:
-        (tmp_path / name).write_text(content)
+        (tmp_path / name).write_text(content, encoding="utf-8")
     scene = mapped(name, *lines)
     code, _, err = run("sweep", scene, "-o", tmp_path / "out.csv")
     with pytest.raises(InputError, match=told):
