@@ -46,7 +46,7 @@ def page(tmp_path, monkeypatch):
     return tmp_path / "page.md"
 
 
-def test_a_quote_that_differs_is_told_and_written_anew(page, monkeypatch, capsys):
+def test_a_quote_that_differs_is_reported_and_written_anew(page, monkeypatch, capsys):
     page.write_text(PAGE.format("2.6"))
     monkeypatch.setattr(sys, "argv", ["quoted.py"])
     assert quoted.main() == 1
@@ -127,7 +127,7 @@ def test_two_that_keep_in_one_folder_do_not_run_at_once():
     assert every.next_of([free], [free]) == free
 
 
-def test_what_tells_of_the_results_of_others_waits_for_all_of_them():
+def test_what_reports_results_of_others_waits_for_all_of_them():
     one, other = (every.Benchmark("campaign", options=(option,)) for option in ("a", "b"))
     teller = every.Benchmark("teller", needs="campaign")
     assert every.next_of([teller, other], [one]) == other

@@ -57,6 +57,6 @@ def test_code_is_the_same_where_pages_results_and_tests_differ(repository, tmp_p
     assert bench.code() == f"{changed} and changes"
 
 
-def test_without_a_repository_no_code_is_told(tmp_path, monkeypatch):
+def test_without_a_repository_no_code_is_reported(tmp_path, monkeypatch):
     monkeypatch.setattr(bench, "HERE", tmp_path / "benchmarks")
     assert (bench.code(), bench.commit()) == ("unknown", "unknown")

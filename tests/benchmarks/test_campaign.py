@@ -74,7 +74,7 @@ def part():
     "kind",
     [kind if kind in QUICK else pytest.param(kind, marks=pytest.mark.slow) for kind in CHEAP],
 )
-def test_asked_and_told_are_kept(part, kind):
+def test_the_tolerance_and_the_estimate_are_kept(part, kind):
     verdict = part("judging").judged(kind, CHEAP[kind])
     assert verdict.outcome == "judged", verdict.line()
     assert not verdict.broken and not verdict.underestimated, verdict.line()
@@ -115,7 +115,7 @@ def test_what_is_off_is_found(part, monkeypatch):
     assert underestimated.underestimated
 
 
-def test_an_exception_is_a_failure_and_told(part, monkeypatch):
+def test_an_exception_is_a_failure_and_reported(part, monkeypatch):
     judging = part("judging")
 
     class Broken(judging.Solver):

@@ -81,7 +81,7 @@ def test_a_changed_scene_is_another_skin(scene, sweeps):
         ({"pixels.rows.x": 1}, "`pixels.rows.x`: there is no 'x'"),
     ],
 )
-def test_a_change_that_cannot_be_is_told_in_one_line(scene, changes, told):
+def test_a_change_that_cannot_be_is_reported_in_one_line(scene, changes, told):
     with pytest.raises(InputError) as error:
         scene.with_(changes)
     assert told in str(error.value) and "\n" not in str(error.value)

@@ -107,7 +107,7 @@ def test_there_are_all_commands():
         (lambda: rcskin.plot(EMPTY, "a.png", ["Cs"]), "`what` must be of Rs, Cp, change-Rs,"),
     ],
 )
-def test_scripts_are_told_of_arguments_in_the_same_words(call, told):
+def test_arguments_of_scripts_are_refused_in_the_same_words(call, told):
     with pytest.raises(InputError) as refused:
         call()
     assert told in str(refused.value) and "\n" not in str(refused.value)

@@ -103,7 +103,7 @@ def test_a_localizer_that_inverts_the_simulator_is_trained_asked_and_adapted(
 
 
 @pytest.mark.slow
-def test_a_gap_is_told_of_what_both_sides_read(scene, folder, monkeypatch):
+def test_a_gap_is_reported_for_what_both_sides_read(scene, folder, monkeypatch):
     monkeypatch.setattr("rcskin.localization.gap.report.html_report.charts_of", lambda *given: [])
     presses = [each for k in range(4) for each in ("none", "1,1", "1,2", "2,1", "2,2")]
     asked = [part for press in presses for part in ("--press", press)]
@@ -152,7 +152,7 @@ def test_a_study_counts_what_is_read(scene, folder):
     assert "below all `frequencies` of interface bottom" in str(done.exception or done.output)
 
 
-def test_a_page_is_told_what_is_read(scene, folder):
+def test_a_page_states_which_readings_are_taken(scene, folder):
     command("page", scene, "-o", folder / "page.html")
     assert '"taken"' in (folder / "page.html").read_text(encoding="utf-8")
 

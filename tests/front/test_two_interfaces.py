@@ -140,7 +140,7 @@ def test_what_is_recorded_calibrates(scene, recorded, folder):
     assert found.skin.top.sheet_resistance == pytest.approx(true.skin.top.sheet_resistance, rel=0.1)
 
 
-def test_live_tells_pixels_from_all(model, ports, switch):
+def test_live_finds_pixels_from_all(model, ports, switch):
     from rcskin.hardware.control_client import send_request
 
     control, where = f"127.0.0.1:{ports.control}", ["--resource", ports.resource]

@@ -43,7 +43,7 @@ def test_help_loads_nothing_heavy():
     assert subprocess.run([sys.executable, "-c", loaded], check=False).returncode == 0
 
 
-def test_identify_tells_what_answers(told, ports):
+def test_identify_names_what_answers(told, ports):
     assert "IM3523 (HIOKI,IM3523," in told("identify", ports.resource)
 
 
@@ -62,7 +62,7 @@ def test_press_and_misbehave_go_through_the_side_door(told, command, ports, inst
     assert isinstance(command("press", "x", "--control", control).exception, InputError)
 
 
-def test_correct_acquires_and_tells_the_state(told, ports):
+def test_correct_acquires_and_reports_the_state(told, ports):
     answer = told("correct", "open", "--resource", ports.resource)
     assert answer == "open correction ALL, short correction OFF\n"
 
@@ -243,7 +243,7 @@ def test_an_absent_meter_is_a_meter_error_in_one_line(command, tmp_path):
         (["--scene", "pillow", "--port", "99999"], "--port must be from 0 to 65535, got 99999"),
     ],
 )
-def test_what_cannot_be_served_is_told(command, arguments, told):
+def test_what_cannot_be_served_is_reported(command, arguments, told):
     result = command("serve", *arguments)
     assert isinstance(result.exception, InputError)
     assert told in str(result.exception)

@@ -45,7 +45,7 @@ def sweeps(family, changes, count, seed):
 @pytest.mark.parametrize(
     "estimator", ["ksvm-ovo", pytest.param("model-based", marks=pytest.mark.slow)]
 )
-def test_columns_are_told_of_presses_by_a_finger_and_by_a_rod(family, estimator):
+def test_columns_are_found_of_presses_by_a_finger_and_by_a_rod(family, estimator):
     features = ["dlnZ", "dphase"]
     model = train(sweeps(family, {}, SWEEPS, 1), "column", estimator, quantities=features)
     for changes in (ROD | PRESSED, FINGER | PRESSED):
@@ -88,6 +88,6 @@ def test_tables_hold_every_finger_that_may_touch():
 
 
 @pytest.mark.parametrize("target", ["position", "pair", "touches"])
-def test_what_tables_do_not_tell_of_fingers_is_refused(target):
+def test_fingers_that_tables_do_not_cover_are_refused(target):
     with pytest.raises(InputError, match="for presses by a rod only"):
         templates(FINGERS, target)

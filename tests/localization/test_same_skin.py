@@ -48,7 +48,7 @@ def test_sweeps_of_another_skin_are_refused_and_insisted_on(run, refused, files,
 
 
 @pytest.mark.parametrize("command", ["localize", "evaluate"])
-def test_sweeps_that_do_not_tell_their_skin_are_answered_with_a_note(run, files, saved, command):
+def test_sweeps_that_do_not_name_their_skin_are_answered_with_a_note(run, files, saved, command):
     code, out, err = run(command, saved, files / "untold.nc")
     assert code == 0 and out
     reason = "stores no scene, so its skin cannot be compared with the model's"
@@ -73,7 +73,7 @@ def test_live_takes_rest_of_its_own_skin_only(model, files):
     assert read_baselines([files / "other.nc"], model, force=True)
 
 
-def test_a_gap_is_told_between_sweeps_of_one_skin(run, refused, files, tmp_path):
+def test_a_gap_is_found_between_sweeps_of_one_skin(run, refused, files, tmp_path):
     measured = tmp_path / "measured.nc"
     write(read(files / "other.nc").assign_attrs(model="measured"), measured)
     code, out, err = run("gap", files / "own.nc", measured, "-o", tmp_path / "gap")

@@ -31,7 +31,7 @@ def test_a_chart_is_what_its_name_ends_in_and_the_same_bytes_again(tmp_path, end
     assert written[0] == written[1]
 
 
-def test_other_endings_are_told_before_anything_is_drawn(tmp_path):
+def test_other_endings_are_reported_before_anything_is_drawn(tmp_path):
     assert checked_chart(tmp_path / "a.svg") == tmp_path / "a.svg"
     with pytest.raises(InputError, match="must end in .png or .svg or .pdf, got '.jpg'"):
         checked_chart(tmp_path / "a.jpg")
@@ -92,7 +92,7 @@ def test_names_stand_in_charts_as_they_are(tmp_path, name):
     assert texts == [escaped(name)] * 2
 
 
-def test_scripts_are_told_of_a_backend_that_matplotlib_has_not():
+def test_a_backend_that_matplotlib_lacks_is_refused_in_scripts():
     told = subprocess.run(
         [
             sys.executable,

@@ -19,7 +19,7 @@ def test_fewer_nodes_are_among_more_and_weights_there_are_none_but_their_own():
     np.testing.assert_array_equal(barycentric(nodes, nodes), np.eye(9))
 
 
-def test_nodes_are_doubled_until_those_between_are_told_and_none_is_asked_twice():
+def test_nodes_are_doubled_until_those_between_are_predicted_and_none_is_computed_twice():
     asked = []
 
     def values(x):

@@ -102,7 +102,7 @@ def test_a_new_scene_overwrites_nothing(refused, scene_with):
     assert path.read_text() == before
 
 
-def test_the_version_is_told(run):
+def test_the_version_is_reported(run):
     assert run("--version")[:2] == (0, f"rcskin {version('rcskin')}\n")
 
 
@@ -129,7 +129,7 @@ def test_presses_are_written_as_they_were_asked(run, tmp_path):
     assert 'name = "sheet-5x5"' in written.attrs["scene"]
 
 
-def test_explain_tells_what_was_chosen_and_what_was_rejected(run, tmp_path):
+def test_explain_states_what_was_chosen_and_what_was_rejected(run, tmp_path):
     _, out, _ = run("sweep", "strip-1x3", "--press", "1,2", "--explain", "-o", tmp_path / "a.csv")
     assert "chosen    exact line" in out and "\\n" not in out
     assert len([each for each in out.splitlines() if "estimated error" in each]) == 3
@@ -239,7 +239,7 @@ def test_help_of_nothing_lists_the_commands_and_of_no_command_is_refused(run, re
         (["meter", "serve", "glove"], "(glove). Example: rcskin meter serve --scene sheet-5x5"),
     ],
 )
-def test_what_is_missing_or_too_much_is_told_with_an_example(refused, arguments, told):
+def test_what_is_missing_or_too_much_is_reported_with_an_example(refused, arguments, told):
     assert told in refused(*arguments)
 
 

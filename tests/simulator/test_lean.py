@@ -70,7 +70,7 @@ def test_the_paper_is_reproduced(tmp_path):
         (("export", "a.nc", "--format", "lerobot", "-o", "a"), "robots"),
     ],
 )
-def test_commands_of_an_extra_tell_its_name(refused, monkeypatch, tmp_path, arguments, extra):
+def test_commands_of_an_extra_give_its_name(refused, monkeypatch, tmp_path, arguments, extra):
     monkeypatch.chdir(tmp_path)
     for library in OF_EXTRAS:
         monkeypatch.setitem(sys.modules, library, None)

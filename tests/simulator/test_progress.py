@@ -10,7 +10,7 @@ from rcskin.simulator.scene.scene_files import load_scene
 @pytest.mark.parametrize(
     ("name", "press"), [("sheet-5x5", "2,2"), ("l-shape", "1,1"), ("mug", "2,2"), ("foam", "2,2")]
 )
-def test_fields_of_every_kind_of_skin_tell_how_far_they_have_come(name, press):
+def test_fields_of_every_kind_of_skin_report_their_progress(name, press):
     scene, heard = load_scene(name), list[tuple[str, float | None]]()
     fields(
         scene,

@@ -23,7 +23,7 @@ HOLED = pytest.param("l with a hole", marks=pytest.mark.slow)
 
 
 @pytest.mark.parametrize("kind", [HOLED, "mesh"])
-def test_a_localizer_of_drawn_skins_tells_the_columns_of_another(kinds, done, tmp_path, kind):
+def test_a_localizer_of_drawn_skins_finds_the_columns_of_another(kinds, done, tmp_path, kind):
     (tmp_path / "skin.toml").write_text(scene_text(kinds[kind]), encoding="utf-8")
     loose = ("--rtol", "1e-2")
     done("dataset", "skin.toml", "--sweeps", 60, "--workers", 1, *loose, "-o", "set.zarr")

@@ -112,7 +112,7 @@ def test_a_rectangle_by_any_route_gives_the_data_of_a_rectangle(plain_set, tmp_p
         np.testing.assert_allclose(one[name], other[name], atol=1e-7)
 
 
-def test_pixels_are_told_by_the_middle_of_their_skin(kinds):
+def test_pixels_are_placed_at_the_middle_of_their_skin(kinds):
     scene = kinds["mesh"]
     presses = drawn_presses(scene, np.random.default_rng(1), 100, (1, 2))
     single = presses.touches == 1
@@ -135,7 +135,7 @@ def test_touches_anywhere_have_their_middles_on_the_skin(kinds):
 
 
 @pytest.mark.slow
-def test_touches_anywhere_are_as_near_as_their_cells_are_told_to_be(kinds, tmp_path):
+def test_touches_anywhere_are_as_near_as_the_error_of_their_cells(kinds, tmp_path):
     scene = kinds["draped"].with_({**SAME, **ANYWHERE})
     data = made(scene, tmp_path / "out.zarr", 8)
     solver, Z = Solver(scene, RTOL / 10), impedance(data)

@@ -81,14 +81,14 @@ def compared(monkeypatch):
     return lambda count: monkeypatch.setattr(cell_errors, "SAMPLE", count)
 
 
-def test_errors_told_cover_those_of_some_others(scenes, compared):
+def test_estimated_errors_cover_those_of_some_others(scenes, compared):
     compared(2)
     covered(scenes["flat"].with_(COARSE), 1)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["flat", "l with a hole", "uneven"])
-def test_errors_told_cover_those_of_other_presses_and_the_worst(scenes, name):
+def test_estimated_errors_cover_those_of_other_presses_and_the_worst(scenes, name):
     covered(scenes[name], 10, at_the_worst(scenes[name]))
 
 
@@ -115,7 +115,7 @@ def drawn_on(scene, sweeps=60):
     return drawn_presses(scene, np.random.default_rng(1), sweeps, (8, 8))
 
 
-def test_presses_are_told_by_the_depth_that_was_solved(scenes):
+def test_presses_are_written_with_the_depth_that_was_solved(scenes):
     presses, scene = drawn_on(scenes["flat"]), scenes["flat"]
     for text, touches, factor in zip(presses.text, presses.touches, presses.factor, strict=True):
         press = parse_press(text, np.nan)
@@ -131,7 +131,7 @@ def test_applicators_meet_the_skin_that_they_are_drawn_on(scenes):
     assert on_skin(scene.skin, np.stack([presses.x[there], presses.y[there]])).all()
 
 
-def test_a_press_beside_the_pixel_that_was_meant_is_told_as_meant(scenes):
+def test_a_press_beside_its_pixel_is_labelled_by_that_pixel(scenes):
     scene = scenes["flat"].with_({"dataset.press.place": "pixel", "dataset.press.offset": 0.2})
     presses = drawn_on(scene)
     single = np.flatnonzero(presses.touches == 1)[0]
@@ -175,7 +175,7 @@ def bytes_of(folder):
 
 
 @pytest.mark.slow
-def test_positions_are_learned_and_told_at_the_command_line(scenes, tmp_path):
+def test_positions_are_learned_and_reported_at_the_command_line(scenes, tmp_path):
     noise = {"readout.magnitude_noise": 1e-4, "readout.phase_noise": 1e-4}
     alone = {"dataset.press.touches": [0.1, 0.9], "dataset.session.sweeps_per_session": 100}
     scene = scenes["flat"].with_({**noise, **alone})

@@ -75,7 +75,7 @@ def test_positions_are_learned_from_presses_by_depth_and_force(swept):
     assert (np.abs(told[:, 0].reshape(3, 4) - [[15], [45], [75]]) < 15).all()
 
 
-def test_live_tells_columns_of_a_skin_pressed_by_depth(swept):
+def test_live_finds_columns_of_a_skin_pressed_by_depth(swept):
     model, random = swept.with_name("columns.skops"), np.random.default_rng(0)
     several = [read_out(read(swept), strip().readout, random, k) for k in range(4)]
     write(concatenate(several), swept.with_name("several.nc"))
@@ -145,7 +145,7 @@ def test_every_command_says_how_deep_a_force_goes(tmp_path, tension, force):
         assert run("meter", "press", "1,2:1mm", "--control", control).stderr == ""
 
 
-def test_many_presses_by_a_force_are_told_in_one_line():
+def test_many_presses_by_a_force_are_summarized_in_one_line():
     scene = strip(0.0, force=4.0)
     presses = [press_on(scene, f"1,1:{force}N") for force in np.linspace(1, 5, 40)]
     (line,) = depths_in_words(scene, presses)

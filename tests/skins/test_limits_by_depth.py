@@ -127,7 +127,7 @@ def test_a_touch_of_a_pixels_size_has_the_limits_of_the_pixel(foam, compared, co
     assert 0 < relative_difference(other, own).max() <= told.cells
 
 
-def test_errors_told_of_places_cover_those_of_others(foam, compared):
+def test_estimated_errors_of_places_cover_those_of_others(foam, compared):
     compared(4)
     touch, fields = chosen_touch(foam, 0.012), FullFields(foam, float(foam.frequencies[-1]))
     inside = np.linspace(0.006, SIDE - 0.006, 5).tolist()
@@ -189,7 +189,7 @@ def run(*arguments):
     return CliRunner().invoke(rcskin.app, [str(each) for each in arguments])
 
 
-def test_limits_of_a_size_by_depth_are_told_with_their_errors(
+def test_limits_of_a_size_by_depth_are_reported_with_their_errors(
     foam, tmp_path, undrawn, compared, coarse
 ):
     compared(1)

@@ -81,7 +81,7 @@ def test_the_bound_on_position_is_asked_where_a_touch_is_whole_on_the_skin(kinds
     assert (np.linalg.norm(places - 0.03, axis=1) > 0.012).all()
 
 
-def test_columns_of_a_mesh_are_told_as_well_as_pressed_by_the_full_solver(kinds):
+def test_columns_of_a_mesh_are_found_as_well_as_pressed_by_the_full_solver(kinds):
     accuracy = bayes_accuracy(kinds["mesh"], "column", draws=200)
     assert accuracy.share > 0.99
 

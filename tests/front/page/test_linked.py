@@ -87,7 +87,7 @@ def test_a_press_of_any_shape_is_left_as_others_made_it(pages, open_page, shape)
     says(skin, "answer", "Nothing")
 
 
-def test_faults_are_told_in_words(pages, open_page):
+def test_faults_are_reported_in_words(pages, open_page):
     live = open_page(pages.live)
     says(live, "live-answer", "Nothing")
     send_request(pages.control, "misbehave", kind="drop", times=3)

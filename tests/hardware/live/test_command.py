@@ -214,7 +214,7 @@ def test_sweeps_are_those_of_the_skin(live, cushion, tmp_path):
 
 
 @pytest.mark.posix("there one process ends another without a word to it")
-def test_told_to_end_it_leaves_the_meter_as_found_and_the_log_whole(start, instrument, tmp_path):
+def test_asked_to_end_it_leaves_the_meter_as_found_and_the_log_whole(start, instrument, tmp_path):
     before, log = set_otherwise(instrument), tmp_path / "run.nc"
     process = start("--log", log)
     process.stdout.readline()

@@ -100,7 +100,7 @@ def test_chosen_readings_go_on_where_the_switch_stands_and_count_its_turn(sessio
     assert sorted(trace.interface for trace in seen.sweep.traces) == ["bottom", "left"]
 
 
-def test_pixels_are_told_from_both_interfaces(session):
+def test_pixels_are_found_from_both_interfaces(session):
     live = session()
     live.run(6)
     assert (labels(live), live.failed) == (RIGHT, 0)
@@ -115,7 +115,7 @@ def test_a_late_switch_drops_nothing(session, instrument):
     assert all(moment.remarks == () for moment in live.display.moments)
 
 
-def test_a_switch_that_takes_long_is_told_beside_the_answer(session, instrument):
+def test_a_switch_that_takes_long_is_reported_beside_the_answer(session, instrument):
     live = session({1: lambda: instrument.faults.add(Fault("slow", seconds=1.1))})
     live.run(3)
     (remark,) = live.display.moments[1].remarks
@@ -133,7 +133,9 @@ def test_a_switch_that_takes_long_is_told_beside_the_answer(session, instrument)
         (Fault("forget"), "the meter was switched off and on"),
     ],
 )
-def test_a_fault_costs_its_sweep_at_both_interfaces_and_is_told(session, instrument, fault, told):
+def test_a_fault_costs_its_sweep_at_both_interfaces_and_is_reported(
+    session, instrument, fault, told
+):
     def press_and_fail():
         instrument.press = "2,3"
         instrument.faults.add(fault)

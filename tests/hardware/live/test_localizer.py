@@ -55,7 +55,7 @@ def test_a_pixel_has_its_own(localizer):
     assert answer.pixels == pytest.approx(np.array([[0, 0, 0], [0, 0, 0.75]]))
 
 
-def test_what_cannot_be_told_has_no_probability_but_is_drawn(localizer):
+def test_what_has_no_answer_has_no_probability_but_is_drawn(localizer):
     answer = localizer("column", CANNOT_TELL, [0, 1], [0.5, 0.5]).answer(SWEEP, REST, 0.0, 0.4)
     assert answer.words == CANNOT_TELL
     assert answer.pixels[:, 0] == pytest.approx(0.5)
@@ -66,7 +66,7 @@ def test_touches_are_counted_and_nothing_is_drawn(localizer):
     assert (answer.words, answer.pixels) == ("2 touches, 80 %", None)
 
 
-def test_a_position_is_told_in_mm_with_its_deviation(localizer):
+def test_a_position_is_reported_in_mm_with_its_deviation(localizer):
     answer = localizer("position", "1", position=[43.2, 71.8, 2.04]).answer(SWEEP, REST, 0.0, 0.4)
     assert answer.words == "x 43 mm, y 72 mm, strength 2, ± 3.0 x 5.0 mm"
     assert (answer.position, answer.deviation) == ((43.2, 71.8), (3.0, 5.0))
@@ -76,6 +76,6 @@ def test_a_position_is_told_in_mm_with_its_deviation(localizer):
 @pytest.mark.parametrize(
     ("label", "words"), [("0", f"{NOTHING_PRESSED}, 90 %"), (CANNOT_TELL, CANNOT_TELL)]
 )
-def test_a_model_of_positions_may_have_none_to_tell(localizer, label, words):
+def test_a_model_of_positions_may_have_none_to_answer(localizer, label, words):
     answer = localizer("position", label, position=[1.0, 1.0, 1.0]).answer(SWEEP, REST, 0.0, 0.4)
     assert (answer.words, answer.position) == (words, None)

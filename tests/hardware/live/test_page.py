@@ -67,7 +67,7 @@ def test_ctrl_c_leaves_the_meter_as_found_though_a_viewer_is_stuck(paged, look, 
     assert instrument.settings.trigger == "INTERNAL"
 
 
-def test_bad_input_is_told(live):
+def test_bad_input_is_reported(live):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         with pytest.raises(InputError, match=rf"port {port} of 127\.0\.0\.1 is not available"):

@@ -24,7 +24,7 @@ def sweep(grown):
     return MeasuredSweep((trace,))
 
 
-def test_live_and_evaluation_tell_a_sweep_against_the_same_rest_of_a_skin_that_drifts():
+def test_live_and_evaluation_compare_a_sweep_with_the_same_baseline_of_a_skin_that_drifts():
     """A recording of what live took for rest, and the sweeps in between; asked at every sweep."""
     random, rest, taken, known = np.random.default_rng(0), LiveBaseline(RECENT), [], []
     sweeps = [sweep(1e-4 * k + 1e-3 * random.standard_normal()) for k in range(150)]

@@ -62,7 +62,7 @@ def test_slow_drift_is_followed_where_nothing_is_pressed(
     assert any("follow slow drift" in note for note in live.display.notes)
 
 
-def test_drift_since_the_beginning_is_told(session, instrument):
+def test_drift_since_the_beginning_is_reported(session, instrument):
     object.__setattr__(instrument.bench, "skin", Drifting(1e-4))
     live = session(rest=2, drift=0.01)
     live.run(50)

@@ -110,7 +110,7 @@ def test_a_pair_lights_two_pixels(grid):
     assert sorted(drawn.ravel())[-2:] == [drawn[0, 0], drawn[1, 2]]
 
 
-def test_a_number_tells_each_probability(grid):
+def test_a_number_states_each_probability(grid):
     shown = grid.draw(TouchAnswer("pixel", None, np.array([[0, 0.25, 0.5], [0.75, 0.97, 1]]))).plain
     assert [int(n) for n in re.findall(r"\d+", shown)] == [2, 75, 97, 100, 1, 0, 25, 50, 1, 2, 3]
 
@@ -170,7 +170,7 @@ def test_a_grid_fits_a_small_terminal_as_far_as_it_can(rows, columns):
         ("touches", "2", "2 touches"),
     ],
 )
-def test_labels_are_told_in_words(target, label, words):
+def test_labels_are_reported_in_words(target, label, words):
     answer = answer_of_classes(target, label, ["0"], np.ones(1), SHAPE)
     assert answer.label == words
 
@@ -192,7 +192,7 @@ def moment():
     return TimedAnswer(answer, seen, at, 0.4, 0.003, 0.81, 2.47, 3, ("drifts",))
 
 
-def test_the_screen_tells_answer_times_failures_and_remarks(moment):
+def test_the_screen_states_answer_times_failures_and_remarks(moment):
     console = Console(width=80, height=40, record=True, file=io.StringIO())
     screen = LiveScreen(console, Columns())
     screen.answer(moment)

@@ -56,7 +56,7 @@ def test_a_model_that_needs_no_rest_is_answered_from_the_first_sweep(session):
         (Fault("forget"), "the meter was switched off and on"),
     ],
 )
-def test_a_fault_costs_its_sweep_and_is_told(session, press, instrument, fault, told):
+def test_a_fault_costs_its_sweep_and_is_reported(session, press, instrument, fault, told):
     live = session({1: press("1,3"), 2: lambda: instrument.faults.add(fault)})
     live.run(4)
     assert live.display.labels == ["nothing pressed", *["column 3"] * 3]
@@ -76,14 +76,14 @@ def test_faults_before_the_first_answer_are_survived(session, instrument):
     assert live.display.labels == ["nothing pressed"]
 
 
-def test_changed_settings_are_told_and_set_back(session, instrument):
+def test_changed_settings_are_reported_and_set_back(session, instrument):
     live = session({1: lambda: setattr(instrument.settings, "cable", 1)})
     live.run(2)
     assert any("`cable` is 1 and was 0" in why for why in live.display.told)
     assert (live.failed, instrument.settings.cable) == (1, 0)
 
 
-def test_another_meter_is_told_and_never_answered(session, instrument):
+def test_another_meter_is_reported_and_never_answered(session, instrument):
     def exchange():
         instrument.serial = "111111111"
         instrument.faults.add(Fault("drop"))

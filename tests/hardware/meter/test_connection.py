@@ -19,7 +19,7 @@ def line():
         yield connect(f"TCPIP0::127.0.0.1::{silent.getsockname()[1]}::SOCKET", LATE)
 
 
-def test_who_reads_while_another_thread_lets_go_is_told_that_the_line_is_lost(line):
+def test_a_reading_while_another_thread_closes_finds_the_line_lost(line):
     with ThreadPoolExecutor(1) as threads:
         reading = threads.submit(line.read)
         time.sleep(SOON)

@@ -39,7 +39,7 @@ SETTINGS = {
 
 
 @pytest.mark.parametrize(("name", "value"), SETTINGS.items())
-def test_a_setting_is_told_as_it_was_set(meter, name, value):
+def test_a_setting_is_reported_as_it_was_set(meter, name, value):
     setattr(meter, name, value)
     assert getattr(meter, name) == value
 
@@ -167,7 +167,7 @@ def test_corrections_are_acquired_and_ended(meter, kind, report):
     assert getattr(meter, report) == "OFF"
 
 
-def test_a_correction_tells_how_long_it_has_taken(instrument, meter):
+def test_a_correction_states_how_long_it_has_taken(instrument, meter):
     instrument.pace = 0.01
     seen = []
     correct(meter, "open", progress=seen.append, interval=0.005)
@@ -220,7 +220,7 @@ def test_a_sweep_is_a_reading_at_each_frequency(meter, pillow):
     assert sweep.traces[0].Z == pytest.approx(exact, rel=1e-4)
 
 
-def test_frequencies_out_of_reach_are_told_before_anything_is_measured(meter):
+def test_frequencies_out_of_reach_are_reported_before_anything_is_measured(meter):
     with pytest.raises(InputError, match="meter IM3523 reads 40 Hz to 200 kHz; 20 Hz is outside"):
         check_frequencies(meter, (1e3, 20.0))
 
@@ -229,7 +229,7 @@ def test_what_answers_is_identified(ports):
     assert probe(ports.resource, 1, 9600).identity.model == "IM3523"
 
 
-def test_nothing_behind_an_address_is_told_with_what_to_check():
+def test_nothing_behind_an_address_is_reported_with_what_to_check():
     silent = probe("TCPIP0::127.0.0.1::1::SOCKET", 0.3, 9600)
     assert silent.identity is None
     assert "check the cable" in silent.failure
@@ -243,7 +243,7 @@ def test_nothing_behind_an_address_is_told_with_what_to_check():
         ("ASRL/dev/absent::INSTR", NoConnectionError, "cannot be opened .* check the address"),
     ],
 )
-def test_a_meter_that_cannot_be_opened_is_told_in_one_line(resource, error, told):
+def test_a_meter_that_cannot_be_opened_is_reported_in_one_line(resource, error, told):
     with pytest.raises(error, match=told) as raised:
         open_meter(resource, 0.3)
     assert "\n" not in str(raised.value)

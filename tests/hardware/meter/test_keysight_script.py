@@ -108,7 +108,7 @@ def test_the_level_that_is_not_in_use_has_no_answer_and_the_other_is_read(script
         ("+128", RestartedError, "switched off and on"),
     ],
 )
-def test_a_refusal_tells_the_meters_own_words(script, register, error, told):
+def test_a_refusal_states_the_meters_own_words(script, register, error, told):
     queue = [
         (":SYSTem:ERRor?", '-222,"Data out of range"'),
         (":SYSTem:ERRor?", '-113,"Undefined header"'),

@@ -143,7 +143,7 @@ def test_a_connection_lost_at_the_very_end_is_made_again(ports, instrument, case
 
 
 @HIOKI_ONLY
-def test_a_meter_that_stays_away_is_told_of(ports, instrument):
+def test_a_meter_that_stays_away_is_reported(ports, instrument):
     told = []
     station = ManagedMeter(lambda: open_meter(ports.resource, 0.2), report=told.append)
     station.ready()

@@ -155,7 +155,7 @@ def test_the_document_is_sent_under_a_policy_of_its_own(served):
     assert len(nonces) == 2
 
 
-def test_without_the_token_nothing_is_told(served):
+def test_without_the_token_nothing_is_reported(served):
     async def act(page):
         answers = [await got(page, "/?token=wrong"), await got(page, Host="evil.example")]
         for more in ({"origin": "http://evil.example"}, {"origin": None}):
@@ -262,7 +262,7 @@ def test_no_more_viewers_than_there_is_room_for(served, frame):
     assert served(act)["state"] == {"why": "room"}
 
 
-def test_a_port_in_use_is_told(served):
+def test_a_port_in_use_is_reported(served):
     async def act(page):
         async with PageServer(None, LatestState()).served(page.address.port):
             raise AssertionError("the port was had twice")

@@ -266,7 +266,7 @@ def test_a_device_that_never_sends_a_sweep_is_one_line_with_what_to_check(name):
     assert "check" in str(failed.value) and "\n" not in str(failed.value)
 
 
-def test_a_lost_connection_is_told():
+def test_a_lost_connection_is_reported():
     bench = Bench()
     with opened(bench) as (reader, terminals, _):
         bench.stopped.set()
@@ -275,7 +275,7 @@ def test_a_lost_connection_is_told():
             swept(reader, terminals)
 
 
-def test_a_port_that_is_not_there_is_told():
+def test_a_port_that_is_not_there_is_reported():
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
     for resource in (f"tcp:127.0.0.1:{port}", "serial:/dev/no-such-port"):
@@ -283,7 +283,7 @@ def test_a_port_that_is_not_there_is_told():
             open_reader(resource, FORMAT, FREQUENCIES)
 
 
-def test_a_device_that_is_silent_from_the_start_is_told():
+def test_a_device_that_is_silent_from_the_start_is_reported():
     with pytest.raises(NoAnswerError, match="needs a `start` command"):
         with opened(Bench(wait_for_start=True)):
             pass

@@ -31,7 +31,7 @@ def test_repeated_rest_is_no_press(seed, rests):
     assert told.startswith("no press detected: the readings differ from the unpressed skin by 0.")
 
 
-def test_a_single_rest_tells_nearly_all_that_is_no_press():
+def test_a_single_baseline_shows_nearly_all_that_is_no_press():
     random = np.random.default_rng(1)
     told = [
         undetected_press(sweep_of(LINE, random), [sweep_of(LINE, random)]) != [] for _ in range(500)
@@ -56,7 +56,7 @@ def test_slow_drift_of_the_rest_is_not_the_noise_of_the_meter(seed):
 
 
 @pytest.mark.parametrize("rests", [1, 2])
-def test_few_readings_without_noise_are_told_from_each_other(rests):
+def test_few_readings_without_noise_are_distinguished(rests):
     random, few = np.random.default_rng(1), LINE[:3]
     before = [sweep_of(few, random, 0)] * rests
     assert undetected_press(sweep_of(few, random, 0), before) != []

@@ -56,7 +56,7 @@ def test_errors_within_the_meters_bounds_are_no_violation(errors):
     assert JUDGE.remarks(sweep_of(Z), [], unpressed=False) == []
 
 
-def test_a_range_whose_error_is_not_known_is_told():
+def test_a_range_whose_error_is_not_known_is_reported():
     Z = 30 * LINE
     Z[3] *= 0.3
     remarks = JUDGE.remarks(sweep_of(Z), [], unpressed=False)

@@ -95,7 +95,7 @@ def test_a_setting_that_the_meter_lacks_is_refused_and_nothing_is_left_behind(
 
 
 @pytest.mark.parametrize("case", [E4980A], indirect=True, ids=["E4980A"])
-def test_a_frequency_with_more_digits_than_the_meter_sets_is_told(meter, caplog):
+def test_a_frequency_with_more_digits_than_the_meter_sets_is_reported(meter, caplog):
     check_frequencies(meter, (1e3, 12350.0))
     assert not caplog.records
     with caplog.at_level(logging.WARNING):

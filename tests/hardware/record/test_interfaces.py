@@ -100,7 +100,7 @@ def test_a_journal_keeps_own_frequencies_and_no_word_without(tmp_path):
     assert journal.header() == replace(header, of_each={})
 
 
-def test_the_file_tells_when_each_interface_was_measured(recorded, control, switch):
+def test_the_file_states_when_each_interface_was_measured(recorded, control, switch):
     sweeps = recorded(*control, *switch)
     whole, each = (json.loads(sweeps.attrs[name]) for name in ("times", "interface_times"))
     for (begun, ended), of_interfaces in zip(whole, each, strict=True):

@@ -66,7 +66,7 @@ TOLD = pytest.mark.posix("there one process ends another without a word to it")
 
 @TOLD
 @pytest.mark.parametrize("end", [signal.SIGINT, signal.SIGTERM])
-def test_a_served_meter_ends_when_it_is_told(start_rig, end):
+def test_a_served_meter_ends_on_request(start_rig, end):
     process = start_rig("serve", "--scene", "pillow", "--port", 0, "--control-port", 0)
     assert "TCPIP0::127.0.0.1::" in process.stdout.readline()
     process.send_signal(end)

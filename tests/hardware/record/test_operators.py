@@ -57,7 +57,7 @@ def test_a_terminal_shows_the_curve_against_rest_as_it_grows(shown):
     assert "done; against the unpressed skin Rs █▁ -50 to +0 %, Cp █▁ -50 to +0 %" in text
 
 
-def test_plain_text_tells_the_span_of_the_curve_without_a_control_code(shown):
+def test_plain_text_states_the_span_of_the_curve_without_a_control_code(shown):
     text = shown(False, ["check"], plain=True, rest=REST)
     first, second = text.splitlines()
     assert (
@@ -89,7 +89,7 @@ def test_a_pressing_command_gets_the_press(tmp_path):
     assert (tmp_path / "pressed-2-1").exists()
 
 
-def test_a_pressing_command_that_fails_is_told():
+def test_a_pressing_command_that_fails_is_reported():
     with pytest.raises(MeterError, match="press 1,1: .* check the pressing machine"):
         press_by_command("false {press}")(PressStep("1,1", 1, 1))
 

@@ -57,7 +57,7 @@ def test_a_file_gives_its_own_order(tmp_path):
         ("# nothing\n", "has no press; write one per line"),
     ],
 )
-def test_a_bad_order_is_told_by_file_and_line(tmp_path, text, told):
+def test_a_bad_order_is_reported_by_file_and_line(tmp_path, text, told):
     path = tmp_path / "order.txt"
     path.write_text(text)
     with pytest.raises(InputError) as raised:
@@ -65,7 +65,7 @@ def test_a_bad_order_is_told_by_file_and_line(tmp_path, text, told):
     assert str(raised.value).startswith(f"{path}: {told}")
 
 
-def test_an_absent_order_is_told(tmp_path):
+def test_an_absent_order_is_reported(tmp_path):
     with pytest.raises(InputError, match="no such file"):
         read_order(tmp_path / "absent.txt", 2, 2)
 

@@ -35,7 +35,7 @@ def test_a_recording_is_every_press_in_its_order(task, operator, pillow):
     np.testing.assert_allclose(impedance(sweeps)[:, 0], exact, rtol=1e-5)
 
 
-def test_its_file_tells_scene_meter_settings_and_times(task, operator):
+def test_its_file_states_scene_meter_settings_and_times(task, operator):
     task = asking(task, asked={"speed": "SLOW", "range": 8, "auto_range": False})
     write(recording_dataset(*record(task, operator)), task.output)
     told = read(task.output).attrs
@@ -176,7 +176,7 @@ def test_a_step_is_done_again_when_it_is_asked_for(task, operator, show):
     assert entries[2].begun > entries[1].ended
 
 
-def test_progress_tells_the_step_the_time_left_and_the_skin_at_rest(task, operator, show):
+def test_progress_states_the_step_the_time_left_and_the_skin_at_rest(task, operator, show):
     watched = Repents(operator.press_skin, show)
     watched.seen = []
     _, entries = record(task, watched)

@@ -38,7 +38,7 @@ def test_the_name_of_a_session_is_kept_in_the_file(record, tmp_path):
     assert abs(sweeps["time"].values[0] - datetime.now(UTC).timestamp()) < 60
 
 
-def test_recordings_without_a_name_are_told_apart_by_their_begin(record, tmp_path):
+def test_recordings_without_a_name_are_distinguished_by_their_begin(record, tmp_path):
     record()
     record(output="b.nc")
     names = {read(tmp_path / name).attrs["sessions"] for name in ("a.nc", "b.nc")}
@@ -52,7 +52,7 @@ def test_a_csv_of_a_recording_holds_what_its_netcdf_does(record, command, tmp_pa
     assert json.loads(told["sessions"]) == {"0": "monday"}
 
 
-def test_a_finished_recording_is_told_and_stays(record, tmp_path):
+def test_a_finished_recording_is_reported_and_stays(record, tmp_path):
     record()
     before = (tmp_path / "a.nc").read_bytes()
     told = "a.nc: already exists with 3 sweeps x 3 .* measured, begun 20.*--overwrite-measured"
@@ -61,7 +61,7 @@ def test_a_finished_recording_is_told_and_stays(record, tmp_path):
     assert (tmp_path / "a.nc").read_bytes() == before
 
 
-def test_any_other_file_is_told_and_stays(record, tmp_path):
+def test_any_other_file_is_reported_and_stays(record, tmp_path):
     (tmp_path / "a.nc").write_text("diary")
     with pytest.raises(InputError, match="a.nc: already exists, and was not made by rcskin"):
         raise record().exception
@@ -108,7 +108,7 @@ def test_it_goes_on_soon_without_a_question(unfinished, record, tmp_path):
     assert json.loads(read(tmp_path / "a.nc").attrs["sessions"]) == {"0": "monday"}
 
 
-def test_days_later_a_machine_goes_on_only_if_told_that_the_mounting_is_the_same(
+def test_days_later_a_machine_goes_on_only_if_the_mounting_is_stated_to_be_the_same(
     unfinished, record, tmp_path
 ):
     unfinished(72)
@@ -130,7 +130,7 @@ def test_days_later_a_person_is_asked(
     assert (result.exit_code, (tmp_path / "a.nc").exists()) == (code, not code)
 
 
-def test_a_clock_that_was_set_back_is_told_of(unfinished, record, tmp_path, caplog):
+def test_a_clock_that_was_set_back_is_reported(unfinished, record, tmp_path, caplog):
     unfinished(-1)
     assert record().exit_code == 0
     (told,) = (each.getMessage() for each in caplog.records)

@@ -72,13 +72,13 @@ def test_doubled_braces_are_braces(tmp_path):
     assert (tmp_path / "{a}-left").exists()
 
 
-def test_a_command_that_fails_is_told_with_its_last_word():
+def test_a_command_that_fails_is_reported_with_its_last_word():
     code = "import sys; print('traceback', file=sys.stderr); sys.exit('relay is hot')"
     with pytest.raises(RefusedSwitchError, match=r"ended with code 1 \(relay is hot\); check"):
         commanded(f"{sys.executable} -c {shlex.quote(code)} {{interface}}").select("left")
 
 
-def test_a_command_that_is_not_there_is_told():
+def test_a_command_that_is_not_there_is_reported():
     with pytest.raises(NoSwitchError, match="cannot be run"):
         commanded("/nowhere/turn {interface}").select("left")
 
@@ -122,7 +122,7 @@ def test_a_late_virtual_switch_is_awaited(ports, instrument):
     assert instrument.interface == "bottom"
 
 
-def test_a_stuck_virtual_switch_is_told(ports, instrument):
+def test_a_stuck_virtual_switch_is_reported(ports, instrument):
     switch = switch_from_options(f"127.0.0.1:{ports.control}", None, 0, BOTH)
     switch.patience = 0.05
     instrument.faults.add(Fault("stuck"))
@@ -134,7 +134,7 @@ def test_a_stuck_virtual_switch_is_told(ports, instrument):
     assert instrument.interface == "bottom"
 
 
-def test_an_absent_virtual_meter_is_told():
+def test_an_absent_virtual_meter_is_reported():
     with pytest.raises(NoSwitchError, match="no virtual meter answers at 127.0.0.1:1"):
         switch_from_options("127.0.0.1:1", None, 0, BOTH).select("left")
 

@@ -90,7 +90,7 @@ def test_what_is_connected_is_not_turned_again_unless_someone_else_turned_it(swi
     assert board.on == {1, 2}
 
 
-def test_a_relay_that_someone_turns_meanwhile_is_told(switch, board):
+def test_a_relay_that_someone_turns_meanwhile_is_reported(switch, board):
     switch.select("left")
     switch.check_stayed()
     board.on = {3}
@@ -134,14 +134,14 @@ def test_a_fault_is_a_named_error_and_the_next_select_begins_anew(switch, board,
     assert board.on == {1, 2}
 
 
-def test_an_unplugged_board_is_told(switch, board):
+def test_an_unplugged_board_is_reported(switch, board):
     switch.select("left")
     board.unplug()
     with pytest.raises(NoSwitchError, match="the line is lost|cannot be opened"):
         switch.select("bottom")
 
 
-def test_a_port_that_is_not_there_is_told(kind, described):
+def test_a_port_that_is_not_there_is_reported(kind, described):
     with pytest.raises(NoSwitchError, match="/dev/nowhere: cannot be opened"):
         read_switch(described(kind, "/dev/nowhere")).select("left")
 
@@ -159,7 +159,7 @@ def test_a_board_without_read_back_is_believed(described):
         switch.close()
 
 
-def test_the_wrong_language_is_told(described):
+def test_the_wrong_language_is_reported(described):
     with on_a_line(LcusBoard()) as port, pytest.raises(SilentSwitchError, match="check .*`kind`"):
         read_switch(described("numato", port)).select("left")
 

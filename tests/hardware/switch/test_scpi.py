@@ -100,7 +100,7 @@ def test_a_fault_is_a_named_error_and_the_next_select_begins_anew(
     assert device.on == set(switch.positions["left"])
 
 
-def test_an_answer_of_another_kind_is_told(device, described):
+def test_an_answer_of_another_kind_is_reported(device, described):
     device.answer = lambda line: '0,"No error"' if "ERR" in line else "KEITHLEY" * ("?" in line)
     with on_tcp(device) as resource, pytest.raises(GarbledSwitchError, match="'KEITHLEY'"):
         read_switch(described(resource, "single")).select("left")
@@ -113,7 +113,7 @@ def test_channels_that_the_switch_lacks_are_refused_by_it(device, described):
             switch.select("left")
 
 
-def test_nothing_at_the_address_is_told(described):
+def test_nothing_at_the_address_is_reported(described):
     with pytest.raises(NoSwitchError, match="the line was lost|cannot be opened"):
         read_switch(described("TCPIP0::127.0.0.1::1::SOCKET", "single")).select("left")
 

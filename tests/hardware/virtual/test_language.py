@@ -98,7 +98,7 @@ def test_errors_are_silent_and_leave_their_event(say, line, event):
     assert int(again) == 0
 
 
-def test_settings_are_told_as_they_were_set(say):
+def test_settings_are_reported_as_they_were_set(say):
     lines = {
         ":FREQ 12345.678": (":FREQ?", "12.346E+03"),
         ":LEV:CCURR 10E-3": (":LEV:CCURR?", "10.00E-03"),

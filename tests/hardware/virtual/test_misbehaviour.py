@@ -54,7 +54,7 @@ OF_ONE = [
     ("model", "fault", "error", "told"),
     [*OF_ONE, *((model, *row) for model in INSTRUMENTS_SERVED for row in EVERYWHERE)],
 )
-def test_a_fault_is_told_and_the_next_readings_are_right_again(
+def test_a_fault_is_reported_and_the_next_readings_are_right_again(
     make_instrument, serve, pillow, model, fault, error, told
 ):
     instrument = make_instrument(kind=VIRTUAL_MODELS[model])

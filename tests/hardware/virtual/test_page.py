@@ -59,12 +59,12 @@ def test_ctrl_c_ends_it_though_viewers_are_there(served, look):
         (("--scene", "pillow", "--page", "--page-port", -1), "--page-port must be from 0 to 65535"),
     ],
 )
-def test_bad_input_is_told(command, arguments, told):
+def test_bad_input_is_reported(command, arguments, told):
     with pytest.raises(InputError, match=re.escape(told)):
         raise command("serve", "--port", 0, "--control-port", 0, *arguments).exception
 
 
-def test_a_port_in_use_is_told(command):
+def test_a_port_in_use_is_reported(command):
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = taken.getsockname()[1]
         with pytest.raises(InputError, match=f"port {port} of 127.0.0.1 is not available"):

@@ -106,7 +106,7 @@ def test_the_token_is_in_a_file_that_only_the_user_reads_while_it_is_served(inst
     assert not path.exists()
 
 
-def test_a_token_that_cannot_be_kept_is_told_to_the_operator(
+def test_a_token_that_cannot_be_kept_is_reported_to_the_operator(
     make_instrument, monkeypatch, tmp_path
 ):
     (tmp_path / "rcskin").touch()

@@ -99,7 +99,7 @@ def test_settings_say_what_they_are_with_unit_and_range():
         (":CORRection:OPEN?", "SPOT", "open_correction", "SPOT"),
     ],
 )
-def test_what_the_meter_tells_is_understood_in_either_form(script, asked, answer, name, value):
+def test_answers_of_the_meter_are_understood_in_either_form(script, asked, answer, name, value):
     with script((asked, answer)) as line:
         assert getattr(IM3523(line, IDENTITY), name) == value
 
@@ -126,7 +126,7 @@ def test_a_report_cannot_be_set(script):
         (128 | 16, RestartedError, "switched off and on"),
     ],
 )
-def test_every_event_of_failure_is_told(script, register, error, told):
+def test_every_event_of_failure_is_reported(script, register, error, told):
     with script((":RANGe 4;*ESR?", str(register))) as line:
         meter = IM3523(line, IDENTITY)
         with pytest.raises(error, match=told):

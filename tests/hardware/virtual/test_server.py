@@ -173,7 +173,7 @@ def test_addresses_that_are_none_are_refused(address):
         send_request(address, "state")
 
 
-def test_an_absent_virtual_meter_is_told_with_what_to_check():
+def test_an_absent_virtual_meter_is_reported_with_what_to_check():
     with pytest.raises(PressError, match="check that `rcskin meter serve` runs"):
         send_request("127.0.0.1:1", "state")
 
@@ -198,7 +198,7 @@ def test_a_script_presses_at_its_times(tmp_path, make_instrument, serve, pillow)
         ("1 hard", "line 1: press 'hard'"),
     ],
 )
-def test_a_bad_script_is_told_by_line(tmp_path, pillow, text, told):
+def test_a_bad_script_is_reported_by_line(tmp_path, pillow, text, told):
     path = tmp_path / "presses.txt"
     path.write_text(text)
     with pytest.raises(InputError, match=told):
@@ -222,7 +222,7 @@ def _states_until(ports, enough):
     return seen
 
 
-def test_a_port_that_is_taken_is_told(instrument, ports, make_instrument):
+def test_a_port_that_is_taken_is_reported(instrument, ports, make_instrument):
     with pytest.raises(InputError, match=f"port {ports.meter} of 127.0.0.1 is not available"):
         with run_in_thread(make_instrument(), port=ports.meter):
             pass

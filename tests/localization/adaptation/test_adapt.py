@@ -45,7 +45,7 @@ def _pressed_elsewhere(sweeps):
     return shifted
 
 
-def test_touches_of_other_sessions_are_told_better_after_than_before(model, other):
+def test_touches_of_other_sessions_are_found_better_after_than_before(model, other):
     touches, unseen = other(2), other(4).isel(sweep=slice(40, None))
     found = adapt_classes(model, model.samples(touches))
     asked = model.samples(unseen)
@@ -92,7 +92,7 @@ def placing(make_sweeps):
     return train(_placed(known), "position", quantities=("dlnZ", "dphase"))
 
 
-def test_places_on_other_sessions_are_told_better_after_than_before(placing, other):
+def test_places_on_other_sessions_are_found_better_after_than_before(placing, other):
     touches, unseen = _placed(other(2)), _placed(other(4).isel(sweep=slice(40, None)))
     samples = placing.samples(touches)
     found = adapt_positions(placing, samples, placing.gate.samples(touches))
@@ -116,7 +116,7 @@ def test_no_touch_judges_places_that_it_taught(placing, other):
     assert "whole sessions held out" in found.validation
 
 
-def test_places_told_by_the_simulator_are_not_moved(placing, other):
+def test_places_given_by_the_simulator_are_not_moved(placing, other):
     inverting = replace(placing, estimator="model-adapted")
     with pytest.raises(InputError, match="by model-adapted cannot be adapted: calibrate its scene"):
         adapt_positions(inverting, placing.samples(_placed(other(1))))
@@ -147,7 +147,7 @@ def _placed(sweeps):
     )
 
 
-def test_figures_before_and_after_are_told(run, folder, tmp_path):
+def test_figures_before_and_after_are_reported(run, folder, tmp_path):
     out = tmp_path / "better.skops"
     code, told, err = run("adapt", folder / "m.skops", folder / "touches.nc", "-o", out)
     assert (code, err) == (0, "")
@@ -167,7 +167,7 @@ def test_sweeps_that_a_model_was_adapted_on_are_not_taken_for_others(run, folder
     assert "was trained" not in run(command, out, folder / "unseen.nc")[2]
 
 
-def test_figures_of_places_before_and_after_are_told_and_the_model_is_read_back(run, folder):
+def test_figures_of_places_before_and_after_are_reported_and_the_model_is_read_back(run, folder):
     out = folder / "placed.skops"
     code, told, err = run("adapt", folder / "p.skops", folder / "strip.nc", "-o", out)
     assert (code, err) == (0, "")

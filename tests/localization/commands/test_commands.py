@@ -82,7 +82,7 @@ def test_without_a_model_scores_are_of_outer_folds(run, files):
     assert "accuracy: " in out and "±" in out
 
 
-def test_more_folds_than_sessions_are_told(run, files):
+def test_more_folds_than_sessions_are_reported(run, files):
     code, out, _ = run("evaluate", files / "known.nc", "--folds", 9)
     assert code == 0 and "3 folds (9 requested, but there are no more sessions" in out
 
@@ -113,7 +113,7 @@ def test_three_touches_at_once_are_left_out_and_counted(run, make_sweeps, tmp_pa
         assert code == 0 and f"{number} without a {named} left out" in out
 
 
-def test_answers_at_a_rate_are_told_with_confidence_and_coverage(run, make_sweeps, tmp_path):
+def test_answers_at_a_rate_are_reported_with_confidence_and_coverage(run, make_sweeps, tmp_path):
     write(make_sweeps(repetitions=40), tmp_path / "many.nc")
     asked = ("--certain", 0.9, "-o", tmp_path / "m.skops")
     code, out, _ = run("train", tmp_path / "many.nc", *asked)

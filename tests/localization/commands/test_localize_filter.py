@@ -47,7 +47,7 @@ def truth(rows):
     return ["0" if row["press"] == "none" else row["press"][2] for row in rows]
 
 
-def test_columns_are_told_by_all_sweeps_of_a_touch(followed):
+def test_columns_are_found_by_all_sweeps_of_a_touch(followed):
     alone, rows = followed("column"), followed("column", "--filter", "--touch-lasts", 1.2)
     assert "changed" in rows[0] and "changed" not in alone[0]
     wrong = [
@@ -59,7 +59,7 @@ def test_columns_are_told_by_all_sweeps_of_a_touch(followed):
     assert max(float(row["changed"]) for row in rows) < 0.5
 
 
-def test_positions_are_followed_and_told_no_more_when_the_touch_has_gone(followed):
+def test_positions_are_followed_and_no_more_reported_when_the_touch_has_gone(followed):
     rows = followed("position", "--filter", "--touch-lasts", 1.2)
     for row in rows:
         assert (row["x_mm"] != "") == (row["answer"] == "1")

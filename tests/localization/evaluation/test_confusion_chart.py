@@ -30,7 +30,7 @@ def test_targets_run_to_the_right_and_outputs_downwards(axes):
     assert len(axes.texts) == np.count_nonzero(CONFUSION.counts)
 
 
-def test_the_title_tells_the_accuracy(axes):
+def test_the_title_states_the_accuracy(axes):
     assert axes.get_title() == "Accuracy 88.9 % (16 of 18)"
 
 

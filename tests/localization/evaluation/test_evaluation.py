@@ -23,7 +23,7 @@ def test_every_sweep_is_counted_once_under_its_own_class(sheet, grouping, target
     np.testing.assert_array_equal(confusion.counts.sum(axis=1), sizes)
 
 
-def test_a_strip_of_three_pixels_and_no_press_are_told_apart(strip):
+def test_a_strip_of_three_pixels_and_no_press_are_distinguished(strip):
     assert cross_validate(strip).accuracy == 1.0
 
 
@@ -34,7 +34,7 @@ def test_sweeps_before_the_first_of_the_unpressed_skin_are_left_out_where_it_is_
     np.testing.assert_array_equal(by_default.counts, by_changes.counts)
 
 
-def test_columns_near_the_contact_are_told_apart_best(make_sweeps):
+def test_columns_near_the_contact_are_distinguished_best(make_sweeps):
     counts = cross_validate(make_sweeps(4, 6, noise=0.01)).counts
     recall = counts.diagonal() / counts.sum(axis=1)
     assert recall[0] == 1.0

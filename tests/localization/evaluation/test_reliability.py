@@ -38,7 +38,7 @@ def test_answers_as_good_as_said_lie_on_the_diagonal(axes):
     np.testing.assert_allclose(found, said, atol=0.08)
 
 
-def test_boasting_lies_below_it_and_is_told_in_the_title(axes):
+def test_overconfidence_lies_below_it_and_is_stated_in_the_title(axes):
     probability, right = stated()
     draw_reliability(axes, np.minimum(1.0, probability + 0.2), right)
     said, found = points(axes)

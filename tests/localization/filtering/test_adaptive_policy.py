@@ -109,7 +109,7 @@ def noisy(x, seed=0):
 
 
 @pytest.mark.parametrize("pixel", [(1, 1), (2, 3), (1, 2)])
-def test_a_pixel_is_told_from_some_readings_at_both_interfaces(rest, pixel):
+def test_a_pixel_is_found_from_some_readings_at_both_interfaces(rest, pixel):
     read, told = asked(of_classes("pixel"), rest, noisy(change(*pixel, 2.0)))
     assert told.label == "{},{}".format(*pixel) and told.probability >= 0.95
     assert set(read) == set(INTERFACES) and len(read) < 2 * len(FREQUENCIES)
@@ -138,7 +138,7 @@ def test_places_are_read_for_until_their_region_is_small(placing, rest):
     assert counts[30.0] < counts[8.0] <= counts[1.0] == 6 * len(X)
 
 
-def test_nothing_and_what_is_none_are_told_where_places_are_asked(placing, rest):
+def test_nothing_and_what_is_no_touch_are_answered_where_positions_are_requested(placing, rest):
     read, told = asked(placing, rest, noisy(np.zeros(2 * READINGS)))
     assert told.label == "0" and told.coordinates == ()
     X, _ = _places["touches"](1, 4)

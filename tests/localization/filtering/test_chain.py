@@ -104,7 +104,7 @@ def test_modes_move_as_the_exponential_of_the_rates(chain):
         )
 
 
-def test_touches_last_and_come_as_told(chain):
+def test_touches_last_and_come_as_stated(chain):
     leaving = rates(chain)
     np.testing.assert_allclose(chain.stationary @ leaving, 0, atol=1e-12)
     coming = leaving[0, 1:-1].sum()
@@ -112,13 +112,13 @@ def test_touches_last_and_come_as_told(chain):
     assert leaving[1, 0] == pytest.approx(1 / 2.0)
 
 
-def test_touches_move_to_neighbours_alone_and_as_fast_as_told():
+def test_touches_move_to_neighbours_alone_and_as_fast_as_stated():
     leaving = rates(chain_of_classes("column", TARGETS["column"], PITCH, TOUCHING))
     assert leaving[1, 3] == 0
     assert leaving[2, 1] == leaving[2, 3] == pytest.approx(20.0 / 40.0 / 2)
 
 
-def test_places_are_wandered_over_as_far_as_told():
+def test_places_are_wandered_over_as_far_as_stated():
     """A touch of 20 mm/s wanders over 20 mm in a second, whatever the cells."""
     for cells in (20, 30):
         width = 240.0 / cells

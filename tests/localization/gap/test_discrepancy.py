@@ -95,7 +95,7 @@ def test_the_energy_coefficient_does_not_depend_on_the_unit():
     assert large[0] == pytest.approx(1e18 * small[0])
 
 
-def test_of_many_sweeps_some_are_drawn_and_one_alone_tells_nothing():
+def test_of_many_sweeps_some_are_drawn_and_one_alone_shows_nothing():
     random = np.random.default_rng(0)
     found = discrepancy(normal(MAX_SAMPLE + 20, 1), normal(5, 1, seed=1), random)
     assert (found.first, found.second) == (MAX_SAMPLE, 5)

@@ -65,7 +65,7 @@ def test_a_separation_is_the_distance_of_neighbouring_columns(quiet):
     np.testing.assert_allclose(found.separation, expected)
 
 
-def test_rows_that_cannot_be_told_apart_have_no_unit_of_separation(quiet):
+def test_rows_that_cannot_be_distinguished_have_no_unit_of_separation(quiet):
     strip = quiet.isel(sweep=quiet["row"].values < 2)
     assert np.isnan(distances(strip, strip, None, "row", pressed=True)["Rs"].separations).all()
 
@@ -92,7 +92,7 @@ def test_presses_that_only_one_side_has_do_not_count(quiet):
     assert distances(left, quiet, None, "column", True)["Rs"].mean == pytest.approx(0, abs=1e-6)
 
 
-def test_without_a_scene_the_noise_is_told_from_repeats(make_skin_sweeps):
+def test_without_a_scene_the_noise_is_estimated_from_repeats(make_skin_sweeps):
     sweeps = make_skin_sweeps(30, frequency=np.geomspace(1e3, 2e5, 30), noise=0.004)
     error = meter_error(sweeps, None)
     assert "repeatability" in error.source
@@ -100,7 +100,7 @@ def test_without_a_scene_the_noise_is_told_from_repeats(make_skin_sweeps):
 
 
 @pytest.mark.parametrize("chosen", [{"sweep": [0, 1]}, {"frequency": [0, 1]}])
-def test_neither_told_nor_repeated_the_error_is_unknown(make_skin_sweeps, chosen):
+def test_neither_stated_nor_repeated_the_error_is_unknown(make_skin_sweeps, chosen):
     assert meter_error(make_skin_sweeps().isel(chosen), None) is None
 
 

@@ -149,7 +149,7 @@ def test_values_out_of_range_are_refused(asked, message):
         GapOptions(**{"target": "column", "estimator": "ksvm-ovo", **asked})
 
 
-def test_sessions_are_left_out_as_a_whole_and_each_told_against_its_own_rest(
+def test_sessions_are_left_out_as_a_whole_and_each_compared_with_its_own_baseline(
     make_skin_sweeps, make_findings
 ):
     findings = make_findings(make_skin_sweeps(sessions=2), make_skin_sweeps(sessions=2, seed=1))

@@ -34,7 +34,7 @@ def test_a_shift_of_one_class_is_undone_by_what_is_added():
     assert (same.mean, same.spread, same.draws) == (1.0, 0.0, 1)
 
 
-def test_draws_are_told_by_their_mean_and_spread_and_counted_together():
+def test_draws_are_reported_by_their_mean_and_spread_and_counted_together():
     simulated, other = points([0, 1], [1, 2]), points([0, 0], [1, 2])
     splits = [Split(indices(), indices(0, 1, 2, 4)), Split(indices(), indices(0, 4, 5, 6))]
     found = transfer_accuracy(simulated, other, splits, KSVM)

@@ -42,7 +42,7 @@ def test_measured_sweeps_cannot_stand_for_simulated_ones(make_skin_sweeps):
             check_simulated(make_skin_sweeps(1, attributes={"model": model}), "run.nc")
 
 
-def test_only_interfaces_of_both_are_kept_and_the_others_told(make_skin_sweeps):
+def test_only_interfaces_of_both_are_kept_and_the_others_reported(make_skin_sweeps):
     both, left = make_skin_sweeps(interfaces=("left", "right")), make_skin_sweeps()
     for first, second in ((both, left), (left, both)):
         pair = pair_sweeps(first, second, None, 0)

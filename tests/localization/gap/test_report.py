@@ -120,7 +120,7 @@ def test_counts_add_up_to_what_was_tested(findings):
         assert each["draws"] == (1 if k == "0" else 2)
 
 
-def test_the_cause_is_told_in_one_sentence(findings):
+def test_the_cause_is_reported_in_one_sentence(findings):
     assert re.fullmatch(
         r"Sheet resistance explains most of the gap: fitted alone, it removes \d+ % of the "
         r"misfit; next is [a-z ]+ with \d+ %\.",
@@ -174,7 +174,7 @@ def test_words_and_share_of_a_cause_agree(findings, shares, told):
     assert cause_sentence(replace(findings, causes=causes)) == told
 
 
-def test_what_surrounds_a_skin_is_told_by_what_it_is(findings):
+def test_what_surrounds_a_skin_is_named_by_what_it_is(findings):
     body = ParameterEffect("body", 0.29, 1.0, 0.29, "a body at about 6 mm")
     found = replace(
         findings, causes=[body, ParameterEffect("finger", 1e-12, 1.0, 0.8, "a finger of 1 pF")]
@@ -190,7 +190,7 @@ def test_what_surrounds_a_skin_is_told_by_what_it_is(findings):
     }
 
 
-def test_a_pair_is_told_with_what_was_tried_beside_it(findings):
+def test_a_pair_is_reported_with_what_was_tried_beside_it(findings):
     pairs = [
         JointEffect(("body", "rim"), 1.0, 0.01, ("a body at about 6 mm", "a rim of about 5 pF/m")),
         JointEffect(("lead_resistance", "rim"), 1.0, 0.2, ("lead_resistance +5 ohm", "a rim")),

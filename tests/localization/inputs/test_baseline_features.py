@@ -37,7 +37,7 @@ def test_the_skin_at_rest_of_the_same_session():
     np.testing.assert_allclose(found, np.hstack([expected.real, expected.imag]))
 
 
-def test_changes_are_told_against_the_latest_sweeps_at_rest_before_and_curves_are_of_the_opening():
+def test_changes_are_from_the_latest_baseline_sweeps_before_and_curves_are_of_the_opening():
     columns = np.tile([0, 1, 0, 2, 2], 30)
     sweeps = recorded(columns, 0)
     told, rest = log_baselines(sweeps), np.flatnonzero(columns == 0)
@@ -50,7 +50,7 @@ def test_changes_are_told_against_the_latest_sweeps_at_rest_before_and_curves_ar
 
 
 @pytest.mark.parametrize("row", [0, 9, 40, 41])
-def test_what_a_sweep_is_told_against_depends_neither_on_its_own_reading_nor_on_later_ones(row):
+def test_the_baseline_of_a_sweep_depends_neither_on_its_own_reading_nor_on_later_ones(row):
     sweeps = recorded(np.tile([0, 1, 0, 2, 2], 30), 0)
     other = sweeps.copy(deep=True)
     other["Rs"][row] *= 1.5
@@ -60,7 +60,7 @@ def test_what_a_sweep_is_told_against_depends_neither_on_its_own_reading_nor_on_
     np.testing.assert_array_equal(here.opening[same], there.opening[same])
 
 
-def test_a_sweep_among_those_given_at_rest_is_told_against_the_others():
+def test_a_sweep_among_those_given_at_rest_is_compared_with_the_others():
     sweeps = recorded([0, 0, 0, 1], 0)
     at_rest = sweeps.isel(sweep=slice(3))
     Z = logarithm(sweeps)

@@ -32,7 +32,7 @@ def test_fixed_errors_of_a_session_drop_out_against_rest(strip):
     assert np.abs(features(other, alone) - features(strip, alone)).min() > 0.009
 
 
-def test_each_session_is_told_against_its_own_rest(strip):
+def test_each_session_is_compared_with_its_own_baseline(strip):
     later = seen_by(1.05, strip).assign_coords(session=("sweep", np.full(24, 7)))
     both, rows = available_features(concatenate([strip, later]), ("dlnZ",))
     assert rows.tolist() == [*range(1, 24), *range(25, 48)]

@@ -24,7 +24,7 @@ def test_quantities_that_are_no_features_are_refused(strip, quantities):
         features(strip, quantities)
 
 
-def test_labels_tell_column_row_and_pixel(make_sweeps):
+def test_labels_give_column_row_and_pixel(make_sweeps):
     sweeps = make_sweeps(2, 2, repetitions=1)
     assert labels(sweeps, "column").tolist() == [0, 1, 2, 1, 2]
     assert labels(sweeps, "row").tolist() == [0, 1, 1, 2, 2]

@@ -122,7 +122,7 @@ def test_each_skin_is_read_by_its_own_tables(adapted, tables):
     assert (mean.predict(X[:, :NUMBERS]) == columns).mean() < 0.9
 
 
-def test_what_is_told_of_a_sweep_does_not_depend_on_those_asked_about_with_it(adapted):
+def test_the_answer_to_a_sweep_does_not_depend_on_the_others_of_a_batch(adapted):
     X = rows(np.tile([1, 2, 3, 4], 4), 0.3 + 0.002 * np.arange(16))
     together = adapted.predict_proba(X)
     alone = np.concatenate([clone(adapted).fit(X).predict_proba(each[None]) for each in X])
@@ -171,7 +171,7 @@ def test_new_tables_are_made_beside_the_work_and_ahead_of_their_need(adapted, ta
     assert len(tables.curves) == len(adapted._skins.kept) == 2
 
 
-def test_tables_that_cannot_be_made_beside_are_told_at_the_next_sweep(adapted, tables):
+def test_tables_that_cannot_be_made_beside_are_reported_at_the_next_sweep(adapted, tables):
     adapted.in_background = True
     adapted.predict(rows([1], [0.2]))
     tables.pixels = None
@@ -188,7 +188,7 @@ def test_a_sweep_like_no_touch_of_its_skin_is_novel(adapted):
     np.testing.assert_array_equal(adapted.novel(X), [False, True, False])
 
 
-def test_places_on_a_dark_skin_are_right_and_their_deviations_told(tables):
+def test_places_on_a_dark_skin_are_right_and_their_deviations_shown(tables):
     inner = ModelBasedPosition("", rest_sweeps=REST)
     adapted = AdaptedPosition(inner, tables).fit(np.zeros((1, 2 * NUMBERS)))
     u, v = np.random.default_rng(2).uniform(0.02, 0.1, (2, 40))
@@ -209,7 +209,7 @@ def test_places_on_a_dark_skin_are_right_and_their_deviations_told(tables):
     assert np.mean([region.covers(x, y) for region, x, y in pairs]) >= 0.85
 
 
-def test_few_touches_of_a_skin_teach_what_its_curve_at_rest_does_not_tell(tables):
+def test_few_touches_of_a_skin_teach_what_its_curve_at_rest_does_not_show(tables):
     def doubtful(*asked, **known):
         found = tables(*asked, **known)
         return found | {"skin": 0.5 * found["single"][..., None]}

@@ -31,7 +31,7 @@ def told(localizer, x, order):
 
 
 @pytest.mark.parametrize("column", [0, 1, 3])
-def test_readings_in_any_order_tell_what_the_mixture_of_them_tells(localizer, column):
+def test_readings_in_any_order_give_what_their_mixture_gives(localizer, column):
     x = sweep(column)
     for order in ([4, 0, 2], list(range(READINGS)), list(range(READINGS))[::-1]):
         numbers = tuple(sorted([*order, *(k + READINGS for k in order)]))

@@ -88,7 +88,7 @@ def model(target="pixel", scene="", **options):
 
 
 @pytest.mark.parametrize("target", ["column", "row", "pixel"])
-def test_sweeps_without_noise_are_told_exactly(target):
+def test_sweeps_without_noise_are_found_exactly(target):
     X, told = sweeps(60, unknowns=np.zeros(UNKNOWNS), noise=0.0)
     strong = np.array([not touches or touches[0][2] > 2 for touches in told])
     right = model(target).predict(X) == answers_of(told, target)
@@ -124,7 +124,7 @@ def test_the_skin_at_rest_is_nothing_pressed(target, nothing):
     assert (model(target).predict(X) == nothing).mean() > 0.97
 
 
-def test_an_absurd_sweep_cannot_be_told():
+def test_an_absurd_sweep_has_no_answer():
     own = model()
     X, _ = sweeps(1000)
     assert own.novel(X).mean() < 0.01

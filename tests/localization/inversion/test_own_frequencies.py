@@ -67,7 +67,7 @@ def test_answers_are_those_of_all_readings_of_which_these_are_looked_at(sweeps, 
     np.testing.assert_allclose(told, expected, rtol=1e-5, atol=1e-5)
 
 
-def test_they_tell_pixels(models, sweeps):
+def test_they_find_pixels(models, sweeps):
     for model, each in zip(models, sweeps, strict=True):
         answers = model.answers(each)
         right = [
@@ -106,7 +106,7 @@ def test_sweeps_read_otherwise_than_their_scene_says_are_refused(sweeps, own, sh
 
 
 @pytest.mark.slow
-def test_positions_are_told(sweeps):
+def test_positions_are_found(sweeps):
     model = trained(sweeps[1], "model-based", "position")
     place, deviation = model.positions(sweeps[1])
     told = np.isfinite(place).all(axis=1)

@@ -27,7 +27,7 @@ def told(own, x, order, rest=0.5):
     return placing
 
 
-def test_all_readings_in_any_order_tell_what_the_whole_sweep_tells(own):
+def test_all_readings_in_any_order_give_what_the_whole_sweep_gives(own):
     X, _ = touches(4, 0)
     for x, whole, cells in zip(X, own.places(X), own.cells(X), strict=True):
         for order in (EVERY, EVERY[::-1]):
@@ -45,7 +45,7 @@ def test_regions_of_parts_of_sweeps_hold_the_touch_as_often_as_they_say(own):
     assert 0.95 - 0.06 < np.mean(covered) <= 1
 
 
-def test_rest_is_told_from_touches_and_neither_from_what_is_none(own):
+def test_rest_is_distinguished_from_touches_and_both_from_what_is_neither(own):
     X, _ = touches(20, 3)
     assert max(told(own, x, EVERY).unpressed for x in X) < 0.05
     nothing = own.noise_ * np.random.default_rng(1).standard_normal((20, 2 * READINGS))

@@ -5,7 +5,7 @@ from rcskin.localization.learners.classifiers import KERNEL_WIDTH, reference
 from rcskin.localization.learners.ecoc import ECOCClassifier
 
 
-def test_the_reference_tells_the_columns_of_a_strip_apart(strip, make_sweeps):
+def test_the_reference_distinguishes_the_columns_of_a_strip(strip, make_sweeps):
     unseen = make_sweeps(seed=1)
     X = features(strip)
     fitted = reference(X.shape[1]).fit(X, labels(strip))

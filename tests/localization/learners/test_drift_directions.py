@@ -48,7 +48,7 @@ def test_noise_is_averaged_along_ways_that_neither_foam_nor_sheets_drift():
     assert error(learned, now, opening, recent) < np.sqrt(averaged) + 0.03
 
 
-def test_a_skin_that_has_moved_far_in_another_way_is_told_against_its_latest_rest():
+def test_a_skin_that_has_moved_far_in_another_way_is_compared_with_its_latest_rest():
     random = np.random.default_rng(2)
     way, other = random.standard_normal((2, FEATURES))
     _, opening, recent = at_rest(random, way)
@@ -56,7 +56,7 @@ def test_a_skin_that_has_moved_far_in_another_way_is_told_against_its_latest_res
     assert error(learned, *at_rest(random, way, across=other)) < 1.1
 
 
-def test_touches_are_told_better_with_the_sweeps_as_they_were_read():
+def test_touches_are_found_better_with_the_sweeps_as_they_were_read():
     random = np.random.default_rng(3)
     way = random.standard_normal(FEATURES)
 

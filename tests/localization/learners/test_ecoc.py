@@ -119,7 +119,7 @@ def test_ties_go_to_the_lowest_class(K):
 @pytest.mark.parametrize(
     "estimator", [None, SVC(C=100), SVC(gamma="auto", class_weight="balanced")]
 )
-def test_well_separated_clusters_are_told_apart(estimator):
+def test_well_separated_clusters_are_distinguished(estimator):
     X, y = clusters(CORNERS)
     model = ECOCClassifier(estimator).fit(X, y)
     assert (model.predict(X) == y).all()
@@ -127,7 +127,7 @@ def test_well_separated_clusters_are_told_apart(estimator):
     np.testing.assert_array_equal(model.decision_function(X).argmax(axis=1), y)
 
 
-def test_each_learner_sees_only_the_classes_it_is_to_tell_apart():
+def test_each_learner_sees_only_the_classes_it_distinguishes():
     X, y = clusters(CORNERS)
     pair = (y == 1) | (y == 3)
     exact = clone(EXACT).set_params(gamma=0.1)
@@ -169,7 +169,7 @@ def test_a_model_that_keeps_its_pairs_one_by_one_answers_alike():
     np.testing.assert_array_equal(apart.decision_function(X), together.decision_function(X))
 
 
-def test_two_classes_are_told_apart_as_by_the_binary_learner_alone():
+def test_two_classes_are_distinguished_as_by_the_binary_learner_alone():
     X, y = clusters([[0, 0], [1, 1]], spread=1.0)
     model, alone = ECOCClassifier(EXACT).fit(X, y), clone(EXACT).fit(X, y)
     score, margin = alone.decision_function(X), model.decision_function(X)

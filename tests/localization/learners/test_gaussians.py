@@ -33,7 +33,7 @@ def test_it_is_as_right_as_the_best_answers_to_normal_classes():
     assert share_right(X @ turn, y) == pytest.approx(best, abs=0.02)
 
 
-def test_the_curve_at_rest_tells_how_far_a_touch_moves_each_skin():
+def test_the_curve_at_rest_shows_how_far_a_touch_moves_each_skin():
     random = np.random.default_rng(2)
     y, skin = labels(random), random.standard_normal((SWEEPS, 1))
     far = 5 + 0.4 * y[:, None] + skin + 0.5 * skin**2
@@ -61,7 +61,7 @@ def test_probabilities_are_those_of_the_densities():
     assert np.abs(told - exact).mean() < 0.02
 
 
-def test_what_a_skin_drifts_by_tells_nothing_of_the_touch():
+def test_drift_of_a_skin_shows_nothing_of_the_touch():
     random = np.random.default_rng(5)
     y, skin = labels(random), random.standard_normal((SWEEPS, 1))
     way, noise = np.array([[1.0, 1.0]]), 0.002

@@ -42,7 +42,7 @@ def test_networks_may_be_tuned_to_a_short_course():
     }
 
 
-def test_a_tuned_network_learns_in_the_steps_that_tell_more():
+def test_a_tuned_network_learns_in_the_steps_that_find_more():
     random = np.random.default_rng(0)
     sessions = np.repeat(np.arange(6), 20)
     y = np.tile(np.arange(1, 3), 60)

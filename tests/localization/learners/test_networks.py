@@ -45,7 +45,7 @@ def mountings(make_sweeps):
 
 
 @pytest.mark.parametrize("target", [pytest.param("column", marks=pytest.mark.slow), "position"])
-def test_a_network_tells_sweeps_never_seen_and_is_the_same_from_its_file(
+def test_a_network_finds_sweeps_never_seen_and_is_the_same_from_its_file(
     mountings, make_sweeps, tmp_path, monkeypatch, target
 ):
     small = NetworkClassifier((64, 64), OF_COLUMNS), NetworkRegressor((64,), OF_POSITIONS)

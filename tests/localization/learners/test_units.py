@@ -10,7 +10,7 @@ QUICK = tuple(name for name in learners() if name != "network")
 
 
 @pytest.mark.parametrize("name", QUICK)
-def test_what_only_the_capacitance_tells_is_learned(name):
+def test_what_only_the_capacitance_shows_is_learned(name):
     made, random = learners()[name], np.random.default_rng(0)
     target = "position" if "position" in made.targets else "column"
     told, other = np.repeat([1.0, 2.0], 60), random.normal(size=(120, 3))

@@ -105,7 +105,7 @@ def earlier(schema):
         ("knn", "its estimator knn was removed, .*: use ksvm-components, and train it again"),
     ],
 )
-def test_a_model_of_an_earlier_version_is_told_what_to_take(model, tmp_path, name, message):
+def test_a_model_of_an_earlier_version_names_what_to_take(model, tmp_path, name, message):
     save(tmp_path / "new.skops", replace(model, estimator=name))
     rewrite(tmp_path / "new.skops", tmp_path / "old.skops", earlier)
     with pytest.raises(InputError, match=rf"old\.skops: {message}$"):
@@ -126,7 +126,7 @@ def test_a_damaged_file_is_refused_in_one_line(model, tmp_path):
 
 
 @pytest.mark.parametrize(("name", "told"), [("my.toml", "is a scene"), ("run.nc", "are sweeps")])
-def test_what_is_no_model_is_told_by_what_it_is(name, told, tmp_path):
+def test_what_is_no_model_is_named_by_what_it_is(name, told, tmp_path):
     (tmp_path / name).write_bytes(b"\x89HDF")
     with pytest.raises(InputError, match=f"{told}, a model is expected here: a .skops"):
         load(tmp_path / name)
@@ -163,7 +163,7 @@ def test_a_save_that_fails_leaves_the_old_file_as_it_was(model, tmp_path):
     assert list(tmp_path.iterdir()) == [path]
 
 
-def test_a_file_of_before_all_had_one_name_is_told_to_be_trained_anew(model, tmp_path):
+def test_a_file_of_before_all_had_one_name_must_be_trained_anew(model, tmp_path):
     save(tmp_path / "good.skops", model)
     rewrite(
         tmp_path / "good.skops",

@@ -9,7 +9,7 @@ from rcskin.simulator.sweeps import InputError
 
 
 @pytest.mark.parametrize("target", ["column", "pixel"])
-def test_a_model_tells_where_sweeps_it_never_saw_were_pressed(strip, make_sweeps, target):
+def test_a_model_finds_where_sweeps_it_never_saw_were_pressed(strip, make_sweeps, target):
     unseen = make_sweeps(seed=3)
     np.testing.assert_array_equal(
         train(strip, target, quantities="Rs,Cp").predict(unseen), labels(unseen, target)

@@ -153,7 +153,7 @@ def test_no_array_of_a_model_may_be_spoilt(model):
                 check_sound(put(model.learned, place, changed), model.problem.features)
 
 
-def test_what_does_not_fit_is_told_where_the_digest_is_right(model, tmp_path):
+def test_what_does_not_fit_is_reported_where_the_digest_is_right(model, tmp_path):
     place = "pipeline", "steps", 2, 1, "_n_support"
     array = held_by(model.learned, place)
     path = tmp_path / "model.skops"

@@ -28,7 +28,7 @@ def test_the_stated_sheet_resistance_would_not_separate_the_curves():
     assert np.ptp(capacitance_changes(stated, 17685.0)) < 0.06
 
 
-def test_position_is_told_by_resistance_at_zero_frequency():
+def test_position_follows_from_resistance_at_zero_frequency():
     expected = [1.6667, 1.2963, 1.5463, 1.7407, 1.8796, 1.9630]
     resistances = low_frequency_resistances(load_scene("strip-1x5")) / 1e6
     np.testing.assert_allclose(resistances, expected, atol=5e-5)
@@ -48,7 +48,7 @@ def test_columns_separate_best_above_the_interrogation_frequencies():
         assert (separation_peaks(scene) > paper_frequencies(scene)[1:]).all()
 
 
-def test_floating_foils_of_the_other_edge_lower_the_resistance_and_tell_rows_apart():
+def test_floating_foils_of_the_other_edge_lower_the_resistance_and_separate_rows():
     plain, floating = load_scene("sheet-5x5"), load_scene("sheet-5x5-two-interfaces")
     assert unpressed_resistance(plain) == pytest.approx(100e3 / 3, rel=1e-9)
     assert unpressed_resistance(floating) == pytest.approx(20.9e3, rel=2e-3)

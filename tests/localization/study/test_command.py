@@ -167,7 +167,7 @@ def test_the_limit_of_the_meter_ends_a_grid_and_cuts_a_list():
         ("contact.3.resistance=0:1:2:linear", "`contact.3.resistance` is not a numeric key"),
     ],
 )
-def test_what_cannot_be_varied_is_told_in_one_line(refused, tmp_path, vary, told):
+def test_what_cannot_be_varied_is_reported_in_one_line(refused, tmp_path, vary, told):
     assert told in refused("study", "sheet-4x4", "--vary", vary, "-o", tmp_path / "out.csv")
     assert list(tmp_path.iterdir()) == []
 
@@ -187,7 +187,7 @@ def test_what_cannot_be_varied_is_told_in_one_line(refused, tmp_path, vary, told
         (["-o", "out.xlsx"], "must end in .csv or .nc, got '.xlsx'"),
     ],
 )
-def test_bad_options_are_told_in_one_line(refused, tmp_path, monkeypatch, options, told):
+def test_bad_options_are_reported_in_one_line(refused, tmp_path, monkeypatch, options, told):
     monkeypatch.chdir(tmp_path)
     assert told in refused("study", "sheet-4x4", "-o", "out.csv", *options)
     assert list(tmp_path.iterdir()) == []

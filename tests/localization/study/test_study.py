@@ -76,7 +76,7 @@ def test_half_the_noise_doubles_the_separation(run_study):
         assert float(small[name]) == pytest.approx(2 * float(large[name]), rel=1e-9)
 
 
-def test_more_pixels_are_harder_to_tell_apart(run_study):
+def test_more_pixels_are_harder_to_distinguish(run_study):
     found, *_ = run_study("sheet-5x5", "pixels=2,6", repeated=False)
     assert (np.diff(found["accuracy"]) <= 0.01).all()
     assert found["accuracy"][0] == 1 and found["accuracy"][-1] < 0.97
@@ -93,7 +93,7 @@ def test_resistance_moves_the_best_band_down_and_far_above_cut_off_not_the_separ
 
 @pytest.mark.usefixtures("short_studies")
 @pytest.mark.parametrize("target", ["row", "pixel"])
-def test_rows_and_pixels_can_be_told_too(run_study, target):
+def test_rows_and_pixels_can_be_found_too(run_study, target):
     """Floating foils at the bottom break the mirror symmetry of rows."""
     for name, apart in (("sheet-5x5", False), ("sheet-5x5-two-interfaces", True)):
         found, *_ = run_study(name, "pixels=2", target=target, draws=1, rtol=1e-2)

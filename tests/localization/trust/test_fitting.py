@@ -55,7 +55,7 @@ def test_answers_are_right_more_often_than_guesses(make_sweeps):
     assert (told == truth)[answered].mean() > 0.87 > 0.85 > (guesses == truth).mean()
 
 
-def test_a_sweep_unlike_the_training_cannot_be_told(columns, make_sweeps):
+def test_a_sweep_unlike_the_training_has_no_answer(columns, make_sweeps):
     unseen = make_sweeps(1, 6, 2, noise=0.006, session=9, seed=12)
     broken = unseen.copy(deep=True)
     broken["Rs"] = broken["Rs"] * xr_ramp(unseen)
@@ -74,7 +74,7 @@ def test_nothing_pressed_is_known_only_where_it_was_shown(columns, strip):
     assert not train(strip.isel(sweep=strip["column"].values > 0)).knows_unpressed
 
 
-def test_positions_are_told_with_deviations_that_hold(mountings, make_sweeps, tmp_path):
+def test_positions_are_found_with_deviations_that_hold(mountings, make_sweeps, tmp_path):
     model = train(mountings, "position", "kernel-ridge", quantities=AGAINST_REST)
     unseen = make_sweeps(1, 6, 8, noise=0.006, session=9, seed=13).assign_attrs(scene=SCENE)
     samples = model.samples(unseen)
@@ -115,7 +115,7 @@ def test_nested_scores_count_every_sweep_once(mountings, tune):
     assert 0.6 < mean <= 1 and spread >= 0
 
 
-def test_labels_that_tell_nothing_are_not_told_right(mountings):
+def test_shuffled_labels_are_found_by_chance_alone(mountings):
     shuffled = samples_of(mountings, "column", AGAINST_REST)
     order = np.random.default_rng(0).permutation(len(shuffled.y))
     shuffled = replace(shuffled, y=shuffled.y[order])
@@ -139,13 +139,13 @@ def test_every_estimator_is_asked_by_its_name():
         (None, "depth", "`target` must be one of column, row"),
     ],
 )
-def test_a_name_that_cannot_tell_the_target_is_refused(name, target, message):
+def test_a_name_that_does_not_give_the_target_is_refused(name, target, message):
     with pytest.raises(InputError, match=message):
         chosen(name, target)
 
 
 @pytest.mark.parametrize(("target", "fits"), [("column", 6), ("position", 6)])
-def test_progress_is_told_fit_by_fit(strip, target, fits):
+def test_progress_is_reported_fit_by_fit(strip, target, fits):
     heard = []
     scene = scene_text(load_scene("strip-1x3"))
     model = train(

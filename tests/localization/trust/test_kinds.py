@@ -47,7 +47,9 @@ def known(press):
         ("position", ("dlnZ", "dphase"), 0.95),
     ],
 )
-def test_pairs_are_not_told_and_single_presses_are(press, known, tmp_path, target, features, least):
+def test_pairs_are_not_localized_and_single_presses_are(
+    press, known, tmp_path, target, features, least
+):
     save(tmp_path / "m.skops", train(known, target, quantities=features))
     model = load(tmp_path / "m.skops")
     pairs = [f"{a}+{b}" for a, b in zip(PIXELS, PIXELS[7:] + PIXELS[:7], strict=True)]
@@ -97,7 +99,7 @@ def test_one_bad_sweep_of_the_training_does_not_hide_novelties():
         assert (bad.predict(unseen + 12 * feature) == -1).all()
 
 
-def test_the_guard_looks_at_what_it_is_told_to():
+def test_the_guard_looks_at_its_own_columns_alone():
     random = np.random.default_rng(4)
     change, curve = (
         random.standard_normal((600, 3)),

@@ -102,7 +102,7 @@ SPANNED = {"top-left": {"span": (0.0, 0.5)}, "bottom-left": {"span": (0.0, 0.5)}
 
 @pytest.mark.parametrize("keys", [{}, {"anisotropy": {"ratio": 3.0, "angle": 0.5}}])
 @pytest.mark.parametrize("press", ["none", "2,2:5", "2,1:5", "3,1:5", "2,2:5+3,3:5", "1,1:5"])
-def test_triangles_and_squares_tell_the_same_powers(varied, keys, press):
+def test_triangles_and_squares_give_the_same_powers(varied, keys, press):
     """Of all corners, of gauges alike above and below, told by two codes; squares tell up to 1."""
     both = {"piezoresistance": 3.0} | keys
     own = {f"{side}.{key}": value for side in ("top", "bottom") for key, value in both.items()}

@@ -133,7 +133,7 @@ def test_current_through_a_cut_is_what_charges_beyond_it(skin, name):
     np.testing.assert_allclose(through, -beyond, rtol=4e-2)
 
 
-def test_one_field_tells_the_potentials_of_two(varied):
+def test_one_field_gives_the_potentials_of_two(varied):
     """Foils in pairs are one field; a bottom sheet of another map, alike within 1e-9, is two."""
     pair = {"top-left": {"span": (0.2, 0.8)}, "bottom-left": {"span": (0.2, 0.8)}}
     same = {"kind": "gradient", "x": 0.5}

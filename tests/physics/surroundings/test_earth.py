@@ -132,7 +132,7 @@ def test_reciprocity(around, solve):
 
 
 @pytest.mark.parametrize(("low", "rtol"), [("virtual earth", 1e-3), ("floating", 1e-2)])
-def test_told_errors_bound_the_truth(around, solve, low, rtol):
+def test_estimated_errors_bound_the_truth(around, solve, low, rtol):
     """Ends of foils within an edge, and a guard beside an earthed body."""
     given = SURROUNDED | {
         "low": low,

@@ -159,7 +159,7 @@ TIGHT = [pytest.param(rtol, marks=pytest.mark.slow) for rtol in (1e-3, 1e-4)]
 
 
 @pytest.mark.parametrize("rtol", [1e-2, *TIGHT])
-def test_where_a_foil_ends_the_error_told_is_near_the_true_one(varied, off, rtol):
+def test_where_a_foil_ends_the_estimated_error_is_near_the_true_one(varied, off, rtol):
     """A singularity that no order follows shows but a part of itself."""
     foils = {"top-outline.1": {"span": (0.2, 0.6)}, "bottom-outline.3": {"span": (0.3, 0.9)}}
     scene = varied({"outline": {"points": SQUARE.tolist()}}, foils, **SHEETS)

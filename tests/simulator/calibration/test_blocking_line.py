@@ -83,7 +83,7 @@ def test_a_constant_phase_capacitance_follows_it(calibrated, start):
     assert all(told["told"].values())
 
 
-def test_by_default_it_fits_what_the_sweep_tells(calibrated):
+def test_by_default_it_fits_what_the_sweep_determines(calibrated):
     told, _ = calibrated()
     assert 100 * told["rms_relative_error"] < 3.1
     assert told["held"] == ["sheet_mismatch"]

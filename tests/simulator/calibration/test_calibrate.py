@@ -33,7 +33,7 @@ def outside(found, truth):
     ]
 
 
-def test_what_the_data_tell_is_found(line, read):
+def test_what_the_data_determine_is_found(line, read):
     truth = TRUTH | {"lead_inductance": 4e-3, "stray_capacitance": 2e-12}
     found = calibrate(line, read(line, truth, REST))
     for name, value in truth.items():
@@ -117,7 +117,7 @@ def test_strengths_taken_as_stated_are_not_fitted(line, read):
 
 
 @pytest.mark.usefixtures("linear_intervals")
-def test_sheets_of_one_field_are_told_only_together(line, read):
+def test_sheets_of_one_field_are_determined_only_together(line, read):
     found = calibrate(line, read(line, TRUTH, REST), only(("sheet_resistance", "sheet_mismatch")))
     assert not found.identified["sheet_mismatch"]
     assert "sheet_mismatch" in found.unclear[0]
@@ -133,7 +133,7 @@ def test_a_parameter_without_any_effect_is_named(make_scene, line, read):
     assert found.values["sheet_mismatch"] == pytest.approx(0, abs=1e-6)
 
 
-def test_at_high_frequency_only_a_ratio_is_told(line, read):
+def test_at_high_frequency_only_a_ratio_is_determined(line, read):
     scene = line.model_copy(
         update={"sweep": line.sweep.model_copy(update={"frequencies": (3e7, 5e7, 1e8, 2e8)})}
     )
@@ -145,7 +145,7 @@ def test_at_high_frequency_only_a_ratio_is_told(line, read):
     )
 
 
-def test_films_and_leads_of_a_line_are_told_only_together(make_scene, line, read):
+def test_films_and_leads_of_a_line_are_determined_only_together(make_scene, line, read):
     films = {"top-left": {"resistance": 200.0}, "bottom-left": {"resistance": 120.0}}
     scene = line.model_copy(update={"contacts": make_scene(films).contacts})
     sweeps = read(scene, {"contact_resistance": 0.3}, REST)
@@ -156,7 +156,7 @@ def test_films_and_leads_of_a_line_are_told_only_together(make_scene, line, read
     assert not outside(found, {"contact_resistance": 0.3})
 
 
-def test_repeats_at_rest_tell_the_noise_where_the_scene_does_not(line, read):
+def test_repeats_at_rest_give_the_noise_where_the_scene_does_not(line, read):
     silent = line.model_copy(update={"readout": Readout(display_digits=9)})
     meter = Readout(magnitude_noise=4e-3, phase_noise=1e-3, display_digits=9)
     found = calibrate(
@@ -167,7 +167,7 @@ def test_repeats_at_rest_tell_the_noise_where_the_scene_does_not(line, read):
     assert found.noise.readout.phase_noise == pytest.approx(1e-3, rel=0.15)
 
 
-def test_residuals_tell_the_noise_where_nothing_else_does(line, read):
+def test_residuals_give_the_noise_where_nothing_else_does(line, read):
     silent = line.model_copy(update={"readout": Readout(display_digits=9)})
     meter = Readout(magnitude_noise=3e-3, phase_noise=3e-3, display_digits=9)
     found = calibrate(silent, read(silent, TRUTH, readout=meter), Options(fit=tuple(TRUTH)))
@@ -219,7 +219,7 @@ def test_sheets_far_from_the_scene_are_found_by_training_anew(make_scene, read):
     assert found.fit.certificate < 0.2 * 2e-3
 
 
-def test_sheets_of_two_fields_are_told_apart_by_two_interfaces(make_scene, read):
+def test_sheets_of_two_fields_are_distinguished_by_two_interfaces(make_scene, read):
     contacts = {"top-left": {}, "bottom-bottom": {}, "top-right": {}}
     ways = {"one": ("top-left", "bottom-bottom"), "other": ("top-right", "bottom-bottom")}
     scene = make_scene(contacts, ways, frequencies=(1e3, 2e4, 2e5))
@@ -285,7 +285,7 @@ def test_presses_that_are_no_pixels_are_left_out(line, read):
         ({"session": 7}, "`session` must be one of 0, got 7"),
     ],
 )
-def test_what_cannot_be_asked_is_told(line, read, options, message):
+def test_what_cannot_be_asked_is_reported(line, read, options, message):
     with pytest.raises(InputError, match=message):
         calibrate(line, read(line), Options(**options))
 
@@ -309,7 +309,7 @@ def test_a_model_of_other_frequencies_is_refused(line, read, make_scene):
         calibrate(line, read(line), model=Forward(line, 2))
 
 
-def test_what_is_held_though_not_known_widens_what_is_told(line, read):
+def test_what_is_fixed_though_unknown_widens_the_intervals(line, read):
     sweeps, fit = read(line, {"phase_exponent": 0.98}, REST), ("capacitance",)
     held, known = (calibrate(line, sweeps, each) for each in (Options(fit=fit), only(fit)))
     assert held.values["capacitance"] == known.values["capacitance"]

@@ -196,7 +196,7 @@ def test_equal_sheets_lie_within_the_interval_of_their_mean(line, off):
     assert low < np.log(1 / np.cosh(0.8)) < high
 
 
-def test_far_above_the_cut_off_the_sheets_are_told_from_below_alone(line, read):
+def test_far_above_the_cut_off_the_sheets_are_determined_from_below_alone(line, read):
     """Only R/C is seen there: both may be far larger at once, but not far smaller."""
     truth = {"sheet_resistance": 3.5, "capacitance": 3.5}
     found = calibrate(

@@ -82,7 +82,9 @@ def test_the_scene_may_say_other_frequencies_than_were_read(own, shared, read):
 
 
 @pytest.mark.slow
-def test_a_twin_is_told_within_its_intervals_and_by_more_readings_better(own, shared, simulated):
+def test_a_twin_is_determined_within_its_intervals_and_better_by_more_readings(
+    own, shared, simulated
+):
     truth = simulated(shared, TRUTH, PRESSES)
     random, trials, missed, wider = np.random.default_rng(2), 6, 0, []
     for _ in range(trials):
@@ -101,7 +103,7 @@ def test_a_twin_is_told_within_its_intervals_and_by_more_readings_better(own, sh
 
 
 @pytest.mark.usefixtures("linear_intervals")
-def test_noise_is_told_by_repeats_of_what_was_read(own, shared, simulated):
+def test_noise_is_estimated_from_repeats_of_what_was_read(own, shared, simulated):
     bare = own.with_({"readout": {}})
     truth = restricted(simulated(shared, TRUTH, ["none"] * 12), own.taken)
     read = read_out(truth, Readout(**METER), np.random.default_rng(5))

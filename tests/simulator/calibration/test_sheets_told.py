@@ -8,7 +8,7 @@ TRUTH = {"sheet_resistance": 0.25, "capacitance": -0.3, "phase_exponent": 0.96}
 REST = ("none",) * 4
 
 
-def test_one_field_tells_the_sum_of_its_sheets_and_not_each(make_scene, line, read):
+def test_one_field_determines_the_sum_of_its_sheets_and_not_each(make_scene, line, read):
     scene = line.model_copy(update={"skin": make_scene(top=20e3, bottom=35e3).skin})
     twin = scene.with_({"skin.top.sheet_resistance": 27e3})
     found = calibrate(scene, read(twin, presses=(*REST, "1,1", "1,2", "1,3")))
@@ -26,7 +26,7 @@ def test_one_field_tells_the_sum_of_its_sheets_and_not_each(make_scene, line, re
     assert not (found.identified["sheet_resistance"] or found.identified["sheet_mismatch"])
 
 
-def test_a_ratio_that_is_known_leaves_each_sheet_told(line, read):
+def test_a_known_ratio_leaves_each_sheet_determined(line, read):
     found = calibrate(line, read(line, TRUTH, REST), Options(fix=("sheet_mismatch",)))
     assert found.not_fitted == ()
     assert {each.name: each.identified for each in found.quantities}["top sheet"]

@@ -145,7 +145,7 @@ def test_the_fit_gains_and_the_fitted_scene_says_the_waves(scene, twin, model):
 
 
 @pytest.mark.usefixtures("linear_intervals")
-def test_what_a_line_does_not_tell_is_said(scene, twin):
+def test_what_a_line_does_not_determine_is_reported(scene, twin):
     """Fed along a whole edge, rows look alike, and a wave across them is known by its prior."""
     lined = scene.with_(
         {"contact.top-left.span": [0.0, 1.0], "contact.bottom-left.span": [0.0, 1.0]}
@@ -156,7 +156,7 @@ def test_what_a_line_does_not_tell_is_said(scene, twin):
     assert any("foam_y: not identified by the data" in line for line in found.unclear)
 
 
-def test_waves_are_refused_where_they_cannot_be_told_from_a_map(scene, twin):
+def test_waves_are_refused_where_they_cannot_be_distinguished_from_a_map(scene, twin):
     mapped = scene.with_({"skin.foam.map": map_of(scene, TRUE).model_dump()})
     with pytest.raises(InputError, match="only to foam without `skin.foam.map`"):
         calibrate(mapped, twin, UNEVEN)

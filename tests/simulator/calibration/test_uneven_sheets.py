@@ -77,7 +77,9 @@ def test_slopes_by_waves_are_those_of_the_answers(model):
         np.testing.assert_allclose(found.by_parameter[name], slope, rtol=1e-3, atol=scale)
 
 
-def test_waves_of_both_sheets_are_told_within_their_intervals_down_to_the_noise(scene, twin, model):
+def test_waves_of_both_sheets_are_determined_within_their_intervals_down_to_the_noise(
+    scene, twin, model
+):
     """Three readings of one twin; intervals of one reading hang together."""
     inside = []
     for seed in range(3):
@@ -108,7 +110,7 @@ def test_waves_of_an_even_skin_are_zero_within_their_intervals(scene, model):
 
 
 @pytest.mark.slow
-def test_waves_of_sheets_and_of_foam_are_told_apart(scene, twin, model):
+def test_waves_of_sheets_and_of_foam_are_distinguished(scene, twin, model):
     """The foam's are constant over each pixel, as the fit has them."""
     read, presses = twin.copy(deep=True), every_press(scene)
     Z = np.stack([model.respond(*model.cells(each), SHEETS | FOAM).Z for each in presses])
@@ -121,7 +123,7 @@ def test_waves_of_sheets_and_of_foam_are_told_apart(scene, twin, model):
     assert sum(held(found, SHEETS | FOAM)) >= 7
 
 
-def test_one_field_tells_the_sum_of_waves_and_nothing_across_a_line(strip):
+def test_one_field_determines_the_sum_of_waves_and_nothing_across_a_line(strip):
     truth = {"top_x": 0.1, "bottom_x": -0.02}
     read = read_out(twin_of(strip, truth), strip.readout, np.random.default_rng(0))
     names = ("sheet_resistance", "capacitance", *SHEET_MODES)
@@ -140,7 +142,7 @@ def test_one_field_tells_the_sum_of_waves_and_nothing_across_a_line(strip):
         assert f"{name}: not identified by the data; prior kept" in found.unclear
 
 
-def test_waves_are_refused_where_they_cannot_be_told(scene, twin):
+def test_waves_are_refused_where_they_cannot_be_determined(scene, twin):
     mapped = with_sheet_modes(scene, SHEETS)
     with pytest.raises(InputError, match="only to sheets without maps, got `skin.top.map`"):
         calibrate(mapped, twin, asked(*SHEET_MODES))

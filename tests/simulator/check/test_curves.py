@@ -125,7 +125,7 @@ def test_a_pixel_of_one_strength_is_the_same_press_without_it(make_sweeps):
 
 
 @pytest.mark.parametrize("many", [3, 7, 40])
-def testlabels_of_are_told_apart(many):
+def test_labels_of_many_sweeps_are_distinguished(many):
     colours = colours_of(["unpressed", *(f"column {n}" for n in range(many))])
     assert len(set(colours.values())) == many + 1
 

@@ -40,7 +40,7 @@ def test_options_label_every_file_or_each(run, tables, tmp_path):
     assert sweeps["session"].values.tolist() == [3, 3]
 
 
-def test_the_branch_rule_is_told_and_kept(run, tables, tmp_path):
+def test_the_branch_rule_is_reported_and_kept(run, tables, tmp_path):
     path = tmp_path / "all.nc"
     code, out, _ = run("import", tables[2], "-o", path)
     assert code == 0

@@ -104,7 +104,7 @@ def test_a_range_of_which_nothing_is_known_is_not_outside(Z, number):
         ("[coefficients]", "[coefficients", "is no accuracy table"),
     ],
 )
-def test_a_bad_table_is_told_with_file_and_key(tmp_path, old, new, told):
+def test_a_bad_table_is_reported_with_file_and_key(tmp_path, old, new, told):
     text = DERIVED_TABLE.read_text()
     assert old in text
     path = tmp_path / "mine.toml"
@@ -115,6 +115,6 @@ def test_a_bad_table_is_told_with_file_and_key(tmp_path, old, new, told):
     assert told in str(raised.value)
 
 
-def test_an_absent_table_is_told(tmp_path):
+def test_an_absent_table_is_reported(tmp_path):
     with pytest.raises(InputError, match="absent.toml: no such file"):
         read_table(tmp_path / "absent.toml")

@@ -77,7 +77,7 @@ def test_the_command_writes_one_file_that_asks_for_nothing(run, tmp_path):
         (("sheet-3x3", "-o", "skin.html", "--rtol", "1"), "--rtol must be from"),
     ],
 )
-def test_bad_input_is_told_in_one_line(refused, tmp_path, monkeypatch, arguments, told):
+def test_bad_input_is_reported_in_one_line(refused, tmp_path, monkeypatch, arguments, told):
     monkeypatch.chdir(tmp_path)
     by_depth = (BUILTIN / "foam.toml").read_text(encoding="utf-8")
     (tmp_path / "by-force.toml").write_text(by_depth.replace("depth = 2e-3", "force = 1.0"))
@@ -146,7 +146,7 @@ def test_dragging_moves_the_touch(page):
     assert "column 4" in page.locator("#answer").text_content()
 
 
-def test_sheets_of_more_resistance_tell_columns_apart_further(page):
+def test_sheets_of_more_resistance_separate_columns_further(page):
     def told():
         text = page.locator("#apart").text_content()
         return int(re.search(r"columns (\d+) %", text)[1])

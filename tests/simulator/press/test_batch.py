@@ -34,7 +34,7 @@ def test_a_grid_gives_the_cells_that_rise(presses):
     same(PressBatch.on_grid(rises), presses)
 
 
-def test_equally_many_cells_are_told_once():
+def test_equally_many_cells_are_reported_once():
     batch = PressBatch.even(np.array([3, 1]), np.array([[0.5, 1.0], [2.0, 0.1]]))
     same(batch, [([3, 1], [0.5, 1.0]), ([3, 1], [2.0, 0.1])])
 

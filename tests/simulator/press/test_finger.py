@@ -164,7 +164,7 @@ def test_a_patch_is_stretched_with_the_skin(fingered):
         ),
     ],
 )
-def test_a_finger_that_a_scene_does_not_have_is_told_in_one_line(changes, text, why):
+def test_a_finger_that_a_scene_does_not_have_is_reported_in_one_line(changes, text, why):
     with pytest.raises(InputError) as error:
         press_on(load_scene("sheet-5x5").with_(changes), text)
     assert why in str(error.value)

@@ -176,7 +176,7 @@ def test_a_depth_has_no_factor():
         ("1,2:xpF", "capacitance in pF must be a finite number, got x"),
     ],
 )
-def test_bad_syntax_is_told(text, told):
+def test_bad_syntax_is_reported(text, told):
     with pytest.raises(InputError) as error:
         parse_press(text, default=2.0)
     assert str(error.value).startswith(f"press {text!r}: ")
@@ -211,7 +211,7 @@ def test_the_pixel_of_a_press(text, pixel):
         ("disc(0.06,0.06,1e-8)", r"at least 1\.2e-07 m large along x on sheet-3x3, got 2e-08 m"),
     ],
 )
-def test_a_press_beside_the_skin_is_told(text, told):
+def test_a_press_beside_the_skin_is_reported(text, told):
     with pytest.raises(InputError, match=told):
         check_press(parse_press(text, 2.0), load_scene("sheet-3x3"))
 
@@ -246,7 +246,7 @@ def test_the_command_line_takes_places(run, make_scene, tmp_path):
     "text",
     ["rect(0.03,0.04,0.01)", "disc(0.03,0.2,0.01)", "rect(0,0,1,1):-1", "1,1:2mm", "poly(0,0):5N"],
 )
-def test_the_command_line_tells_bad_places_in_one_line(run, tmp_path, text):
+def test_the_command_line_refuses_bad_places_in_one_line(run, tmp_path, text):
     code, out, err = run("sweep", "sheet-5x5", "--press", text, "-o", tmp_path / "x.csv")
     assert (code, out, err.count("\n")) == (2, "", 1)
     assert text.split(":")[0] in err

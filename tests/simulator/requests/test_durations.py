@@ -15,25 +15,25 @@ def told(capsys, first, later, count):
     return capsys.readouterr().err
 
 
-def test_quick_presses_are_not_told(capsys):
+def test_quick_presses_are_not_reported(capsys):
     assert told(capsys, 30.0, 0.1, 100) == ""
     assert told(capsys, 50.0, 0.1, 1) == ""
 
 
-def test_slow_ones_are_told_once_after_the_second(capsys):
+def test_slow_ones_are_reported_once_after_the_second(capsys):
     assert told(capsys, 30.0, 10.0, 26) == (
         "rcskin: note: skin: the other 24 of 26 presses will take about 4 minutes\n"
     )
 
 
-def test_a_first_press_of_minutes_is_told_at_once(capsys):
+def test_a_first_press_of_minutes_is_reported_at_once(capsys):
     assert "the other 3 of 4 presses will take about 9 minutes" in told(capsys, 180.0, 1.0, 4)
 
 
 @pytest.mark.parametrize(
     ("seconds", "said"), [(60, "a minute"), (130, "2 minutes"), (7200, "2 hours")]
 )
-def test_a_time_is_told_as_people_say_it(seconds, said):
+def test_a_time_is_written_as_people_say_it(seconds, said):
     assert duration(seconds) == said
 
 

@@ -74,7 +74,7 @@ def test_skins_from_a_finger_tip_to_a_wall_are_free_of_slips(side, sheet, thickn
         ({"sweep.frequencies": (5e8, 1e9)}, ["lies far below the sweep of 5e+08 to 1e+09 Hz"]),
     ],
 )
-def test_slips_are_told_each_in_one_line(changes, told):
+def test_slips_are_reported_each_in_one_line(changes, told):
     found = suspicious_values(GLOVE.with_(changes))
     assert len(found) == len(told)
     for line, part in zip(found, told, strict=True):

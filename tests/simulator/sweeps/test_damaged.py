@@ -55,7 +55,7 @@ def test_a_folder_is_no_file_to_write_to(tmp_path):
         checked_output(tmp_path / "a.nc")
 
 
-def test_an_empty_model_is_told(tmp_path):
+def test_an_empty_model_is_reported(tmp_path):
     (tmp_path / "m.skops").touch()
     with pytest.raises(
         InputError, match=r"m\.skops: not a model in the format of skops: it is empty"

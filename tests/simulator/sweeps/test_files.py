@@ -165,7 +165,7 @@ def test_a_byte_order_mark_is_no_part_of_the_header(csv):
         ),
     ],
 )
-def test_bad_tables_are_told_with_file_and_line(csv, tmp_path, text, told):
+def test_bad_tables_are_reported_with_file_and_line(csv, tmp_path, text, told):
     with pytest.raises(InputError) as error:
         csv(text)
     message = str(error.value)
@@ -175,19 +175,19 @@ def test_bad_tables_are_told_with_file_and_line(csv, tmp_path, text, told):
 
 
 @pytest.mark.parametrize("reader", [read, import_file])
-def test_a_scene_given_for_sweeps_is_told_with_what_makes_sweeps(reader, folder):
+def test_a_scene_given_for_sweeps_is_reported_with_what_makes_sweeps(reader, folder):
     with pytest.raises(InputError, match=r"is a scene.*rcskin sweep .*my\.toml -o my\.nc"):
         reader(folder / "my.toml")
 
 
 @pytest.mark.parametrize("reader", [read, import_file])
-def test_a_model_given_for_sweeps_is_told(reader, folder):
+def test_a_model_given_for_sweeps_is_reported(reader, folder):
     (folder / "m.skops").write_bytes(b"PK\0")
     with pytest.raises(InputError, match=r"m\.skops: this is a model, sweeps are expected here"):
         reader(folder / "m.skops")
 
 
-def test_files_of_another_kind_are_told(tmp_path):
+def test_files_of_another_kind_are_reported(tmp_path):
     with pytest.raises(InputError, match=r"absent\.nc: no such file"):
         read(tmp_path / "absent.nc")
     with pytest.raises(InputError, match=r"sweeps are read from \.nc, \.csv, \.zarr, got '\.xlsx'"):
@@ -206,7 +206,7 @@ def test_a_file_that_breaks_the_schema_is_named(make_sweeps, tmp_path):
         read(tmp_path / "part.nc")
 
 
-def test_where_nothing_can_be_written_is_told_first(make_sweeps, tmp_path):
+def test_where_nothing_can_be_written_is_reported_first(make_sweeps, tmp_path):
     with pytest.raises(InputError, match=r"must end in \.nc or \.csv or \.zarr, got '\.txt'"):
         write(make_sweeps(), tmp_path / "all.txt")
     with pytest.raises(InputError, match=r"the folder .* does not exist"):

@@ -105,7 +105,7 @@ def test_a_sweep_begins_where_frequencies_start_over(table, frequencies):
     assert [set(Rs) for Rs in sweeps["Rs"].values[:, 0]] == [{1, 2}, {3, 4}, {5, 6}]
 
 
-def test_labels_tell_sweeps_apart_wherever_their_lines_stand(table):
+def test_labels_distinguish_sweeps_wherever_their_lines_stand(table):
     header = "row,column,repetition,session,f/Hz,R,X"
     rows = ["1,2,1,7,1,1,-1", "2,2,1,7,1,2,-1", "1,2,1,7,2,3,-1", "2,2,1,7,2,4,-1"]
     sweeps = table(header, *rows)
@@ -132,7 +132,7 @@ def test_every_sweep_has_every_interface(table):
         ("x", (-1, -1)),
     ],
 )
-def test_the_pixel_of_a_press_is_told_from_its_text(table, press, pixel):
+def test_the_pixel_of_a_press_is_read_from_its_text(table, press, pixel):
     sweeps = table("f/Hz,R,X", "1,1,-1", press=press)
     assert sweeps["press"].item() == press
     assert (sweeps["row"].item(), sweeps["column"].item()) == pixel
@@ -183,11 +183,11 @@ def test_defaults_hold_where_the_file_has_no_such_column(table):
         ),
     ],
 )
-def test_what_cannot_be_read_is_told_with_its_place(tmp_path, lines, told):
+def test_what_cannot_be_read_is_reported_with_its_place(tmp_path, lines, told):
     assert told in refusal(tmp_path / "bad.csv", lines)
 
 
-def test_what_is_no_text_is_told(tmp_path):
+def test_what_is_no_text_is_reported(tmp_path):
     (tmp_path / "picture.csv").write_bytes(b"\x89PNG\n\x00\x01")
     with pytest.raises(InputError, match=r"picture\.csv: line 2: not text"):
         import_file(tmp_path / "picture.csv")
@@ -214,7 +214,7 @@ def test_files_are_joined_at_the_frequencies_of_the_first(tmp_path):
         ("interface,f/Hz,R,X\na,1,1,-1\na,2,1,-1", "interfaces a are not those of"),
     ],
 )
-def test_files_that_do_not_fit_together_are_told(tmp_path, text, told):
+def test_files_that_do_not_fit_together_are_reported(tmp_path, text, told):
     paths = [tmp_path / "a.csv", tmp_path / "b.csv"]
     paths[0].write_text("f/Hz,R,X\n1,1,-1\n2,1,-1")
     paths[1].write_text(text)
@@ -286,7 +286,7 @@ def test_rounding_of_a_display_is_no_contradiction(table):
     assert "`D` agrees" in sweeps.attrs["columns"]
 
 
-def test_what_was_taken_is_told(table):
+def test_what_was_taken_is_reported(table):
     sweeps = table("made by hand", "f/kHz,y,Z',-Z'',Status", "1,9,3,4,0", "2,9,3,4,0")
     assert sweeps.attrs["columns"] == (
         "header in line 2: frequency from `f/kHz`, Rs from `Z'`, X from `-Z''` (negated); not used:"
@@ -423,7 +423,7 @@ def test_tables_that_can_be_misread_are_refused(tmp_path, lines, message):
     assert message in refusal(tmp_path / "bad.csv", lines)
 
 
-def test_unusual_numbers_are_told(table):
+def test_unusual_numbers_are_reported(table):
     sweeps = table("f/Hz,R,X", "1,1,2", "2,-1,3", "3,1,-4")
     assert sweeps.attrs["warnings"] == (
         "Re Z < 0 in 1 of 3 readings, the first in line 3: no passive part has a phase beyond 90 "

@@ -147,7 +147,7 @@ def test_every_dialect_gives_the_same_impedance(folder, sweeps, dialect):
     junk=st.sampled_from(["", "1.2.3", "0x10", "1_0", "\u0661"]),
     data=st.data(),
 )
-def test_a_bad_cell_is_told_with_file_and_line(folder, sweeps, dialect, junk, data):
+def test_a_bad_cell_is_reported_with_file_and_line(folder, sweeps, dialect, junk, data):
     lines = written(sweeps, dialect).split("\n")
     begin = len(dialect.preamble) + 1
     readings = [at for at in range(begin, len(lines)) if lines[at] not in ("", "# between")]
@@ -166,7 +166,7 @@ def test_a_bad_cell_is_told_with_file_and_line(folder, sweeps, dialect, junk, da
 
 
 @given(sweeps=sweeps_of_one_interface(), dialect=dialects(), data=st.data())
-def test_a_file_of_any_bytes_is_read_or_told_in_one_line(folder, sweeps, dialect, data):
+def test_a_file_of_any_bytes_is_read_or_reported_in_one_line(folder, sweeps, dialect, data):
     content = bytearray(written(sweeps, dialect).encode())
     for _ in range(data.draw(st.integers(1, 4))):
         content[data.draw(st.integers(0, len(content) - 1))] = data.draw(st.integers(0, 255))

@@ -55,7 +55,7 @@ def test_a_device_is_not_read(tmp_path, ending):
 
 
 @pytest.mark.parametrize("ending", READERS)
-def test_a_folder_is_told(tmp_path, ending):
+def test_a_folder_is_reported(tmp_path, ending):
     (tmp_path / f"folder{ending}").mkdir()
     assert "is a folder" in refusal(READERS[ending], tmp_path / f"folder{ending}")
 
@@ -79,7 +79,7 @@ def test_a_file_that_is_too_large_is_not_read(tmp_path, ending, kind):
         (f"a = {2**63}", "a whole number has more than 64 bits"),
     ],
 )
-def test_toml_beyond_bounds_is_told_in_one_line(tmp_path, text, told):
+def test_toml_beyond_bounds_is_reported_in_one_line(tmp_path, text, told):
     path = tmp_path / "mine.toml"
     path.write_text(text, encoding="utf-8")
     assert told in refusal(load_scene, path)
@@ -168,7 +168,7 @@ def test_a_line_without_end_is_no_table(tmp_path, reader):
         reader(tmp_path / "wide.csv")
 
 
-def test_json_that_is_nested_too_deep_is_told():
+def test_json_that_is_nested_too_deep_is_reported():
     for reader in (inputs.objects, unsealed_json):
         with pytest.raises(ValueError, match="nested too deep"):
             reader(DEEP)

@@ -42,7 +42,7 @@ def test_each_recording_is_a_session_of_its_own():
     assert list(joined["session"].values) == [0, 0, 1, 1, 2, 2]
 
 
-def test_recordings_of_one_name_are_one_session_told_by_its_name():
+def test_recordings_of_one_name_are_one_session_with_its_name():
     parts = [recorded("mon", 0), recorded(begun=5), recorded("tue", 10), recorded("mon", 20)]
     joined = join(parts, "abcd")
     assert list(joined["session"].values) == [0, 0, 1, 1, 2, 2, 0, 0]
@@ -61,7 +61,7 @@ def test_they_follow_each_other_in_time_whatever_the_order_of_files():
     assert json.loads(joined.attrs["times"]) == [0, 1, 20, 21]
 
 
-def test_what_is_told_of_readings_and_sweeps_is_counted_on():
+def test_flags_and_settings_of_both_are_joined():
     joined = join([recorded(begun=0), recorded(begun=10, settings="other")], "ab")
     assert json.loads(joined.attrs["flagged"]) == [[1, 0, 2], [3, 0, 2]]
     assert joined.attrs["scene"] == SCENE

@@ -90,7 +90,7 @@ def test_places_take_units_too():
 
 
 @pytest.mark.parametrize(("text", "meant"), [("1,1:1,5", "1.5"), ("1,1:150%", "1.5")])
-def test_a_factor_that_is_none_is_told_with_what_was_likely_meant(text, meant):
+def test_a_factor_that_is_none_is_reported_with_what_was_likely_meant(text, meant):
     with pytest.raises(InputError, match=f"did you mean {meant}"):
         parse_touches(text)
 
@@ -113,6 +113,6 @@ def test_a_polygon_is_placed_at_its_centroid(make_sweeps):
         ("disc(0,0,1)", "has no capacitance factor, and the sweeps store no scene with one"),
     ],
 )
-def test_what_a_localizer_cannot_place_or_weigh_is_told(make_sweeps, text, why):
+def test_what_a_localizer_cannot_place_or_weigh_is_reported(make_sweeps, text, why):
     with pytest.raises(InputError, match=why):
         pressed(make_sweeps, text)

@@ -53,21 +53,21 @@ def test_impedance_of_another_shape_is_refused():
 
 
 @pytest.mark.parametrize("name", ["Rs", "X", "Cp", "press", "row", "session", "interface"])
-def test_what_is_missing_is_told(make_sweeps, name):
+def test_what_is_missing_is_reported(make_sweeps, name):
     with pytest.raises(InputError, match=f"`{name}` is missing"):
         check(make_sweeps().drop_vars(name))
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 @pytest.mark.parametrize("name", ["Rs", "X", "Cp"])
-def test_what_is_not_finite_is_told(make_sweeps, name, bad):
+def test_what_is_not_finite_is_reported(make_sweeps, name, bad):
     sweeps = make_sweeps()
     sweeps[name][0, 1, 2] = bad
     with pytest.raises(InputError, match=f"`{name}` must be finite everywhere"):
         check(sweeps)
 
 
-def test_wrong_dimensions_are_told(make_sweeps):
+def test_wrong_dimensions_are_reported(make_sweeps):
     sweeps = make_sweeps()
     with pytest.raises(InputError, match="`Cp` must have dimensions"):
         check(sweeps.assign(Cp=sweeps["Cp"].isel(interface=0)))
@@ -83,7 +83,7 @@ def test_wrong_dimensions_are_told(make_sweeps):
         ([1.0, 1.0, 2.0], "`frequency` must be ascending, without repeats"),
     ],
 )
-def test_bad_frequencies_are_told(make_sweeps, frequency, told):
+def test_bad_frequencies_are_reported(make_sweeps, frequency, told):
     with pytest.raises(InputError, match=told):
         check(make_sweeps().assign_coords(frequency=frequency))
 

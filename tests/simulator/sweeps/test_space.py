@@ -34,7 +34,7 @@ def test_memory_that_is_free_is_a_number_of_this_machine():
 @pytest.mark.parametrize(
     ("size", "told"), [(0, "0 bytes"), (999, "999 bytes"), (4.2e10, "42 GB"), (5e20, "500000 PB")]
 )
-def test_amounts_are_told_as_people_say_them(size, told):
+def test_amounts_are_written_as_people_say_them(size, told):
     assert free_space.amount(size) == told
 
 

@@ -48,7 +48,7 @@ def test_a_spoilt_csv_is_no_table_of_another_tool(stored):
     assert share_refused(path, import_file, expected.identical, 40, 10) == 1
 
 
-def test_a_csv_cut_by_a_digit_is_told_by_its_lines(stored):
+def test_a_csv_cut_by_a_digit_is_reported_by_its_lines(stored):
     _, path = stored(".csv")
     path.write_bytes(path.read_bytes()[:-2])
     with pytest.raises(

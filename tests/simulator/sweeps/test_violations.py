@@ -59,7 +59,7 @@ def test_capacitance_that_increases_beside_a_small_resistance(make_sweeps):
     assert "Cp not increasing" in broken(make_sweeps, 1 / Y)
 
 
-def test_one_bad_reading_is_told_with_its_place(make_sweeps):
+def test_one_bad_reading_is_reported_with_its_place(make_sweeps):
     Z = np.tile(1e3 + 1 / (S * 1e-9), (2, 2, 1))
     Z[1, 0, 30] += 10.0
     (found,) = violations(make_sweeps(2, frequency=FREQUENCY, Z=Z))

@@ -182,7 +182,7 @@ with whole_file(Path(sys.argv[1])) as unfinished:
 
 @posix
 @pytest.mark.parametrize("name", ["out.csv", "out.nc"])
-def test_a_disk_that_takes_no_more_is_told_with_the_name_that_was_asked_for(tmp_path, name):
+def test_a_disk_that_takes_no_more_is_reported_with_the_name_that_was_asked_for(tmp_path, name):
     path = tmp_path / name
     words = [sys.executable, "-c", LIMITED, str(path)]
     done = subprocess.run(words, capture_output=True, text=True)
@@ -237,14 +237,14 @@ def test_a_target_that_is_open_for_a_moment_is_waited_for(tmp_path, monkeypatch)
         ("file/out.csv", "the folder .*file does not exist"),
     ],
 )
-def test_a_path_that_cannot_be_written_is_told_before_any_work(tmp_path, name, told):
+def test_a_path_that_cannot_be_written_is_reported_before_any_work(tmp_path, name, told):
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match=told):
         checked_output(tmp_path / name)
 
 
 @posix
-def test_a_folder_that_goes_away_meanwhile_is_told(tmp_path):
+def test_a_folder_that_goes_away_meanwhile_is_reported(tmp_path):
     path = tmp_path / "gone" / "out.csv"
     path.parent.mkdir()
     with pytest.raises((InputError, OutputError), match=r"out\.csv: cannot be"):

@@ -56,7 +56,7 @@ def test_a_gif_keeps_the_colours_of_maps_and_foils(tmp_path):
 
 @pytest.mark.pictures
 @pytest.mark.parametrize(("long", "told"), [(0.0, 1), (1e6, 0)])
-def test_a_movie_that_takes_long_is_told_of_after_its_first_picture(
+def test_a_movie_that_takes_long_is_announced_after_its_first_picture(
     fields, stage, tmp_path, small_movies, monkeypatch, long, told
 ):
     notes, drawn = [], []

@@ -114,7 +114,7 @@ def test_each_frame_has_a_scale_of_its_own_where_that_is_asked_for(fields):
     ("low", "high", "text"),
     [(0.99983, 1.0, "0.99983 to 1.00000 V"), (-20.6, 0.0, "−21 to 0 V"), (0, 53.4, "0 to 53 V")],
 )
-def test_the_ends_of_a_scale_are_told_apart(low, high, text):
+def test_the_ends_of_a_scale_are_distinguished(low, high, text):
     assert span_text(low, high, "V") == text
 
 

@@ -35,7 +35,7 @@ def test_exaggeration_is_a_round_number(fields, depth, times):
     assert readable_exaggeration(fields(depth=depth)) == times
 
 
-def test_wrapped_skins_are_told_from_flat_ones(fields):
+def test_wrapped_skins_are_distinguished_from_flat_ones(fields):
     assert is_curved(fields(radius=0.04)) and not is_curved(fields())
 
 

@@ -131,7 +131,7 @@ def test_with_a_display_a_window_is_opened(run, solved, scene_file, monkeypatch)
         (("-o", "out.png", "--what", "deformation"), "press by depth or force"),
     ],
 )
-def test_bad_input_is_told_in_one_line(
+def test_bad_input_is_reported_in_one_line(
     refused, solved, scene_file, tmp_path, monkeypatch, arguments, says
 ):
     monkeypatch.chdir(tmp_path)
@@ -151,7 +151,7 @@ def test_bad_input_is_told_in_one_line(
         ("plotly", ("--interactive",)),
     ],
 )
-def test_what_is_not_installed_is_told_with_its_extra(
+def test_what_is_not_installed_is_reported_with_its_extra(
     run, solved, scene_file, tmp_path, monkeypatch, library, arguments
 ):
     monkeypatch.chdir(tmp_path)
@@ -163,7 +163,7 @@ def test_what_is_not_installed_is_told_with_its_extra(
 
 @pytest.mark.posix("Windows always has what draws")
 @pytest.mark.parametrize("name", ["out.png", "out.gif", "out.mp4"])
-def test_where_nothing_draws_it_is_told_before_anything_is_solved(
+def test_where_nothing_draws_it_is_reported_before_anything_is_solved(
     run, solved, scene_file, tmp_path, monkeypatch, name
 ):
     monkeypatch.delenv("DISPLAY", raising=False)
