@@ -19,8 +19,8 @@ from typing import NamedTuple
 
 import numpy as np
 from PIL import Image, ImageSequence
+from rcskin.__main__ import app
 from rcskin.benchmarks.bench import HERE, Run, launch
-from rcskin.simulator.cli import app
 
 PAGE = HERE.parent / "docs" / "gallery.md"
 SHEET = "sheet-5x5-two-interfaces"
@@ -76,6 +76,10 @@ EVALUATED = """rcskin dataset sheet-3x3 --sweeps 1000 -o skins.zarr
 rcskin train skins.zarr --target pixel -o pixels.skops
 rcskin dataset sheet-3x3 --sweeps 500 --seed 2 -o unseen.zarr
 rcskin evaluate pixels.skops unseen.zarr -o evaluated"""
+
+RECORDED = """rcskin dataset strip-1x5 --sweeps 1000 -o skins.zarr
+rcskin dataset strip-1x5 --sweeps 60 --seed 2 -o mine.zarr"""
+"""Lines whose second file, sweeps of one random skin, stands for a recording of one's own."""
 
 THEMES: dict[str, tuple[Picture, ...]] = {
     "Fields in a skin": (
@@ -182,6 +186,21 @@ THEMES: dict[str, tuple[Picture, ...]] = {
         ),
     ),
     "Calibration and the gap to the skin": (
+        Picture(
+            f"{OWN}gap.png",
+            f"{RECORDED}\nrcskin gap skins.zarr mine.zarr --charts png -o gap",
+            "Columns found on one random skin, which stands for your own, by localizers trained on "
+            "simulation and on some of its sweeps, before and after calibration.",
+            "gap/accuracy.png",
+            None,
+        ),
+        Picture(
+            f"{OWN}residuals.png",
+            f"{RECORDED}\nrcskin calibrate strip-1x5 mine.zarr -o fit",
+            "What a fit of the scene to the sweeps of that skin leaves: noise of the meter.",
+            "fit/residuals-left.png",
+            None,
+        ),
         result(
             "twin.png",
             "python benchmarks/localization/twin.py",

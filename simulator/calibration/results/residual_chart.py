@@ -53,6 +53,8 @@ def residuals(fit: Fit) -> dict[str, Real]:
 LIKELY = 2.0
 MAX_NAMED = 6
 FAINT = 0.35
+SEVERAL_COLOUR = "0.5"
+"""Grey of sweeps of several touches."""
 SMALL = (4.8, 2.6)
 """Size of the small chart, inches."""
 
@@ -118,13 +120,20 @@ def _draw(
     kHz, few = frequency / 1e3, len(readings) <= MAX_NAMED + 1
     axes.axhspan(-LIKELY, LIKELY, color="0.93", label="within 2 errors")
     labels = [_label_and_colour(reading, few) for reading in readings]
-    for label, colour in dict.fromkeys(labels):
+    ordered = sorted(range(len(readings)), key=lambda k: _place(readings[k]))
+    for label, colour in dict.fromkeys(labels[k] for k in ordered):
         group = values[[each == (label, colour) for each in labels]]
         if len(group) > 1:
             faint = {"alpha": FAINT, "markersize": 3, "linewidth": 0.5, "label": "_"}
             axes.plot(kHz, group.T, marker or "-", color=colour, **faint)
             label = f"{label}, mean"
         axes.plot(kHz, group.mean(axis=0), marker=marker, linewidth=1, color=colour, label=label)
+
+
+def _place(reading: SessionSweep) -> tuple[int, ...]:
+    """Place among the lines: unpressed, then by column and row, then several pressed."""
+    row, column = reading.press.pixel
+    return (2,) if row < 0 or column < 0 else (int(bool(reading.press.touches)), column, row)
 
 
 def _label_and_colour(reading: SessionSweep, few: bool) -> tuple[str, str]:
@@ -135,4 +144,4 @@ def _label_and_colour(reading: SessionSweep, few: bool) -> tuple[str, str]:
     colour = COLOURS[(max(column, 1) - 1) % len(COLOURS)]
     if few:
         return f"pressed {row},{column}" if row > 0 else f"pressed {reading.press}", colour
-    return f"column {column}" if column > 0 else "several pressed", colour
+    return (f"column {column}", colour) if column > 0 else ("several pressed", SEVERAL_COLOUR)
