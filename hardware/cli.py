@@ -17,7 +17,8 @@ from .record_command import record
 if TYPE_CHECKING:
     from .virtual.instrument import Instrument
     from .virtual.meter_server import Ports
-    from .virtual.serving import PageOptions, ServedSkin
+    from .virtual.served_skin import ServedSkin
+    from .virtual.serving import PageOptions
 
 CONTROL = "127.0.0.1:3501"
 VIRTUAL = "TCPIP0::127.0.0.1::3500::SOCKET"
@@ -66,14 +67,14 @@ def serve(
     """Serve a virtual meter, or reader of lines, on TCP until interrupted."""
     from .event_counter import counted_events
     from .reader.line_format import read_line_format
-    from .virtual import serving
+    from .virtual import served_skin, serving
 
     served = _served_skin(scene, recorded, interface, seed)
     press_routines = serving.routines(served, script, random, seed)
     if reader is None:
         device = _virtual_meter(served, pace, accuracy, model)
     else:
-        device = serving.reader(served, read_line_format(reader), pace)
+        device = served_skin.reader(served, read_line_format(reader), pace)
     page_options = _page_options(served, page, page_port)
 
     def on_listening(ports: Ports) -> None:
@@ -201,15 +202,15 @@ def _served_skin(
 ) -> ServedSkin:
     from ..simulator.requests.requested_scene import note_if_noise_free, requested_scene
     from ..simulator.sweeps import InputError, read_joined
-    from .virtual import serving
+    from .virtual import served_skin
 
     if (scene is None) == (not recorded):
         raise InputError("serve needs either --scene or --recorded")
     if recorded:
-        return serving.recorded(read_joined(recorded), interfaces)
+        return served_skin.recorded(read_joined(recorded), interfaces)
     assert scene is not None
     requested = requested_scene(scene)
-    served = serving.simulated(requested, interfaces, seed)
+    served = served_skin.simulated(requested, interfaces, seed)
     note_if_noise_free(requested.name, requested)
     return served
 
@@ -220,21 +221,21 @@ def _virtual_meter(
     """Virtual meter of a skin, with notes on what it does not do."""
     from ..simulator.meters.accuracy_table import DERIVED_TABLE
     from ..simulator.sweeps import InputError
-    from .virtual import serving
+    from .virtual import served_skin
 
     if served.scene is not None and served.scene.reading.gain:
         raise InputError(
             f"{served.scene.name}: an LCR meter reads impedances, and the readings of this scene "
             "are gains; --reader FILE serves lines of a reader"
         )
-    meter = serving.instrument(served, pace, accuracy or DERIVED_TABLE, model)
+    meter = served_skin.instrument(served, pace, accuracy or DERIVED_TABLE, model)
     if len(served.skins) > 1:
         say(
             f"rcskin: note: connected to interface {meter.interface} of "
             f"{', '.join(served.skins)}; `rcskin meter select` or --switch takes another",
             err=True,
         )
-    for note in serving.notes(meter, served):
+    for note in served_skin.notes(meter, served):
         say(f"rcskin: note: {note}", err=True)
     return meter
 

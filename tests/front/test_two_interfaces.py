@@ -8,7 +8,7 @@ import pytest
 import rcskin
 from rcskin import __main__ as front
 from rcskin.hardware.virtual.meter_server import run_in_thread
-from rcskin.hardware.virtual.serving import instrument, simulated
+from rcskin.hardware.virtual.served_skin import instrument, simulated
 from rcskin.localization.model.localizer_file import save
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.scene.scene_files import scene_text

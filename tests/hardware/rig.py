@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 from rcskin.__main__ import meter as app
 from rcskin.hardware.meter.errors import MeterError
-from rcskin.hardware.virtual import serving
+from rcskin.hardware.virtual import served_skin
 from rcskin.hardware.virtual.recorded_skin import exact_readout
 from rcskin.simulator.command_line import run as run_command_line
 from rcskin.simulator.scene.readings.changed_readings import (
@@ -61,7 +61,7 @@ def simulated(scene, interfaces=None, seed=1):
     """The pillow at interfaces of a scene, read without error."""
     names = checked_interfaces(interfaces, scene)
     skins = {name: SKINS[name] for name in names}
-    return serving.ServedSkin(
+    return served_skin.ServedSkin(
         skins, exact_readout, *scene.pixels.shape, 1e3, restricted_to_interfaces(scene, names)
     )
 
@@ -72,7 +72,7 @@ def document(scene, kind, nonce):
 
 
 TOYS = {
-    "hardware.virtual.serving.simulated": simulated,
+    "hardware.virtual.served_skin.simulated": simulated,
     "simulator.page.linked.linked_page": document,
 }
 """What stands for the simulation where the meter's commands run in tests."""
@@ -86,7 +86,7 @@ def arguments(given):
 
 def run(given):
     """Run a command of the meter as `rcskin` does, with the toys in place of half the simulator."""
-    serving.simulated = simulated
+    served_skin.simulated = simulated
     sys.modules["rcskin.simulator.page.linked"] = SimpleNamespace(linked_page=document)
     sys.argv[1:] = arguments(given)
     run_command_line(app, (MeterError,))

@@ -9,7 +9,7 @@ import pytest
 from rcskin.hardware.meter.errors import MeterError, NoConnectionError
 from rcskin.hardware.virtual.hioki.meter_state import Settings
 from rcskin.hardware.virtual.recorded_skin import RecordedSkin
-from rcskin.hardware.virtual.serving import instrument, recorded
+from rcskin.hardware.virtual.served_skin import instrument, recorded
 from rcskin.simulator.sweeps import InputError, impedance, read
 from rich.console import Console
 

@@ -11,7 +11,7 @@ from rcskin.hardware.live.displays.key_input import key_reader
 from rcskin.hardware.meter.errors import NoConnectionError
 from rcskin.hardware.meter.link.connection import connect
 from rcskin.hardware.meter.link.discovery import find_resources
-from rcskin.hardware.virtual.serving import serve as serve_until_told
+from rcskin.hardware.virtual.serving import serve as serve_until_signal
 from rcskin.simulator.sweeps import read
 
 
@@ -28,7 +28,7 @@ def test_a_recording_ends_whole_where_open_files_stay(windows, command, ports, t
 def test_a_signal_ends_a_virtual_meter_where_loops_take_none(windows, make_instrument, number):
     before = signal.getsignal(number)
     told = lambda ports: signal.raise_signal(number)  # noqa: E731
-    serve_until_told(make_instrument(), (), told, port=0, control_port=0)
+    serve_until_signal(make_instrument(), (), told, port=0, control_port=0)
     assert signal.getsignal(number) is before
 
 

@@ -9,7 +9,7 @@ from rcskin import __main__ as rcskin
 from rcskin.hardware.control_client import send_request
 from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.meter_server import run_in_thread
-from rcskin.hardware.virtual.serving import instrument, simulated
+from rcskin.hardware.virtual.served_skin import instrument, simulated
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.touch_factors import factors_under
 from rcskin.simulator.models.mechanics.force_depths import depths_in_words, forces_as_depths

@@ -19,7 +19,7 @@ from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.record.sweep_checks import SweepLimits
 from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.meter_server import run_in_thread
-from rcskin.hardware.virtual.serving import ServedSkin, instrument
+from rcskin.hardware.virtual.served_skin import ServedSkin, instrument
 from rcskin.simulator.measure.specimen import MeterSessionErrors
 from rcskin.simulator.meters.accuracy_table import ReadingConditions, read_table
 

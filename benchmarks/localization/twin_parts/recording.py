@@ -17,7 +17,7 @@ from rcskin.hardware.record.recording_terminal import RecordingScreen
 from rcskin.hardware.record_command import header_of
 from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.meter_server import run_in_thread
-from rcskin.hardware.virtual.serving import ServedSkin, instrument
+from rcskin.hardware.virtual.served_skin import ServedSkin, instrument
 from rcskin.simulator.measure.specimen import MeterSessionErrors
 from rcskin.simulator.meters.accuracy_table import DERIVED_TABLE, read_table
 from rcskin.simulator.sweeps import side_by_side

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
 from rcskin.hardware.control_client import send_request
-from rcskin.hardware.virtual.serving import instrument, simulated
+from rcskin.hardware.virtual.served_skin import instrument, simulated
 from rcskin.localization.model.localizer_file import save
 from rcskin.localization.model.training import train
 from rcskin.simulator.measure.readout import read_out

@@ -20,7 +20,7 @@ from rcskin.hardware.record.recording_dataset import recording_dataset
 from rcskin.hardware.record.source_options import SourceOptions, source_setup
 from rcskin.hardware.record.sweep_checks import SweepLimits
 from rcskin.hardware.record_command import header_of
-from rcskin.hardware.virtual import serving
+from rcskin.hardware.virtual import served_skin
 from rcskin.hardware.virtual.faults import ON_LINES, Fault
 from rcskin.hardware.virtual.meter_server import run_in_thread
 from rcskin.hardware.virtual.recorded_skin import exact_readout
@@ -58,9 +58,9 @@ def described(tmp_path):
 @contextmanager
 def served(scene, skins, text, **more):
     """The virtual reader of these skins, and its ports."""
-    skin = serving.ServedSkin(skins, exact_readout, *scene.pixels.shape, 1e3, scene)
+    skin = served_skin.ServedSkin(skins, exact_readout, *scene.pixels.shape, 1e3, scene)
     line_format = LineFormat.model_validate({**inputs.tables(text), **more})
-    device = serving.reader(skin, line_format)
+    device = served_skin.reader(skin, line_format)
     with run_in_thread(device) as ports:
         yield device, ports
 
@@ -328,11 +328,11 @@ def multisine_quilt(scene):
 
 def test_a_multisine_sends_whole_frames_no_faster_than_it_reads_them(quilt, tmp_path):
     scene = multisine_quilt(quilt)
-    skin = serving.simulated(scene, seed=1)
+    skin = served_skin.simulated(scene, seed=1)
     text = ARRAYS.replace("rate = 200", "rate = {}")
     with pytest.raises(InputError, match=r"`rate` .* must be <= 31\.25 lines per second, as a sw"):
-        serving.reader(skin, LineFormat.model_validate(inputs.tables(text.format(32))))
-    device = serving.reader(skin, LineFormat.model_validate(inputs.tables(text.format(31.25))))
+        served_skin.reader(skin, LineFormat.model_validate(inputs.tables(text.format(32))))
+    device = served_skin.reader(skin, LineFormat.model_validate(inputs.tables(text.format(31.25))))
     with run_in_thread(device) as ports, socket.create_connection(("127.0.0.1", ports.meter)) as s:
         lines = s.makefile()
         lines.readline()
@@ -342,8 +342,8 @@ def test_a_multisine_sends_whole_frames_no_faster_than_it_reads_them(quilt, tmp_
 
 
 def test_a_meter_of_a_multisine_scene_notes_that_it_reads_in_its_own_time(quilt):
-    served_skin = serving.simulated(multisine_quilt(quilt), seed=1)
-    meter = serving.instrument(served_skin, pace=0)
-    (note,) = serving.notes(meter, served_skin)
+    skin = served_skin.simulated(multisine_quilt(quilt), seed=1)
+    meter = served_skin.instrument(skin, pace=0)
+    (note,) = served_skin.notes(meter, skin)
     meter.worker.end()
     assert "reads one frequency after the other in its own time; --reader FILE" in note

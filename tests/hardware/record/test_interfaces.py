@@ -219,7 +219,7 @@ def test_two_interfaces_unattended_take_a_switch(recorded, control):
 
 
 def test_what_was_recorded_at_two_interfaces_is_played_at_both(recorded, control, switch, command):
-    from rcskin.hardware.virtual.serving import recorded as exhibited
+    from rcskin.hardware.virtual.served_skin import recorded as exhibited
 
     sweeps = recorded(*control, *switch)
     exhibit = exhibited(sweeps, None)

@@ -12,7 +12,7 @@ from rcskin.hardware.virtual.keysight.e4980a import VirtualE4980A
 from rcskin.hardware.virtual.keysight.e4990a import VirtualE4990A
 from rcskin.hardware.virtual.keysight.keysight_instrument import KeysightInstrument
 from rcskin.hardware.virtual.recorded_skin import exact_readout
-from rcskin.hardware.virtual.serving import ServedSkin, notes
+from rcskin.hardware.virtual.served_skin import ServedSkin, notes
 from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS, virtual_model
 from rcskin.simulator.sweeps import InputError
 from rcskin.tests.hardware.conversation_files import CONVERSATIONS, spoken

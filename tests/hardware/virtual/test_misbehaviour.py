@@ -18,8 +18,8 @@ from rcskin.hardware.meter.instruments import INSTRUMENTS, open_meter
 from rcskin.hardware.meter.meter_reading import ReadingStatus
 from rcskin.hardware.record.measured_sweep import check_frequencies
 from rcskin.hardware.virtual.faults import Fault
-from rcskin.hardware.virtual.serving import instrument as instrument_of
-from rcskin.hardware.virtual.serving import simulated
+from rcskin.hardware.virtual.served_skin import instrument as instrument_of
+from rcskin.hardware.virtual.served_skin import simulated
 from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
 from rcskin.simulator.scene.readings.changed_readings import with_frequencies
 from rcskin.simulator.sweeps import InputError

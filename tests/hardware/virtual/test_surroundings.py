@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.hardware.meter.instruments import open_meter
-from rcskin.hardware.virtual.serving import instrument, simulated
+from rcskin.hardware.virtual.served_skin import instrument, simulated
 from rcskin.simulator.scene.scene_files import load_scene
 
 C_E = 1e-9
