@@ -115,6 +115,12 @@ class EvaluationSettings:
         changed = scene.model_copy(update={"dataset": own})
         return Plan(changed, sweeps, scene.experiment.seed + draw, rtol)
 
+    def presses(self, scene: Scene) -> str:
+        """The amount of data of each point, in words."""
+        each = f"{scene.experiment.repetitions} presses of each pixel"
+        amount = each if self.repeated else f"{SWEEPS} sweeps"
+        return amount if self.draws == 1 else f"{self.draws} draws of {amount}"
+
     def unpressed(self, scene: Scene) -> float | None:
         """Weight of the unpressed skin in the accuracy; None: as often as it is drawn.
 

@@ -104,14 +104,13 @@ def axis_label(key: Key) -> str:
     return LABELS.get(key.name, key.name)
 
 
-def describe_experiment(table: Mapping[str, Any], axes: Sequence[Axis]) -> str:
+def describe_experiment(table: Mapping[str, Any], axes: Sequence[Axis], presses: str) -> str:
     """One line on the scene, its frequencies, noise and presses, without the parts that vary."""
-    readout, experiment = table["readout"], table["experiment"]
-    f = with_values(table, {}).frequencies
+    readout, f = table["readout"], with_values(table, {}).frequencies
     parts = {
         "sweep": f"{len(f)} frequencies, {f[0] / 1e3:.4g} to {f[-1] / 1e3:.4g} kHz",
         "readout": _noise(readout),
-        "experiment": f"{experiment['repetitions']} presses of each pixel",
+        "experiment": presses,
     }
     varied = {place[0] for axis in axes for place in axis.key.places}
     return "; ".join([table["name"], *(text for part, text in parts.items() if part not in varied)])

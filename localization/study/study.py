@@ -90,7 +90,8 @@ class StudyPlan:
         found = execution.study(
             self.scenes, self.axes, self.trial, progress, rtol=rtol, workers=workers
         )
-        return Study(found, self.axes, describe_experiment(self.table, self.axes))
+        presses = self.trial.presses(self.scenes[0])
+        return Study(found, self.axes, describe_experiment(self.table, self.axes, presses))
 
 
 def plan_study(

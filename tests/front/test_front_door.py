@@ -203,6 +203,7 @@ def test_a_study_is_the_one_on_the_command_line(run, tmp_path):
     assert (tmp_path / "again.csv").read_bytes() == (tmp_path / "all.csv").read_bytes()
     assert study.findings["accuracy"].shape == (2,) and "accuracy_sd" in repr(study)
     assert study.best[0].startswith("best accuracy ")
+    assert "; 5 presses of each pixel" in repr(study).splitlines()[0]
 
 
 @pytest.mark.parametrize("values, even", [([1e4, 1e5, 1e6], True), ([1e4, 2e4, 3e4], False)])

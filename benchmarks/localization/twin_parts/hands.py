@@ -132,6 +132,18 @@ class Seat:
         """Whoever presses through the control port presses nothing."""
         return self.stage.pressed("none")
 
+    def hold(self, press: str, now: float) -> str:
+        """The same: what presses is the stage's own."""
+        return self.check(press)
+
+    def momentary(self, press: str, at: float) -> str:
+        """The press itself: the stage knows what its hand does at its own time."""
+        return press
+
+    def depths(self, press: str) -> str:
+        """Nothing: presses have no forces."""
+        return ""
+
     def impedance(self, press: str, frequency: float) -> complex:
         """Z in ohm under what the hand does now."""
         return self.stage.impedance(self.interface, frequency)

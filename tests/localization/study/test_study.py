@@ -129,3 +129,11 @@ def test_few_presses_do_not_make_the_unpressed_skin_count_more(run_study):
     found, _, _ = run_study("strip-1x3", *vary)
     guessed = 0.1 / 0.8 + 0.7 / 0.8 / 3
     assert float(found["accuracy"].item()) == pytest.approx(guessed, abs=0.07)
+
+
+def test_the_amount_of_data_is_stated_as_it_is_drawn():
+    scene = rcskin.load("strip-1x3")
+    whole, repeated = EvaluationSettings(draws=3), EvaluationSettings(repeated=True)
+    assert whole.presses(scene) == "3 draws of 2000 sweeps"
+    assert whole.plan(scene, 0, 1e-4).sweeps == 2000
+    assert repeated.presses(scene) == f"{scene.experiment.repetitions} presses of each pixel"
