@@ -37,6 +37,7 @@ from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.readout.meter import FrequencyGrid
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene
+from rcskin.simulator.sweeps import ToleranceError
 from rcskin.simulator.sweeps.schema import DIMENSIONS, impedance
 
 NAME = "calibration_coverage"
@@ -79,8 +80,8 @@ def main(run: Run) -> int:
     known = model_of(scene, model_tolerance(scene.readout)) if asked.truth == "scene" else None
     share = asked.outliers / 100
     trials = [_trial(case, scene, asked.prior, known, number, share) for number in range(twins)]
-    held = pd.DataFrame(trials)
-    error = np.sqrt(0.95 * 0.05 / twins)
+    held = pd.DataFrame([each for each in trials if each is not None])
+    error = np.sqrt(0.95 * 0.05 / len(held))
     table = pd.DataFrame(
         {
             "what": held.columns,
@@ -88,31 +89,32 @@ def main(run: Run) -> int:
             "standard error, %": [f"{100 * error:.1f}" for _ in held.columns],
         }
     )
-    publish(run.results, *_named(asked, twins), table)
+    publish(run.results, *_named(asked, twins, twins - len(held)), table)
     off = abs(held.to_numpy(dtype=float).mean() - 0.95)
     return int(off > AGREES * error)
 
 
-def _named(asked: argparse.Namespace, twins: int) -> tuple[str, str]:
-    """Name and title of the table."""
+def _named(asked: argparse.Namespace, twins: int, refused: int) -> tuple[str, str]:
+    """Name and title of the table. refused: number of twins for which no model was good enough."""
     own = {"sheet": asked.skin, "wide": asked.prior, "scene": asked.truth}
     off = [f"outliers_{asked.outliers:g}"] if asked.outliers else []
     name = "_".join([NAME, *(part for part, given in own.items() if part == given), *off])
     wrong = f", {asked.outliers:g} % of readings far off" if asked.outliers else ""
     skin = "" if asked.skin == "line" else f" of `{CASES[asked.skin].scene}`, 2x2 pixels"
     equal = " equal to the scene" if asked.truth == "scene" else ""
+    unanswered = f"; {refused} refused" if refused else ""
     return name, (
         f"Truths within the 95 % intervals of `rcskin calibrate`, of {twins} twins{skin}{equal}, "
-        f"{asked.prior} prior{wrong}"
+        f"{asked.prior} prior{wrong}{unanswered}"
     )
 
 
 def _trial(
     case: Case, scene: Scene, kind: Kind, known: Model | None, number: int, outliers: float
-) -> dict[str, bool]:
+) -> dict[str, bool] | None:
     """Whether each interval holds the truth, of one twin. Drawn anew where no meter reads it.
 
-    known: model of the scene, where the twin is the scene itself. outliers: share of readings.
+    None if no reduced model reaches the tolerance of the calibration. known: model of the scene, where the twin is the scene itself. outliers: share of readings.
     """
     random = np.random.default_rng([1, number])
     while True:
@@ -123,7 +125,10 @@ def _trial(
             continue
         if outliers:
             sweeps = _with_outliers(sweeps, outliers, random)
-        found = calibrate(scene, sweeps, Options(prior=kind), model=known)
+        try:
+            found = calibrate(scene, sweeps, Options(prior=kind), model=known)
+        except ToleranceError:
+            return None
         return dict(_held(scene, found, true))
 
 

@@ -92,7 +92,7 @@ class Stage:
     def read(self, Z: complex, at_hand: ReadingConditions) -> complex:
         """What the meter makes of it, in its time."""
         self.now += at_hand.seconds + TALK
-        return self._errors[self._here].read(Z, at_hand.range)
+        return self._errors[self._here].read(Z, at_hand.frequency, at_hand.range)
 
     @contextmanager
     def link(self, localizer: LiveLocalizer) -> Iterator[LiveMeter]:
