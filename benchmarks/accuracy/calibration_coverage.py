@@ -114,7 +114,8 @@ def _trial(
 ) -> dict[str, bool] | None:
     """Whether each interval holds the truth, of one twin. Drawn anew where no meter reads it.
 
-    None if no reduced model reaches the tolerance of the calibration. known: model of the scene, where the twin is the scene itself. outliers: share of readings.
+    None if no reduced model reaches the tolerance of the calibration. known: model of the scene,
+    where the twin is the scene itself. outliers: share of readings.
     """
     random = np.random.default_rng([1, number])
     while True:

@@ -36,6 +36,9 @@ class Told:
 class Replay:
     """A link whose sweeps were measured before: (begun, ended, sweep). now: s."""
 
+    sweeps = False
+    """The readings had times of their own, as of a meter that does not sweep by itself."""
+
     def __init__(self, link: LiveMeter, sweeps: list[tuple[float, float, MeasuredSweep]]) -> None:
         self.checker, self.header, self.now, self.switch = link.checker, link.header, 0.0, None
         self.left = list(reversed(sweeps))
