@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
-from rcskin.benchmarks.localization.twin_parts.skin import Twin
+from rcskin.benchmarks.localization.twin_parts.skin import Twin, WithoutCreep
 from rcskin.hardware.control_client import send_request
 from rcskin.hardware.live.live_localizer import LiveLocalizer
 from rcskin.hardware.live.live_meter import LiveMeter
@@ -122,7 +122,7 @@ class Stage:
 
 
 @dataclass(frozen=True)
-class Seat:
+class Seat(WithoutCreep):
     """The stage as one of its interfaces sees it."""
 
     stage: Stage
@@ -131,18 +131,6 @@ class Seat:
     def check(self, press: str) -> str:
         """Whoever presses through the control port presses nothing."""
         return self.stage.pressed("none")
-
-    def hold(self, press: str, now: float) -> str:
-        """The same: what presses is the stage's own."""
-        return self.check(press)
-
-    def momentary(self, press: str, at: float) -> str:
-        """The press itself: the stage knows what its hand does at its own time."""
-        return press
-
-    def depths(self, press: str) -> str:
-        """Nothing: presses have no forces."""
-        return ""
 
     def impedance(self, press: str, frequency: float) -> complex:
         """Z in ohm under what the hand does now."""

@@ -7,6 +7,7 @@ every press of another place, size and strength than asked, and a slow drift of 
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -119,7 +120,27 @@ class Twin:
         return np.random.default_rng([self.seed, self.number, *purpose])
 
 
-class Bench:
+class WithoutCreep(ABC):
+    """A skin at a virtual meter whose presses do not change by the meter's clock."""
+
+    @abstractmethod
+    def check(self, press: str) -> str:
+        """What the hand makes of a press."""
+
+    def hold(self, press: str, now: float) -> str:
+        """What the hand makes of a press that it holds from now on, s of the meter's clock."""
+        return self.check(press)
+
+    def momentary(self, press: str, at: float) -> str:
+        """The press itself: the foam does not creep by the meter's clock."""
+        return press
+
+    def depths(self, press: str) -> str:
+        """Nothing: presses have no forces."""
+        return ""
+
+
+class Bench(WithoutCreep):
     """A twin at one of its interfaces, pressed and read one frequency at a time, as by a meter.
 
     Each press that is checked is the hand's next one: benches of one twin that are asked for the
@@ -142,18 +163,6 @@ class Bench:
         self._event += 1
         self._skin, self._known = self._twin.skin(self._event), ("", {})
         return str(self._twin.pressed(asked, self._event))
-
-    def hold(self, press: str, now: float) -> str:
-        """What the hand makes of a press that it holds from now on, s of the meter's clock."""
-        return self.check(press)
-
-    def momentary(self, press: str, at: float) -> str:
-        """The press itself: the foam does not creep by the meter's clock."""
-        return press
-
-    def depths(self, press: str) -> str:
-        """Nothing: presses have no forces."""
-        return ""
 
     def impedance(self, press: str, frequency: float) -> complex:
         """Z in ohm under a checked press, at a frequency in Hz."""
