@@ -162,10 +162,10 @@ class LiveMeter:
 
     def _begin(self, meter: ReadingSource) -> None:
         model, pixels = self._localizer.model, self._localizer.scene.pixels
-        check_frequencies(meter, model.frequencies)
+        measured = check_frequencies(meter, model.frequencies)
         settings = meter.snapshot()
         restore_settings(meter, settings)
-        self._station.header = RecordingHeader(
+        header = RecordingHeader(
             scene=model.problem.scene,
             name="live",
             interfaces=model.interfaces,
@@ -181,6 +181,7 @@ class LiveMeter:
             accuracy=self._table.name,
             of_each=dict(model.own_frequencies),
         )
+        self._station.header = header.at(measured)
         frequency = np.array(model.frequencies)
         self.checker = SweepChecker(
             frequency,

@@ -28,7 +28,7 @@ class RefusedError(MeterError):
 
 
 class RestartedError(MeterError):
-    """The meter was switched on since the last query, so its settings are lost."""
+    """The meter's settings are not those of before: it was switched on, or someone changed one."""
 
 
 class WrongMeterError(MeterError):
@@ -45,3 +45,11 @@ class CorrectionError(MeterError):
 
 class PressError(MeterError):
     """The machine could not press the skin."""
+
+
+def changed_setting(resource: str, name: str, now: object, before: object) -> RestartedError:
+    """Error about a setting that is not what it was."""
+    return RestartedError(
+        f"{resource}: `{name}` is {now} and was {before}; check whether the meter lost its "
+        "settings, or someone changed them on its panel or by another program"
+    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, ClassVar
 
 from ...simulator.meters.accuracy_table import (
     RANGES,
@@ -82,6 +82,14 @@ class HiokiMeter(LcrMeter):
         ":CORRection:SHORt?", WordFormat(CORRECTIONS), "Short correction in use"
     )
 
+    needed: ClassVar = {
+        "header": False,
+        "mode": "LCR",
+        "trigger": "EXTERNAL",
+        "items": CP_RS_X,
+        "valid": STATUS_AND_VALUES,
+    }
+    meaning = ("items", "valid")
     settable = (
         "level",
         "voltage",
@@ -99,11 +107,6 @@ class HiokiMeter(LcrMeter):
     restored_last = ("auto_range", "trigger", "header")
     extents = ("ALL", "SPOT", "OFF")
 
-    def set_up(self) -> None:
-        """Set the meter up so that each reading is new and holds status, Cp, Rs and X."""
-        self.header, self.mode, self.trigger = False, "LCR", "EXTERNAL"
-        self.items, self.valid = CP_RS_X, STATUS_AND_VALUES
-
     def read(self) -> MeterReading:
         """Reading that this call triggered, never an older one.
 
@@ -111,7 +114,7 @@ class HiokiMeter(LcrMeter):
         FailedReadingError if the meter reports a failure, RefusedError if the meter refused the
         trigger (its answer would be stale), RestartedError, or another MeterError.
         """
-        return self.talk.query_checked(READ, parse_reading, self.max_seconds)
+        return self.measure(READ, lambda text, _: parse_reading(text), self.max_seconds)
 
     def read_at(self, frequency: float) -> MeterReading:
         """Reading at a frequency in Hz, in two exchanges.
@@ -121,18 +124,18 @@ class HiokiMeter(LcrMeter):
         another one, and the errors of `read`.
         """
         self.frequency = frequency
-        query = f"{READ};{type(self).frequency.query}"
-        reading, reported = self.talk.query_checked(query, self._reading_at, self.max_seconds)
+        reading, reported = self.measure(
+            READ,
+            lambda text, found: (parse_reading(text), found["frequency"]),
+            self.max_seconds,
+            ("frequency",),
+        )
         if abs(reported / frequency - 1) > ROUNDING:
             raise GarbledError(
                 f"{self.talk.resource}: the meter is at {reported:g} Hz instead of "
                 f"{frequency:g} Hz; check that nothing else sets it"
             )
         return reading
-
-    def _reading_at(self, answer: str) -> tuple[MeterReading, float]:
-        reading, _, reported = answer.rpartition(";")
-        return parse_reading(reading), type(self).frequency.allowed.read(reported.strip())
 
     @classmethod
     def reading_seconds(cls, timing: Mapping[str, Any]) -> float:

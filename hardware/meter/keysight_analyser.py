@@ -1,7 +1,7 @@
 """Impedance analyser E4990A by Keysight, swept by segments.
 
-Source: E4990A Help, "SCPI Command Reference"; the sequence of commands is that of public programs
-for this analyser (github.com/rjollos/e4990a).
+The manual was not read. The commands are those of public programs for this analyser, see the table
+in docs/reference/meter.md; the sequence is that of github.com/rjollos/e4990a.
 """
 
 from __future__ import annotations
@@ -16,12 +16,17 @@ from .errors import FailedReadingError
 from .keysight_meter import CORRECTION_SECONDS, KeysightMeter, reading_of, state_of, values_of
 from .keysight_settings import NumbersFormat, NumbersSetting
 from .meter_reading import MeterReading
-from .setting import Setting
+from .setting import MeterProperty, Setting
 from .setting_formats import IntegerFormat, NumberFormat, OnOffFormat, TokenFormat, WordFormat
 
 SEGMENT_HEADER = (7, 0, 0, 0, 0, 0, 0, 0)
 """Start of a table of segments that have start, stop and number of points, and nothing else."""
-TRACES = ("R", "X")
+TRACES = ("trace_1", "trace_2")
+SELECT = ":CALCulate1:PARameter{}:SELect"
+READ_TRACE = ":CALCulate1:DATA:FDATa?"
+READ_TRACES = ";".join(
+    [SELECT.format(1), READ_TRACE, SELECT.format(2), READ_TRACE, SELECT.format(1)]
+)
 POINTS_OF_SEGMENT = 2
 """Smallest number of points of a segment."""
 VALUES_OF_POINT = 2
@@ -42,9 +47,18 @@ class E4990A(KeysightMeter):
     """
 
     model = "E4990A"
+    needed: ClassVar = {
+        "trace_1": "R",
+        "trace_2": "X",
+        "sweep_averages": False,
+        "continuous": True,
+        "trigger": "BUS",
+    }
+    meaning = TRACES
     settable = ("level", "voltage", "constant_current", "speed", "averaging", "load_correction")
     reported = ("open_correction", "short_correction", "bias")
-    timing = ("speed", "averaging_count", "averages")
+    timing = ("speed", "averaging_count", "averages", "sweep_delay")
+    delays = ("sweep_delay",)
     restored_last = ("continuous", "trace_count", "trigger")
     max_points = 402
     rounding = 1e-6
@@ -62,6 +76,10 @@ class E4990A(KeysightMeter):
     trace_1 = Setting(":CALCulate1:PARameter1:DEFine", TokenFormat(), "Quantity of trace 1")
     trace_2 = Setting(":CALCulate1:PARameter2:DEFine", TokenFormat(), "Quantity of trace 2")
     sweep_type = Setting(":SENSe1:SWEep:TYPE", TokenFormat(), "Type of the sweep")
+    sweep_delay = Setting(
+        ":SENSe1:SWEep:DELay", NumberFormat("s", 0, 30, 5), "Time before each measurement"
+    )
+    swept = MeterProperty(":SENSe1:FREQuency:DATA?", NumbersFormat(), "Frequencies of the sweep")
     segments = NumbersSetting(":SENSe1:SEGMent:DATA", NumbersFormat(), "Table of the segments")
     continuous = Setting(
         ":INITiate1:CONTinuous", OnOffFormat(), "True if the analyser waits for triggers by itself"
@@ -117,8 +135,9 @@ class E4990A(KeysightMeter):
         self.averages = value > 1
 
     def nearest(self, frequency: float) -> float:
-        """The frequency itself: the analyser sets 1 mHz."""
-        return frequency
+        """Frequency in Hz of a sweep at this one, as the analyser answers."""
+        self._set_points([frequency])
+        return self.swept[0]
 
     def own_settings(self, requested: Mapping[str, Any]) -> dict[str, Any]:
         """Requested settings; the speed is a number. Raises InputError for another range."""
@@ -134,52 +153,54 @@ class E4990A(KeysightMeter):
         self.data_format = "ASC"
         if self.trace_count < len(TRACES):
             self.trace_count = len(TRACES)
-        self.trace_1, self.trace_2 = TRACES
-        self.sweep_averages = False
-        self.continuous, self.trigger = True, "BUS"
+        super().set_up()
 
     def read_at(self, frequency: float) -> MeterReading:
         """Reading at a frequency in Hz: a sweep of one segment."""
         return self.sweep_once([frequency])[0]
 
     def sweep_once(self, frequencies: Sequence[float]) -> list[MeterReading]:
-        """Readings of one segment sweep. Its frequencies are read back afterwards."""
+        """Readings of one segment sweep, whose frequencies are read at its trigger and with them.
+
+        A trace is selected before it is read; trace 1 remains selected.
+        """
         low, high = self.band
         for frequency in frequencies:
             if not low <= frequency <= high:
                 raise InputError(
                     f"`frequency` must be from {low:g} to {high:g} Hz, got {frequency:g}"
                 )
+        points = self._set_points(frequencies)
+        swept = type(self).swept
+
+        def triggered(answer: str, _: dict[str, Any]) -> None:
+            self.check_frequencies(points, swept.read_answer(answer.rpartition(";")[0]))
+
+        def readings(answer: str, found: dict[str, Any]) -> list[MeterReading]:
+            self.check_frequencies(points, found["swept"])
+            R, X = (_trace(each, len(points)) for each in answer.split(";"))
+            return [_reading(*each) for each in zip(R, X, frequencies, strict=False)]
+
+        with self.sweeping(points) as seconds:
+            self.measure(f"{swept.query};:TRIGger:SINGle;*OPC?", triggered, seconds)
+        return self.measure(READ_TRACES, readings, 0.0, ("swept",))
+
+    def _set_points(self, frequencies: Sequence[float]) -> list[float]:
+        """Points of a sweep at these frequencies, Hz, which is then set."""
         points, table = _segments(frequencies)
         if self.cached.get("segments") != table:
             self.segments = table
         if self.cached.get("sweep_type") != "SEGM":
             self.sweep_type = "SEGM"
-        with self.sweeping(points) as seconds:
-            self.talk.query_checked(":TRIGger:SINGle;*OPC?", int, seconds)
-        R, X = (self._trace(number, len(points)) for number in (1, 2))
-        self.check_frequencies(
-            points, self.talk.query_checked(":SENSe1:FREQuency:DATA?", values_of)
-        )
-        return [_reading(*each) for each in zip(R, X, frequencies, strict=False)]
-
-    def _trace(self, number: int, points: int) -> list[float]:
-        """Values of a trace after the latest sweep."""
-
-        def values(answer: str) -> list[float]:
-            found = values_of(answer)
-            if len(found) != VALUES_OF_POINT * points:
-                raise ValueError(answer)
-            return found[::VALUES_OF_POINT]
-
-        return self.talk.query_checked(f":CALCulate1:TRACe{number}:DATA:FDATa?", values)
+        return points
 
     @classmethod
     def reading_seconds(cls, timing: Mapping[str, Any]) -> float:
         """Approximate time of a point, s; at the lowest frequency if none is given."""
         frequency = timing.get("frequency", METER_BANDS[cls.model][0])
         one = max(PERIODS[timing["speed"]] / frequency, MIN_SECONDS[timing["speed"]])
-        return one * (timing["averaging_count"] if timing["averages"] else 1)
+        averaged = one * (timing["averaging_count"] if timing["averages"] else 1)
+        return averaged + timing["sweep_delay"]
 
     @classmethod
     def conditions(
@@ -206,6 +227,14 @@ class E4990A(KeysightMeter):
     def correction_done(self) -> bool:
         """True when the started compensation has ended, for which this call waits."""
         return self.talk.query("*OPC?", int, seconds=CORRECTION_SECONDS) == 1
+
+
+def _trace(answer: str, points: int) -> list[float]:
+    """Values of a trace, one for each point. Raises ValueError for another number of them."""
+    found = values_of(answer)
+    if len(found) != VALUES_OF_POINT * points:
+        raise ValueError(answer)
+    return found[::VALUES_OF_POINT]
 
 
 def _reading(R: float, X: float, frequency: float) -> MeterReading:

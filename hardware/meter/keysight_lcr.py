@@ -1,7 +1,8 @@
 """LCR meters E4980A and E4980AL by Keysight (once Agilent) and 4284A by Hewlett-Packard.
 
 Sources: E4980A/E4980AL User's Guide (E4980-90230), chapters "SCPI Command Reference" and "Remote
-Control"; 4284A Operation Manual (04284-90040), chapter "Command Reference".
+Control"; 4284A Operation Manual (04284-90040), chapter "Command Reference"; public programs for
+these meters. docs/reference/meter.md says which command rests on which.
 """
 
 from __future__ import annotations
@@ -60,6 +61,14 @@ STATUSES = {
 class KeysightLcrMeter(KeysightMeter):
     """Common part of the three models."""
 
+    needed: ClassVar = {
+        "function": "RX",
+        "deviation_1": "OFF",
+        "deviation_2": "OFF",
+        "continuous": True,
+        "trigger": "BUS",
+    }
+    meaning = ("function", "deviation_1", "deviation_2")
     settable = (
         "level",
         "amplitude",
@@ -73,6 +82,7 @@ class KeysightLcrMeter(KeysightMeter):
     )
     reported = ("open_correction", "short_correction", "bias")
     timing = ("frequency", "aperture", "trigger_delay")
+    delays = ("trigger_delay",)
     restored_last = ("auto_range", "page", "continuous", "trigger")
     rounding = 6e-4
     correction_commands: ClassVar = {
@@ -84,6 +94,7 @@ class KeysightLcrMeter(KeysightMeter):
         "short": ":CORRection:SHORt:STATe",
     }
     list_frequencies: ClassVar[NumbersSetting]
+    _listed: tuple[float, ...] = ()
     seconds_at: ClassVar[Mapping[str, tuple[tuple[float, float], ...]]]
 
     data_format = Setting(":FORMat", TokenFormat(), "Format of answers")
@@ -102,9 +113,7 @@ class KeysightLcrMeter(KeysightMeter):
         WordFormat(("INTernal", "EXTernal", "BUS", "HOLD")),
         "Source of the trigger: the meter itself, a contact, *TRG, or a key",
     )
-    trigger_delay = Setting(
-        ":TRIGger:DELay", NumberFormat("s", 0, 60, 5), "Time from trigger to measurement"
-    )
+    trigger_delay: ClassVar[Setting[float]]
     level_control = Setting(
         ":AMPLitude:ALC", OnOffFormat(), "True if the amplitude is controlled at the skin"
     )
@@ -154,10 +163,8 @@ class KeysightLcrMeter(KeysightMeter):
 
     def set_up(self) -> None:
         """Set the meter up so that `*TRG` measures and answers R, X and the status."""
-        self.data_format, self.function = "ASC", "RX"
-        self.deviation_1 = self.deviation_2 = "OFF"
-        self.continuous, self.trigger = True, "BUS"
-        self.page = MEASUREMENT_PAGE
+        super().set_up()
+        self.data_format, self.page = "ASC", MEASUREMENT_PAGE
 
     def read_at(self, frequency: float) -> MeterReading:
         """Reading at a frequency in Hz, in two exchanges.
@@ -167,37 +174,37 @@ class KeysightLcrMeter(KeysightMeter):
         self._show(MEASUREMENT_PAGE)
         self.frequency = frequency
 
-        def parsed(answer: str) -> tuple[MeterReading, float]:
-            values, reported, page = answer.split(";")
-            R, X, status, *bin_number = values.split(",")
-            if len(bin_number) > 1 or not page.startswith(MEASUREMENT_PAGE):
+        def parsed(answer: str, found: dict[str, Any]) -> tuple[MeterReading, float]:
+            R, X, status, *bin_number = answer.split(",")
+            if len(bin_number) > 1 or not found["page"].startswith(MEASUREMENT_PAGE):
                 raise ValueError(answer)
-            return parse_point(R, X, status, frequency), float(reported)
+            return parse_point(R, X, status, frequency), found["frequency"]
 
-        query = f"*TRG;{type(self).frequency.query};:DISPlay:PAGE?"
-        reading, reported = self.talk.query_checked(query, parsed, self.max_seconds)
+        also = ("frequency", "page")
+        reading, reported = self.measure("*TRG", parsed, self.max_seconds, also)
         self.check_frequencies([frequency], [reported])
         return reading
 
     def sweep_once(self, frequencies: Sequence[float]) -> list[MeterReading]:
-        """Readings of one list sweep. The meter's list is read back afterwards."""
-        setting = type(self).list_frequencies
-        if self.cached.get(setting.name) != tuple(map(self.nearest, frequencies)):
-            self.list_mode, self.list_frequencies = "SEQUENCE", tuple(frequencies)
+        """Readings of one list sweep. The meter answers its list before them and after them."""
+        setting, wanted = type(self).list_frequencies, tuple(frequencies)
+        if self._listed != wanted:
+            self.list_mode, self.list_frequencies = "SEQUENCE", wanted
+            self._listed = wanted
         self._show(LIST_PAGE)
 
-        def readings(answer: str) -> list[MeterReading]:
-            values = answer.split(",")
+        def readings(answer: str, found: dict[str, Any]) -> list[MeterReading]:
+            before, _, data = answer.partition(";")
+            values = data.split(",")
+            for listed in (setting.allowed.read(before), found[setting.name]):
+                self.check_frequencies(frequencies, listed)
             if len(values) != VALUES_OF_POINT * len(frequencies):
                 raise ValueError(answer)
-            points = zip(frequencies, values[0::4], values[1::4], values[2::4], strict=True)
+            points = zip(wanted, values[0::4], values[1::4], values[2::4], strict=True)
             return [parse_point(R, X, status, frequency) for frequency, R, X, status in points]
 
         with self.sweeping(frequencies) as seconds:
-            found = self.talk.query("*TRG", readings, seconds=seconds)
-        listed = self.talk.query_checked(setting.query, setting.allowed.read)
-        self.check_frequencies(frequencies, listed)
-        return found
+            return self.measure(f"{setting.query};*TRG", readings, seconds, (setting.name,))
 
     def _show(self, page: str) -> None:
         if self.cached.get("page") != page:
@@ -209,7 +216,7 @@ class KeysightLcrMeter(KeysightMeter):
         speed, averaging = timing["aperture"]
         frequency, seconds = np.log(np.array(cls.seconds_at[speed]).T)
         one = float(np.exp(np.interp(np.log(timing["frequency"]), frequency, seconds)))
-        return one * averaging + timing["trigger_delay"]
+        return one * averaging + timing["trigger_delay"] + timing.get("step_delay", 0.0)
 
     @classmethod
     def conditions(
@@ -279,6 +286,15 @@ class E4980A(KeysightLcrMeter):
 
     model = "E4980A"
     max_points = 201
+    settable = (*KeysightLcrMeter.settable, "step_delay")
+    timing = (*KeysightLcrMeter.timing, "step_delay")
+    delays = ("trigger_delay", "step_delay")
+    trigger_delay = Setting(
+        ":TRIGger:TDELay", NumberFormat("s", 0, 999, 5), "Time from trigger to measurement"
+    )
+    step_delay = Setting(
+        ":TRIGger:DELay", NumberFormat("s", 0, 999, 5), "Time before each measurement"
+    )
     frequency = Setting(":FREQuency", NumberFormat("Hz", *METER_BANDS["E4980A"], 4), "Frequency")
     list_frequencies = _list_setting("E4980A", 4, max_points, ":LIST:CLEar:ALL")
     range = _range_setting(0.1, 1, 10, 100, 300, 1e3, 3e3, 1e4, 3e4, 1e5)
@@ -302,6 +318,9 @@ class HP4284A(KeysightLcrMeter):
 
     model = "4284A"
     max_points = 10
+    trigger_delay = Setting(
+        ":TRIGger:DELay", NumberFormat("s", 0, 60, 5), "Time from trigger to measurement"
+    )
     frequency = Setting(":FREQuency", NumberFormat("Hz", *METER_BANDS["4284A"], 6), "Frequency")
     list_frequencies = _list_setting("4284A", 6, max_points)
     range = _range_setting(1, 10, 100, 300, 1e3, 3e3, 1e4, 3e4, 1e5)

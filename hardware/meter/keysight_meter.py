@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 
 from ...simulator.sweeps import parallel_capacitance
-from .errors import GarbledError, MeterError
+from .errors import GarbledError
 from .lcr_meter import SEARCHES, LcrMeter
 from .meter_reading import MeterReading, ReadingStatus
 from .setting import MeterProperty
@@ -25,7 +25,8 @@ CORRECTION_SECONDS = 120.0
 class KeysightMeter(LcrMeter):
     """A meter that sweeps by itself, with a queue of errors.
 
-    max_points: of a sweep. rounding: largest relative rounding of a frequency by the meter.
+    max_points: of a sweep. rounding: largest relative rounding of a frequency by the meter. delays:
+    settings that `set_up` sets to 0 s, because they make each reading longer.
     correction_commands: acquire a correction. correction_states: switch its use ON or OFF.
     """
 
@@ -34,10 +35,18 @@ class KeysightMeter(LcrMeter):
     error_query = ":SYSTem:ERRor?"
     max_points: ClassVar[int]
     rounding: ClassVar[float]
+    delays: ClassVar[tuple[str, ...]]
     correction_commands: ClassVar[Mapping[str, str]]
     correction_states: ClassVar[Mapping[str, str]]
     open_correction: ClassVar[MeterProperty[str]]
     short_correction: ClassVar[MeterProperty[str]]
+
+    def set_up(self) -> None:
+        """End a sweep that may still run, and set the meter up; readings have no delay."""
+        self.talk.send(":ABORt")
+        super().set_up()
+        for name in self.delays:
+            setattr(self, name, 0.0)
 
     @abstractmethod
     def sweep_once(self, frequencies: Sequence[float]) -> list[MeterReading]:
@@ -59,11 +68,7 @@ class KeysightMeter(LcrMeter):
         _ = self.seconds  # fills the cache
         each = [self.reading_seconds({**self.cached, "frequency": f}) for f in frequencies]
         self._sweep_seconds = SEARCHES * sum(each)
-        try:
-            yield self._sweep_seconds
-        except MeterError:
-            self._sweep_seconds = 0.0
-            raise
+        yield self._sweep_seconds
         self._sweep_seconds = 0.0
 
     def check_frequencies(self, frequencies: Sequence[float], reported: Sequence[float]) -> None:

@@ -81,8 +81,8 @@ class FrequencyListFormat:
         return None if None in texts or len(texts) > self.most else ",".join(filter(None, texts))
 
     def read(self, text: str) -> tuple[float, ...]:
-        """The frequencies."""
-        numbers = [self._each.read(each) for each in text.split(",")]
+        """The frequencies; none in an empty answer."""
+        numbers = [self._each.read(each) for each in text.split(",") if text]
         return tuple(number for number in numbers if number < NO_VALUE)
 
 
@@ -97,8 +97,8 @@ class NumbersFormat:
         return ",".join(f"{each:.12g}" for each in value) or None
 
     def read(self, text: str) -> tuple[float, ...]:
-        """The numbers."""
-        return tuple(float(each) for each in text.split(","))
+        """The numbers; none in an empty answer."""
+        return tuple(float(each) for each in text.split(",") if text)
 
 
 class NumbersSetting(Setting[tuple[float, ...]]):

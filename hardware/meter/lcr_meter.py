@@ -4,24 +4,30 @@ from __future__ import annotations
 
 import logging
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
 from ...simulator.meters.meter_bands import METER_BANDS
 from ...simulator.sweeps import InputError
-from .errors import MeterError
+from .errors import MeterError, NoAnswerError, changed_setting
 from .link.connection import Connection
 from .link.conversation import Conversation
 from .meter_identity import MeterIdentity, parse_identity
 from .reading_source import SettingValue
-from .restoring.original_settings import SETTINGS_STORE, not_restored_message, restore_original
+from .restoring.original_settings import (
+    SETTINGS_STORE,
+    not_restored_message,
+    restore_original,
+    settings_text,
+)
 from .setting import MeterProperty, Setting
 
 if TYPE_CHECKING:
     from ...simulator.meters.accuracy_table import AccuracyTable, ReadingConditions
     from .meter_reading import MeterReading
 
+Result = TypeVar("Result")
 SEARCHES = 3
 """Measurements that one reading may take with automatic range."""
 LOG = logging.getLogger(__name__)
@@ -34,8 +40,11 @@ class LcrMeter(ABC):
     refuses it, RestartedError if the meter was switched off and on. Everything may raise
     MeterError.
 
-    model: name in `*IDN?`, with a band in METER_BANDS. settable: settings that a reading depends
-    on, in the order in which they are set. reported: properties in a snapshot that cannot be set.
+    model: name in `*IDN?`, with a band in METER_BANDS. needed: settings with the values that every
+    reading needs, in the order in which `set_up` sets them. meaning: those of `needed` that decide
+    which quantities the numbers are; the meter answers them with each reading. settable: settings
+    that a reading depends on, in the order in which they are set. reported: properties in a
+    snapshot that cannot be set.
     timing: settings that the time of a reading depends on. restored_last: settings that are
     restored after all others, in this order. extents: words for the extent of a correction; the
     last one ends it. sweeps: True if the meter sweeps by itself. error_query: query of the oldest
@@ -43,6 +52,8 @@ class LcrMeter(ABC):
     """
 
     model: str
+    needed: ClassVar[Mapping[str, Any]] = {}
+    meaning: tuple[str, ...] = ()
     settable: tuple[str, ...]
     reported: tuple[str, ...] = ("open_correction", "short_correction")
     timing: tuple[str, ...]
@@ -76,17 +87,50 @@ class LcrMeter(ABC):
         return METER_BANDS[self.model]
 
     def nearest(self, frequency: float) -> float:
-        """Frequency in Hz that the meter sets for a requested one, by the digits of its setting."""
-        allowed = type(self).frequency.allowed
-        text = allowed.write(frequency)
-        return frequency if text is None else allowed.read(text)
+        """Frequency in Hz that the meter has after this one was set, as it answers."""
+        self.frequency = frequency
+        return self.frequency
 
-    @abstractmethod
     def set_up(self) -> None:
         """Set the meter up so that each reading is new and complete.
 
         Range, level, speed and correction do not change. Raises MeterError.
         """
+        for name, value in self.needed.items():
+            setattr(self, name, value)
+
+    def measure(
+        self,
+        message: str,
+        parse: Callable[[str, dict[str, Any]], Result],
+        seconds: float,
+        also: Sequence[str] = (),
+    ) -> Result:
+        """Result of a message that measures, parsed from its answer and the values of settings.
+
+        The meter answers the settings in `meaning` and `also` in the same message as the numbers,
+        so that no change of a quantity remains unnoticed. seconds: time allowed beyond the
+        time-out. Raises RestartedError if one of `meaning` changed, NoAnswerError with the settings
+        from which the time follows, and the errors of `query_checked`.
+        """
+        settings = [getattr(type(self), name) for name in (*self.meaning, *also)]
+
+        def parsed(answer: str) -> Result:
+            text, *answers = answer.rsplit(";", len(settings))
+            values = [each.read_answer(one) for each, one in zip(settings, answers, strict=True)]
+            for name, value in zip(self.meaning, values, strict=False):
+                if value != self.needed[name]:
+                    raise changed_setting(self.resource, name, value, self.needed[name])
+            return parse(text, {each.name: one for each, one in zip(settings, values, strict=True)})
+
+        try:
+            queries = ";".join([message, *(each.query for each in settings)])
+            return self.talk.query_checked(queries, parsed, seconds)
+        except NoAnswerError as failure:
+            known = {name: self.cached[name] for name in self.timing if name in self.cached}
+            raise NoAnswerError(
+                f"{failure}; the time that the meter has follows from {settings_text(known)}"
+            ) from failure
 
     @abstractmethod
     def read_at(self, frequency: float) -> MeterReading:
@@ -145,26 +189,34 @@ class LcrMeter(ABC):
 
     def snapshot(self) -> dict[str, SettingValue]:
         """All settings that a reading depends on; the range only if fixed. Raises MeterError."""
+        texts = {name: self._text(name, getattr(self, name)) for name in self.needed}
         values = {name: getattr(self, name) for name in (*self.settable, *self.reported)}
         if values.get("auto_range"):
             del values["range"]
-        return values
+        return {**values, **texts}
 
     def apply_settings(self, settings: Mapping[str, Any]) -> None:
         """Set those of the settings that can be set, in the order of `settable`.
 
-        Raises InputError if the meter lacks a setting or a value is not allowed, MeterError if the
-        meter fails.
+        Raises InputError if the meter lacks a setting, a value is not allowed, or readings need
+        another one; MeterError if the meter fails.
         """
         named = self.own_settings(settings)
-        for name in named:
-            if name not in (*self.settable, *self.reported):
+        fixed = {name: self._text(name, value) for name, value in self.needed.items()}
+        for name, value in named.items():
+            if name in fixed and value != fixed[name]:
+                raise InputError(f"`{name}` must be {fixed[name]} for readings, got {value}")
+            if name not in (*fixed, *self.settable, *self.reported):
                 raise InputError(
                     f"meter {self.model} has no setting `{name}`; it has {', '.join(self.settable)}"
                 )
-        for name in self.settable:
+        for name in (*self.needed, *self.settable):
             if name in named:
-                setattr(self, name, named[name])
+                setattr(self, name, self.needed.get(name, named[name]))
+
+    def _text(self, name: str, value: Any) -> str:
+        """Value of a setting as text, which a journal can hold."""
+        return str(getattr(type(self), name).allowed.write(value))
 
     def own_settings(self, requested: Mapping[str, Any]) -> dict[str, Any]:
         """Requested settings in this meter's names. Raises InputError if it has none for one."""

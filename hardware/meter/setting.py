@@ -49,12 +49,13 @@ class MeterProperty(Generic[T]):
         if meter is None:
             return self
         at = {"range": meter.range} if "{range}" in self.query else {}
-        return meter.talk.query(self.query.format(**at), self._read)
+        return meter.talk.query(self.query.format(**at), self.read_answer)
 
     def __set__(self, meter: SettingsOwner, value: T) -> None:
         raise AttributeError(f"`{self.name}` is read from the meter and cannot be set")
 
-    def _read(self, text: str) -> T:
+    def read_answer(self, text: str) -> T:
+        """Value in an answer. Raises ValueError."""
         try:
             return self.allowed.read(text.strip())
         except (KeyError, IndexError) as error:
@@ -99,7 +100,7 @@ class Setting(MeterProperty[T]):
         if not self._each_range:
             return self.__get__(meter, type(meter))
         return tuple(
-            meter.talk.query(f"{self._command}? {n}", self._read) for n in self._each_range
+            meter.talk.query(f"{self._command}? {n}", self.read_answer) for n in self._each_range
         )
 
     def restore(self, meter: SettingsOwner, found: Any) -> None:

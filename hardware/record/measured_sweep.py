@@ -14,6 +14,7 @@ import numpy as np
 from ...simulator.meters.meter_bands import outside_band
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.reading_quantities import IMPEDANCE
+from ...simulator.sweeps.same_frequency import SAME_FREQUENCY
 from ..meter.meter_reading import BY_CODE, MeterReading
 from ..meter.reading_source import ReadingSource
 from ..switch.switch import Switch
@@ -22,8 +23,8 @@ if TYPE_CHECKING:
     from ...simulator.arrays import Complex
 
 LOG = logging.getLogger(__name__)
-ROUNDING = 1e-4
-"""Relative rounding of a frequency that is no matter: less than the error of a meter."""
+MAX_ROUNDING = 0.01
+"""Largest relative difference between a frequency of a scene and the one that a meter sets."""
 MAX_PAUSE = 1.0
 """Seconds between two interfaces after which a touch may have changed."""
 Watch = Callable[[float, MeterReading], None]
@@ -166,23 +167,36 @@ def measure_readings(
     )
 
 
-def check_frequencies(meter: ReadingSource, frequencies: Sequence[float]) -> None:
-    """Raises InputError if the meter's model does not reach one of the frequencies in Hz.
+def check_frequencies(meter: ReadingSource, frequencies: Sequence[float]) -> dict[float, float]:
+    """Frequencies at which the meter measures, by the requested one, Hz.
 
-    Logs a warning if the meter rounds one by more than ROUNDING.
+    Logs a warning if the meter rounds one. Raises InputError if the model does not reach a
+    frequency, rounds it by more than MAX_ROUNDING, or rounds two to the same one.
     """
+    change = "change `sweep.frequencies` of the scene"
     beyond = outside_band(meter.model, frequencies, meter.band)
     if beyond:
-        raise InputError(f"{beyond}; change `sweep.frequencies` of the scene")
-    rounded = [f for f in frequencies if abs(meter.nearest(f) / f - 1) > ROUNDING]
+        raise InputError(f"{beyond}; {change}")
+    measured = {f: meter.nearest(f) for f in frequencies}
+    rounded = [f for f, g in measured.items() if abs(g / f - 1) > SAME_FREQUENCY]
+    for f in rounded:
+        twice = list(measured.values()).count(measured[f]) > 1
+        if twice or not abs(measured[f] / f - 1) <= MAX_ROUNDING:
+            also = ", as another frequency of the scene" if twice else ""
+            raise InputError(
+                f"meter {meter.model} sets {f:.7g} Hz as {measured[f]:.7g} Hz{also}; {change}"
+            )
     if rounded:
         LOG.warning(
-            "meter %s sets %.7g Hz as %.7g Hz; round `sweep.frequencies` of the scene to the "
-            "meter's digits",
+            "meter %s sets %.7g Hz as %.7g Hz, and %d of %d frequencies of the scene to other ones "
+            "in all; the sweeps have the frequencies that the meter sets",
             meter.model,
             rounded[0],
-            meter.nearest(rounded[0]),
+            measured[rounded[0]],
+            len(rounded),
+            len(measured),
         )
+    return measured
 
 
 def _trace(

@@ -151,17 +151,18 @@ class RecordingRun:
         if not self.operator.press(step, progress):
             return None
         begun = now()
+        header = self.station.header
+        assert header is not None
         sweep = measure_sweep(
             meter,
-            task.header.frequencies,
-            task.header.interfaces,
+            header.frequencies,
+            header.interfaces,
             task.switch,
             self.operator.watch,
             self.operator.turn,
-            task.header.of_each,
+            header.of_each,
         )
-        assert self.station.header is not None
-        require_settings(meter, self.station.header.settings)
+        require_settings(meter, header.settings)
         return JournalEntry(step.press, sweep, begun, now())
 
     def _progress(self, number: int, baselines: Sequence[MeasuredSweep]) -> StepStatus:
@@ -202,13 +203,13 @@ def _start(
     journal: RecordingJournal, task: RecordingTask, station: ManagedMeter
 ) -> RecordingHeader:
     meter = station.ready()
-    check_frequencies(meter, task.header.frequencies)
+    measured = check_frequencies(meter, task.header.frequencies)
     meter.apply_settings(task.header.asked)
     settings = meter.snapshot()
     restore_settings(meter, settings)
     begun = now()
     station.header = replace(
-        task.header,
+        task.header.at(measured),
         meter=meter.identity.text,
         settings=settings,
         begun=begun,

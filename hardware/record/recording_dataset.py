@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 def recording_dataset(header: RecordingHeader, entries: Sequence[JournalEntry]) -> xr.Dataset:
-    """Sweeps at the scene's frequencies, which the meter rounds to five digits.
+    """Sweeps at the frequencies that the meter set for those of the scene.
 
     Attributes hold the scene, the meter and its settings. JSON attributes are `times`,
     `interface_times` (for each interface), `remarks`, `answers` (label and probability, in a live

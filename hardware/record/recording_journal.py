@@ -9,7 +9,7 @@ from __future__ import annotations
 import logging
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, suppress
-from dataclasses import asdict, dataclass, field, fields
+from dataclasses import asdict, dataclass, field, fields, replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,7 @@ from ...simulator.sweeps.clock import SLACK
 from ...simulator.sweeps.digests import sealed_json, unsealed_json
 from ...simulator.sweeps.output_files import locked
 from ...simulator.sweeps.reading_quantities import IMPEDANCE
-from .measured_sweep import InterfaceTrace, MeasuredSweep
+from .measured_sweep import MAX_ROUNDING, InterfaceTrace, MeasuredSweep
 
 HEADER, SWEEPS, METER_FILE = "recording.json", "[0-9]*.json", "meter.json"
 LOG = logging.getLogger(__name__)
@@ -61,6 +61,11 @@ class RecordingHeader:
     def by_interface(self) -> dict[str, tuple[float, ...]]:
         """Frequencies of every interface, Hz, by name."""
         return {name: self.of_each.get(name, self.frequencies) for name in self.interfaces}
+
+    def at(self, measured: Mapping[float, float]) -> RecordingHeader:
+        """Header with the frequencies at which a meter measures, by the requested one, Hz."""
+        own = {name: tuple(measured[f] for f in each) for name, each in self.of_each.items()}
+        return replace(self, frequencies=tuple(measured[f] for f in self.frequencies), of_each=own)
 
 
 @dataclass(frozen=True)
@@ -192,7 +197,18 @@ def differences(begun: RecordingHeader, requested: RecordingHeader) -> list[str]
     """Labels of the fields in which a request differs from the begun recording."""
     names = [*REQUESTED_FIELDS, *(["session"] if requested.session else [])]
     different = [name for name in names if getattr(begun, name) != getattr(requested, name)]
+    if _rounded(begun, requested):
+        different = [name for name in different if name not in ("frequencies", OPTIONAL_FIELD)]
     return [FIELD_LABELS.get(name, name) for name in different]
+
+
+def _rounded(begun: RecordingHeader, requested: RecordingHeader) -> bool:
+    """True if the frequencies of a begun recording are requested ones that a meter rounded."""
+    if len(begun.frequencies) != len(requested.frequencies):
+        return False
+    pairs = dict(zip(requested.frequencies, begun.frequencies, strict=True))
+    near = all(abs(g / f - 1) <= MAX_ROUNDING for f, g in pairs.items())
+    return near and requested.at(pairs).of_each == begun.of_each
 
 
 def _write(path: Path, content: dict[str, Any]) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from ..errors import CorrectionError, RestartedError
+from ..errors import CorrectionError, changed_setting
 from ..reading_source import ReadingSource, SettingValue
 
 
@@ -28,9 +28,6 @@ def restore_settings(meter: ReadingSource, settings: Mapping[str, SettingValue])
 def require_settings(meter: ReadingSource, settings: Mapping[str, SettingValue]) -> None:
     """Raises RestartedError if any setting differs from the snapshot."""
     now = meter.snapshot()
-    for name in {**settings, **now}:
-        if now.get(name) != settings.get(name):
-            raise RestartedError(
-                f"{meter.resource}: `{name}` is {now.get(name)} and was {settings.get(name)}; "
-                "check whether the meter lost its settings or someone changed them on its panel"
-            )
+    for name, value in settings.items():
+        if now.get(name) != value:
+            raise changed_setting(meter.resource, name, now.get(name), value)

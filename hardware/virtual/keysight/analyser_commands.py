@@ -132,11 +132,6 @@ def _select(meter: VirtualE4990A, channel: int, trace: int) -> None:
     meter.settings.selected = trace
 
 
-def _trace_data(meter: VirtualE4990A, channel: int, trace: int) -> Any:
-    check_suffixes((channel,))
-    return meter.formatted(trace)
-
-
 def _ascii_only(meter: VirtualE4990A, text: str) -> None:
     """Only ASCii: the virtual analyser has no binary answers."""
     if one_of("ASCii", "REAL", "REAL32")(text) != "ASC":
@@ -210,7 +205,6 @@ DATA = (
         ":CALCulate#[:SELected]:DATA:FDATa",
         on_query=_on_channel(lambda meter: meter.formatted(meter.settings.selected)),
     ),
-    MeterCommand(":CALCulate#:TRACe#:DATA:FDATa", on_query=_trace_data),
     MeterCommand(
         ":CALCulate#[:SELected]:DATA:RDATa",
         on_query=_on_channel(lambda meter: meter.complex_data()),

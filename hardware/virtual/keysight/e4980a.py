@@ -7,6 +7,7 @@ public drivers of these meters.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
@@ -28,6 +29,9 @@ NO_DATA = f"{nr3(NO_NUMBER)},{nr3(NO_NUMBER)},-1,+0"
 class VirtualE4980A(KeysightInstrument):
     """Virtual E4980A. step: next point of a list in the mode STEPped. data_format: of answers.
 
+    trigger_delays: True if the trigger has a delay of its own, `:TRIGger:TDELay`, beside that of
+    each step of a list, `:TRIGger:DELay`.
+
     buffer: texts of readings in the data buffer. filling: True while readings go there.
     """
 
@@ -35,6 +39,7 @@ class VirtualE4980A(KeysightInstrument):
     firmware: ClassVar[str] = "A.06.15"
     limits: ClassVar[LcrLimits] = LcrLimits((20.0, 2e6), 201)
     data_format: ClassVar[str] = "ASC,64"
+    trigger_delays: ClassVar[bool] = True
     settings: LcrSettings = field(default_factory=LcrSettings)
     step: int = 0
     buffer: list[str] = field(default_factory=list)
@@ -44,7 +49,7 @@ class VirtualE4980A(KeysightInstrument):
     @classmethod
     def vocabulary(cls) -> Vocabulary:
         """All commands of these meters."""
-        return _vocabulary()
+        return _vocabulary(cls.trigger_delays)
 
     @property
     def band(self) -> tuple[float, float]:
@@ -113,16 +118,22 @@ class VirtualE4980A(KeysightInstrument):
 
     def reading_text(self, result: MeasurementResult, with_bin: bool) -> str:
         """`<A>,<B>,<status>[,<bin>]`; an overload is 9.9E37 with status +1: page 261."""
-        names = FUNCTIONS[self.settings.function]
-        numbers = [
-            shown_quantity(name, result.Z, result.conditions.frequency)
-            if result.has_numbers
-            else NO_NUMBER
-            for name in names
-        ]
+        settings, numbers = self.settings, (NO_NUMBER, NO_NUMBER)
+        if result.has_numbers:
+            first, second = self.quantities(result)
+            numbers = (
+                _deviation(first, settings.deviation_1, settings.references[0]),
+                _deviation(second, settings.deviation_2, settings.references[1]),
+            )
         parts = [nr3(each, self._decimals) for each in numbers]
         parts.append(f"{0 if result.has_numbers else 1:+d}")
         return ",".join([*parts, "+0"] if with_bin else parts)
+
+    def quantities(self, result: MeasurementResult) -> tuple[float, float]:
+        """Both quantities of a reading with numbers."""
+        at = result.Z, result.conditions.frequency
+        first, second = FUNCTIONS[self.settings.function]
+        return shown_quantity(first, *at), shown_quantity(second, *at)
 
     def buffer_text(self) -> str:
         """`:MEMory:READ? DBUF`: all entries, those not filled with status -1."""
@@ -163,12 +174,21 @@ class Virtual4284A(VirtualE4980A):
         (20.0, 1e6), 10, (0, 1, 2), voltage=(5e-3, 2.0), current=(50e-6, 20e-3)
     )
     data_format: ClassVar[str] = "ASC"
+    trigger_delays: ClassVar[bool] = False
     note: ClassVar[str] = "a 4284A has GP-IB only; the virtual one answers on TCP instead"
 
 
-@cache
-def _vocabulary() -> Vocabulary:
-    from .keysight_common_commands import COMMON_COMMANDS
-    from .lcr_commands import LCR_COMMANDS
+def _deviation(value: float, mode: str, reference: float) -> float:
+    """What a deviation measurement shows: the difference, in % of the reference if PERC."""
+    if mode == "OFF":
+        return value
+    difference = value - reference
+    return difference if mode == "ABS" else 100 * difference / (reference or math.inf)
 
-    return Vocabulary((*COMMON_COMMANDS, *LCR_COMMANDS))
+
+@cache
+def _vocabulary(trigger_delays: bool) -> Vocabulary:
+    from .keysight_common_commands import COMMON_COMMANDS
+    from .lcr_commands import DELAYS, LCR_COMMANDS
+
+    return Vocabulary((*COMMON_COMMANDS, *LCR_COMMANDS, *DELAYS[trigger_delays]))

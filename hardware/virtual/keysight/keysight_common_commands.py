@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..event_registers import Standard
 from ..language.meter_command import MeterCommand
 from .keysight_instrument import CORRECTING, MEASURING, KeysightInstrument
-from .scpi_values import integer
+from .scpi_values import integer, switch, switch_text
 
 
 async def _complete(meter: KeysightInstrument) -> int:
@@ -33,6 +33,10 @@ async def _operation_condition(meter: KeysightInstrument) -> int:
     await meter.settle_if_done()
     measuring = meter.pending is not None or meter.runs_freely
     return MEASURING * measuring | CORRECTING * (meter.acquiring is not None)
+
+
+def _set_beeper(meter: KeysightInstrument, text: str) -> None:
+    meter.beeper = switch(text)
 
 
 def _mask(header: str, name: str) -> MeterCommand:
@@ -67,6 +71,9 @@ COMMON_COMMANDS = (
     _mask("*SRE", "request_mask"),
     MeterCommand(":ABORt", lambda meter: meter.abort(), set_arguments=0),
     MeterCommand(":SYSTem:ERRor[:NEXT]", on_query=lambda meter: meter.errors.take()),
+    MeterCommand(":SYSTem:BEEPer[:IMMediate]", lambda meter: None, set_arguments=0),
+    MeterCommand(":SYSTem:BEEPer:COMPlete:IMMediate", lambda meter: None, set_arguments=0),
+    MeterCommand(":SYSTem:BEEPer:STATe", _set_beeper, lambda meter: switch_text(meter.beeper)),
     MeterCommand(":SYSTem:PRESet", lambda meter: meter.preset(), set_arguments=0),
     MeterCommand(":STATus:OPERation[:EVENt]", on_query=_operation),
     MeterCommand(":STATus:OPERation:CONDition", on_query=_operation_condition),

@@ -55,6 +55,7 @@ class KeysightInstrument(Instrument):
     falling: int = 0xFFFF
     acquiring: tuple[tuple[int, ...], str] | None = None
     acquired_at: float = 0.0
+    beeper: bool = True
 
     def __post_init__(self) -> None:
         self.errors = ErrorQueue(self.queue_length)

@@ -1,14 +1,16 @@
 """Commands of the LCR meters E4980A, E4980AL and 4284A.
 
-Source: Keysight E4980A/AL user's guide, chapter 10 (SCPI command reference).
+Source: Keysight E4980A/AL user's guide, chapter 10 (SCPI command reference), and what the drivers
+of pymeasure and QCoDeS send.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
-from ..language.meter_command import MeterCommand, matched_word
+from ..language.meter_command import MeterCommand, all_forms, matched_word
 from ..language.parser import ExecutionError
 from .error_queue import ILLEGAL_VALUE, STALE_DATA, TOO_MUCH_DATA
 from .keysight_corrections import correction_commands, spot_commands
@@ -59,6 +61,57 @@ def _seconds(high: float) -> Callable[[Any, str], float]:
     return lambda meter, text: number(text, 0.0, high, "S")
 
 
+def _bias_voltage(meter: VirtualE4980A, text: str) -> float:
+    return number(text, -40.0, 40.0, "V")
+
+
+def _bias_current(meter: VirtualE4980A, text: str) -> float:
+    return number(text, -0.1, 0.1, "A")
+
+
+LISTED: dict[str, Callable[..., float]] = {
+    "FREQ": _frequency,
+    "VOLT": _voltage,
+    "CURR": _current,
+    "BVOL": _bias_voltage,
+    "BCUR": _bias_current,
+}
+"""Readers of the points of a list, by what varies."""
+
+
+def _reference(index: int) -> MeterCommand:
+    """Command of the reference of a deviation, without unit."""
+
+    def set_reference(meter: VirtualE4980A, text: str) -> None:
+        both = list(meter.settings.references)
+        both[index] = number(text, -1e15, 1e15)
+        meter.settings.references = (both[0], both[1])
+
+    return MeterCommand(
+        f":FUNCtion:DEV{index + 1}:REFerence[:VALue]",
+        set_reference,
+        lambda meter: nr3(meter.settings.references[index]),
+    )
+
+
+def _fill_references(meter: VirtualE4980A) -> None:
+    """Take the latest reading as references."""
+    if not meter.latest.has_numbers:
+        raise ExecutionError("FILL", STALE_DATA)
+    meter.settings.references = meter.quantities(meter.latest)
+
+
+def _learn(meter: VirtualE4980A) -> str:
+    """Commands that restore the present settings. What has no value at present is left out."""
+    lines = []
+    for command in (*SETTINGS, *DELAYS[meter.trigger_delays]):
+        header = ":".join(min(all_forms(command.header), key=lambda form: len("".join(form))))
+        with suppress(ExecutionError):
+            if command.on_query:
+                lines.append(f":{header} {command.on_query(meter)}")
+    return ";".join(lines)
+
+
 def _level(header: str, kind: str, name: str, read: Callable[..., float]) -> MeterCommand:
     """Command of a level. A query for the level that is not in use is an error."""
 
@@ -96,11 +149,11 @@ def _length(meter: VirtualE4980A, text: str) -> int:
     return int(value)
 
 
-def _list(kind: str, header: str, read: Callable[..., float]) -> MeterCommand:
+def _list(kind: str, header: str) -> MeterCommand:
     """Command of the points of a list sweep, which replace those of another kind."""
 
     def set_list(meter: VirtualE4980A, *texts: str) -> None:
-        _set_points(meter, kind, read, texts)
+        _set_points(meter, kind, LISTED[kind], texts)
 
     def query(meter: VirtualE4980A) -> str:
         if meter.settings.list_kind != kind:
@@ -136,8 +189,7 @@ def _set_stimulus(meter: VirtualE4980A, kind: str, second: str = "NONE") -> None
 
 
 def _stimulus_data(meter: VirtualE4980A, *texts: str) -> None:
-    read = {"FREQ": _frequency, "VOLT": _voltage, "CURR": _current}[meter.settings.list_kind]
-    _set_points(meter, meter.settings.list_kind, read, texts)
+    _set_points(meter, meter.settings.list_kind, LISTED[meter.settings.list_kind], texts)
 
 
 def _clear_list(meter: VirtualE4980A) -> None:
@@ -180,6 +232,14 @@ def _set_format(meter: VirtualE4980A, *texts: str) -> None:
         integer(text, 64, 64)
 
 
+def _continuous(header: str) -> MeterCommand:
+    return MeterCommand(
+        header,
+        lambda meter, text: meter.set_continuous(switch(text)),
+        lambda meter: switch_text(meter.settings.continuous),
+    )
+
+
 def _initiate(meter: VirtualE4980A) -> None:
     meter.initiate()
 
@@ -199,11 +259,11 @@ SETTINGS = (
         lambda meter: f"{meter.settings.aperture},{meter.settings.averaging}",
         set_arguments=(1, 2),
     ),
-    setting(":FUNCtion:DEV1:MODE", "deviation_1", _word("OFF")),
-    setting(":FUNCtion:DEV2:MODE", "deviation_2", _word("OFF")),
+    setting(":FUNCtion:DEV1:MODE", "deviation_1", _word("ABSolute", "PERCent", "OFF")),
+    setting(":FUNCtion:DEV2:MODE", "deviation_2", _word("ABSolute", "PERCent", "OFF")),
+    _reference(0),
+    _reference(1),
     setting(":TRIGger:SOURce", "trigger", _word("INTernal", "HOLD", "EXTernal", "BUS")),
-    setting(":TRIGger:DELay", "step_delay", _seconds(999.0), nr3),
-    setting(":TRIGger:TDELay", "delay", _seconds(999.0), nr3),
     setting(":COMParator[:STATe]", "comparator", _switch, switch_text),
     setting(":FORMat:ASCii:LONG", "long_format", _switch, switch_text),
     MeterCommand(
@@ -211,17 +271,24 @@ SETTINGS = (
     ),
     setting(":AMPLitude:ALC", "level_control", _switch, switch_text),
     setting(":BIAS:STATe", "bias", _switch, switch_text),
+    setting(":BIAS:VOLTage[:LEVel]", "bias_voltage", _bias_voltage, nr3),
+    setting(":BIAS:CURRent[:LEVel]", "bias_current", _bias_current, nr3),
+    setting(":BIAS:RANGe:AUTO", "bias_auto_range", _switch, switch_text),
+    setting(":OUTPut:HPOWer", "high_power", _switch, switch_text),
     setting(":DISPlay:PAGE", "page", _word(*PAGES)),
     setting(":DISPlay:ENABle", "display", _switch, switch_text),
     setting(":CORRection:OPEN:STATe", "open_correction", _switch, switch_text),
     setting(":CORRection:SHORt:STATe", "short_correction", _switch, switch_text),
     setting(":CORRection:LOAD:STATe", "load_correction", _switch, switch_text),
+    setting(":CORRection:LOAD:TYPE", "load_type", _word(*FUNCTIONS)),
     setting(":CORRection:LENGth", "length", _length),
     setting(":CORRection:METHod", "method", _word("SINGle", "MULTi")),
     setting(":LIST:MODE", "list_mode", _word("SEQuence", "STEPped")),
-    _list("FREQ", ":LIST:FREQuency", _frequency),
-    _list("VOLT", ":LIST:VOLTage", _voltage),
-    _list("CURR", ":LIST:CURRent", _current),
+    _list("FREQ", ":LIST:FREQuency"),
+    _list("VOLT", ":LIST:VOLTage"),
+    _list("CURR", ":LIST:CURRent"),
+    _list("BVOL", ":LIST:BIAS:VOLTage"),
+    _list("BCUR", ":LIST:BIAS:CURRent"),
     MeterCommand(
         ":LIST:STIMulus:TYPE",
         _set_stimulus,
@@ -230,16 +297,24 @@ SETTINGS = (
     ),
     MeterCommand(":LIST:STIMulus:DATA", _stimulus_data, _points_text, set_arguments=(1, 1000)),
     MeterCommand(":LIST:CLEar:ALL", _clear_list, set_arguments=0),
+    _continuous(":INITiate:CONTinuous"),
 )
+DELAYS = {
+    True: (
+        setting(":TRIGger:DELay", "step_delay", _seconds(999.0), nr3),
+        setting(":TRIGger:TDELay", "delay", _seconds(999.0), nr3),
+    ),
+    False: (setting(":TRIGger:DELay", "step_delay", _seconds(60.0), nr3),),
+}
+"""Commands of delays, by whether the trigger has one of its own."""
 READINGS = (
     MeterCommand("*TRG", lambda meter: meter.trigger_and_fetch(), set_arguments=0),
     MeterCommand(":TRIGger[:IMMediate]", lambda meter: meter.trigger(), set_arguments=0),
     MeterCommand(":INITiate[:IMMediate]", _initiate, set_arguments=0),
-    MeterCommand(
-        ":INITiate:CONTinuous",
-        lambda meter, text: meter.set_continuous(switch(text)),
-        lambda meter: switch_text(meter.settings.continuous),
-    ),
+    MeterCommand(":TRIGger:INITiate[:IMMediate]", _initiate, set_arguments=0),  # of pymeasure
+    _continuous(":TRIGger:CONTinuous"),  # of pymeasure
+    MeterCommand("*LRN", on_query=_learn),
+    MeterCommand(":FUNCtion:DEV1:REFerence:FILL", _fill_references, set_arguments=0),
     MeterCommand(":FETCh[:IMPedance][:FORMatted]", on_query=lambda meter: meter.fetch()),
     MeterCommand(":FETCh[:IMPedance]:CORRected", on_query=lambda meter: meter.fetch_corrected()),
     MeterCommand(":MEMory:DIM", _resize, set_arguments=2),
@@ -250,6 +325,6 @@ READINGS = (
 LCR_COMMANDS = (
     *SETTINGS,
     *READINGS,
-    *correction_commands(":CORRection:OPEN[:EXECute]", ":CORRection:SHORt[:EXECute]"),
+    *correction_commands(*(f":CORRection:{kind}[:EXECute]" for kind in ("OPEN", "SHORt", "LOAD"))),
     *spot_commands(),
 )

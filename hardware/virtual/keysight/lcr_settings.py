@@ -37,17 +37,20 @@ FUNCTIONS = {
     "LPQ": ("LP", "Q"),
     "LPG": ("LP", "G"),
     "LPRP": ("LP", "RP"),
+    "LPRD": ("LP", "RDC"),
     "LSD": ("LS", "D"),
     "LSQ": ("LS", "Q"),
     "LSRS": ("LS", "RS"),
+    "LSRD": ("LS", "RDC"),
     "RX": ("RS", "X"),
     "ZTD": ("Z", "PHASE"),
     "ZTR": ("Z", "RADIANS"),
     "GB": ("G", "B"),
     "YTD": ("Y", "YPHASE"),
     "YTR": ("Y", "YRADIANS"),
+    "VDID": ("VDC", "IDC"),
 }
-"""Quantities of each function, as `shown_quantity` names them."""
+"""Quantities of each function, as `shown_quantity` names them; RDC is not measured."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +69,8 @@ class LcrSettings:
     """Settings after `*RST`, but continuous. voltage: V. current: A. range: ohm. delays: s.
 
     level: which of voltage and current was set last. list_values: of the sweep, in the unit of
-    list_kind. length: of the cable, m.
+    list_kind. references: of the deviations, in the unit of the quantity. length: of the cable, m.
+    load_type: function of the reference values of the load.
     """
 
     frequency: float = 1e3
@@ -88,14 +92,20 @@ class LcrSettings:
     list_values: tuple[float, ...] = ()
     deviation_1: str = "OFF"
     deviation_2: str = "OFF"
+    references: tuple[float, float] = (0.0, 0.0)
     comparator: bool = False
     long_format: bool = False
     level_control: bool = False
     bias: bool = False
+    bias_voltage: float = 0.0
+    bias_current: float = 0.0
+    bias_auto_range: bool = True
+    high_power: bool = False
     display: bool = True
     open_correction: bool = False
     short_correction: bool = False
     load_correction: bool = False
+    load_type: str = "CPD"
     length: int = 0
     method: str = "SING"
     spots: dict[int, CorrectionSpot] = field(default_factory=dict)
@@ -132,8 +142,10 @@ class LcrSettings:
         """Settings at each point of the list."""
         if self.list_kind == "FREQ":
             return [replace(self, frequency=value) for value in self.list_values]
-        name = {"VOLT": "voltage", "CURR": "current"}[self.list_kind]
-        return [replace(self, level=self.list_kind, **{name: value}) for value in self.list_values]
+        bias = {"BVOL": "bias_voltage", "BCUR": "bias_current"}
+        level = self.level if self.list_kind in bias else self.list_kind
+        name = {"VOLT": "voltage", "CURR": "current", **bias}[self.list_kind]
+        return [replace(self, level=level, **{name: value}) for value in self.list_values]
 
 
 def fitting_range(ohms: float) -> float:
@@ -152,6 +164,8 @@ def rounded_frequency(frequency: float) -> float:
 
 def shown_quantity(name: str, Z: complex, frequency: float) -> float:
     """Quantity by name from Z in ohm. D and Q of a capacitor are positive, angles in degrees."""
+    if name in ("VDC", "IDC"):
+        return 0.0
     if name in ("DC", "QC"):
         return -quantity(name[0], Z, frequency)
     if name.endswith("RADIANS"):
