@@ -48,7 +48,9 @@ def test_a_meter_is_known_by_its_identity(text, model, serial, firmware):
         (E4980A, "range", 300, ":FUNCtion:IMPedance:RANGe 300"),
         (E4980A, "auto_range", True, ":FUNCtion:IMPedance:RANGe:AUTO ON"),
         (E4980A, "trigger", "BUS", ":TRIGger:SOURce BUS"),
-        (E4980A, "trigger_delay", 0.1, ":TRIGger:DELay 1.0000E-01"),
+        (E4980A, "trigger_delay", 0.1, ":TRIGger:TDELay 1.0000E-01"),
+        (E4980A, "step_delay", 0.1, ":TRIGger:DELay 1.0000E-01"),
+        (HP4284A, "trigger_delay", 0.1, ":TRIGger:DELay 1.0000E-01"),
         (E4980A, "cable", 4, ":CORRection:LENGth 4"),
         (E4980A, "aperture", ("LONG", 4), ":APERture LONG,4"),
         (E4980A, "list_frequencies", (1e3, 2e3), ":LIST:FREQuency 1.000E+03,2.000E+03"),
@@ -127,10 +129,16 @@ def reading_of(line):
     return meter.read_at(1e3)
 
 
-def exchange_of(answer, frequency="+1.00000E+03", page="MEAS"):
+MEANING = ":FUNCtion:IMPedance?;:FUNCtion:DEV1:MODE?;:FUNCtion:DEV2:MODE?"
+
+
+def exchange_of(answer, frequency="+1.00000E+03", page="MEAS", meaning="RX;OFF;OFF"):
     return [
         (":FREQuency 1.000E+03;*ESR?", "+0"),
-        ("*TRG;:FREQuency?;:DISPlay:PAGE?;*ESR?", f"{answer};{frequency};{page};+0"),
+        (
+            f"*TRG;{MEANING};:FREQuency?;:DISPlay:PAGE?;*ESR?",
+            f"{answer};{meaning};{frequency};{page};+0",
+        ),
     ]
 
 
@@ -157,11 +165,30 @@ def test_a_doubtful_reading_is_kept_and_flagged(script, code):
         ("+9.90000E+37,+9.90000E+37,-1", "+1E3", FailedReadingError, "status -1: nothing was"),
         (f"{R_X},+7", "+1E3", FailedReadingError, "status 7, which has no known meaning"),
         (f"{R_X},+0", "+2E3", GarbledError, "at 2000 Hz instead of 1000 Hz"),
-        (f"{R_X},+0", "NAN", GarbledError, "at nan Hz instead of 1000 Hz"),
     ],
 )
 def test_what_is_no_reading_is_never_a_number(script, answer, frequency, error, told):
     with script(*exchange_of(answer, frequency)) as line, pytest.raises(error, match=told):
+        reading_of(line)
+
+
+@pytest.mark.parametrize(
+    ("meaning", "told"),
+    [
+        ("ZTD;OFF;OFF", "`function` is ZTD and was RX"),
+        ("RX;ABS;OFF", "`deviation_1` is ABS and was OFF"),
+        ("RX;OFF;PERC", "`deviation_2` is PERC and was OFF"),
+    ],
+)
+def test_a_reading_of_other_quantities_is_none(script, meaning, told):
+    with script(*exchange_of(f"{R_X},+0", meaning=meaning)) as line:
+        with pytest.raises(RestartedError, match=told):
+            reading_of(line)
+
+
+def test_a_frequency_that_is_no_number_is_none(script):
+    again = ("*ESR?;*IDN?", f"+0;{IDENTITY.text}")
+    with script(*exchange_of(f"{R_X},+0", "NAN"), again) as line, pytest.raises(GarbledError):
         reading_of(line)
 
 
@@ -190,30 +217,50 @@ SET_LIST = [
     *said(":LIST:FREQuency 1.000E+03,2.000E+03"),
     *said(":DISPlay:PAGE LIST"),
 ]
-TIMES = [(":FREQuency?", "+1.00000E+03"), (":APERture?", "MED,+1"), (":TRIGger:DELay?", "+0")]
-LISTED = (":LIST:FREQuency?;*ESR?", "+1.00000E+03,+2.00000E+03;+0")
+TIMES = [(":FREQuency?", "+1.00000E+03"), (":APERture?", "MED,+1")]
+DELAYS = [(":TRIGger:TDELay?", "+0"), (":TRIGger:DELay?", "+0")]
+LISTED = "+1.00000E+03,+2.00000E+03"
 TWO = f"{R_X},+0,+0,+1.00000E+04,-7.95775E+04,+0,+0"
 
 
+def swept(answer=TWO, before=LISTED, after=LISTED, meaning="RX;OFF;OFF"):
+    query = f":LIST:FREQuency?;*TRG;{MEANING};:LIST:FREQuency?;*ESR?"
+    return (query, f"{before};{answer};{meaning};{after};+0")
+
+
 def test_a_sweep_is_one_trigger_and_its_list_is_read_back(script):
-    again = [("*TRG", TWO), LISTED]
-    with script(*SET_LIST, *TIMES, ("*TRG", TWO), LISTED, *again) as line:
+    with script(*SET_LIST, *TIMES, *DELAYS, swept(), swept()) as line:
         meter = E4980A(line, IDENTITY)
         for _ in range(2):
             assert [reading.X for reading in meter.read_sweep([1e3, 2e3])] == [-159155.0, -79577.5]
 
 
 @pytest.mark.parametrize(
-    ("answer", "listed", "error", "told"),
+    ("exchange", "error", "told"),
     [
-        (TWO.replace(",+0,+0", ",+1,+0", 1), None, FailedReadingError, "at 1000 Hz .* overload"),
-        (TWO, "+1.00000E+03;+0", GarbledError, "swept 1 frequencies instead of 2"),
-        (TWO, "+1.00000E+03,+3.00000E+03;+0", GarbledError, "at 3000 Hz instead of 2000 Hz"),
+        (
+            swept(TWO.replace(",+0,+0", ",+1,+0", 1)),
+            FailedReadingError,
+            "at 1000 Hz .* overload",
+        ),
+        (swept(after="+1.00000E+03"), GarbledError, "swept 1 frequencies instead of 2"),
+        (swept(before=""), GarbledError, "swept 0 frequencies instead of 2"),
+        (
+            swept(after="+1.00000E+03,+3.00000E+03"),
+            GarbledError,
+            "at 3000 Hz instead of 2000 Hz",
+        ),
+        (
+            swept(before="+1.00000E+03,+3.00000E+03"),
+            GarbledError,
+            "at 3000 Hz instead of 2000 Hz",
+        ),
+        (swept(meaning="ZTD;OFF;OFF"), RestartedError, "`function` is ZTD and was RX"),
     ],
 )
-def test_a_sweep_with_a_fault_is_none(script, answer, listed, error, told):
-    back = [(LISTED[0], listed)] if listed else []
-    with script(*SET_LIST, *TIMES, ("*TRG", answer), *back) as line:
+def test_a_sweep_with_a_fault_is_none(script, exchange, error, told):
+    again = [("*ESR?;*IDN?", f"+0;{IDENTITY.text}")] if error is GarbledError else []
+    with script(*SET_LIST, *TIMES, *DELAYS, exchange, *again) as line:
         with pytest.raises(error, match=told):
             E4980A(line, IDENTITY).read_sweep([1e3, 2e3])
 
@@ -226,12 +273,11 @@ def test_a_long_list_is_swept_in_parts(script):
         *said(f":LIST:FREQuency {first}"),
         *said(":DISPlay:PAGE LIST"),
         *TIMES,
-        ("*TRG", ",".join([f"{R_X},+0,+0"] * 10)),
-        (":LIST:FREQuency?;*ESR?", f"{first};+0"),
+        (":TRIGger:DELay?", "+0"),
+        swept(",".join([f"{R_X},+0,+0"] * 10), first, first),
         *said(":LIST:MODE SEQUENCE"),
         *said(":LIST:FREQuency 1.10000E+03"),
-        ("*TRG", f"{R_X},+0,+0"),
-        (":LIST:FREQuency?;*ESR?", "+1.1E+03;+0"),
+        swept(f"{R_X},+0,+0", "+1.1E+03", "+1.1E+03"),
     ]
     with script(*exchange) as line:
         assert len(HP4284A(line, IDENTITY).read_sweep(frequencies)) == 11
@@ -239,13 +285,17 @@ def test_a_long_list_is_swept_in_parts(script):
 
 @pytest.mark.parametrize("model", [E4980A, E4980AL, HP4284A])
 def test_a_known_meter_is_set_up_and_its_settings_are_kept(script, model):
+    delays = {(":TRIGger:TDELay", "+20"): "0.0000E+00", (":TRIGger:DELay", "+2"): "0.0000E+00"}
+    if model is HP4284A:
+        del delays[":TRIGger:TDELay", "+20"]
     found = {
-        (":FORMat", "REAL,64"): "ASC",
         (":FUNCtion:IMPedance", "CPD"): "RX",
         (":FUNCtion:DEV1:MODE", "OFF"): "OFF",
         (":FUNCtion:DEV2:MODE", "PERC"): "OFF",
         (":INITiate:CONTinuous", "0"): "ON",
         (":TRIGger:SOURce", "INT"): "BUS",
+        **delays,
+        (":FORMat", "REAL,64"): "ASC",
         (":DISPlay:PAGE", "LSET"): "MEAS",
     }
     exchange = [
@@ -253,10 +303,13 @@ def test_a_known_meter_is_set_up_and_its_settings_are_kept(script, model):
         for (command, before), now in found.items()
         for line in ((f"{command}?", before), *said(f"{command} {now}"))
     ]
-    with script(("*IDN?", f"X,{model.model},MY1,A.1"), *said("*CLS"), *exchange) as line:
+    begin = [("*IDN?", f"X,{model.model},MY1,A.1"), *said("*CLS"), *said(":ABORt")]
+    with script(*begin, *exchange) as line:
         meter = start(line)
     assert type(meter) is model
+    own = {"trigger_delay": 2.0} if model is HP4284A else {"trigger_delay": 20.0, "step_delay": 2.0}
     assert meter.original == {
+        **own,
         "data_format": "REAL,64",
         "function": "CPD",
         "deviation_1": "OFF",

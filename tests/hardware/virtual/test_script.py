@@ -17,6 +17,8 @@ from rcskin.simulator.sweeps import InputError
 
 OK = ("*ESR?", "0")
 IDENTITY = parse_identity("HIOKI,IM3523,123456789,V1.00")
+READ, ITEMS = "*TRG;:MEASure?;:MEASure:ITEM?;:MEASure:VALid?", "16,18;18"
+"""Trigger, reading, and what the reading holds: status, Cp, Rs and X."""
 GOOD = "0, 4.99299E+09,  10.0000E+03,-159.155E+03"
 
 
@@ -139,7 +141,7 @@ def test_completion_is_no_failure(script):
 
 
 def test_a_reading_is_triggered_read_and_checked(script):
-    with script(("*TRG;:MEASure?;*ESR?", f"{GOOD};0")) as line:
+    with script((f"{READ};*ESR?", f"{GOOD};{ITEMS};0")) as line:
         reading = IM3523(line, IDENTITY).read()
     assert (reading.Cp, reading.Rs, reading.X) == (4.99299e9, 10e3, -159155.0)
     assert reading.status is ReadingStatus.NORMAL
@@ -147,13 +149,13 @@ def test_a_reading_is_triggered_read_and_checked(script):
 
 @pytest.mark.parametrize("stale", [GOOD, "1, 999999E+28, 999999E+28, 999999E+28"])
 def test_an_answer_to_a_refused_trigger_is_stale_and_never_a_reading(script, stale):
-    refused = ("*TRG;:MEASure?;*ESR?", f"{stale};16")
+    refused = (f"{READ};*ESR?", f"{stale};{ITEMS};16")
     with script(refused) as line, pytest.raises(RefusedError):
         IM3523(line, IDENTITY).read()
 
 
 def test_a_failed_reading_leaves_the_conversation_in_step(script):
-    failed = ("*TRG;:MEASure?;*ESR?", "7, 999999E+28, 999999E+28, 999999E+28;0")
+    failed = (f"{READ};*ESR?", f"7, 999999E+28, 999999E+28, 999999E+28;{ITEMS};0")
     with script(failed, (":FREQuency?", "1.0000E+03")) as line:
         meter = IM3523(line, IDENTITY)
         with pytest.raises(FailedReadingError, match="status 7"):
@@ -163,7 +165,7 @@ def test_a_failed_reading_leaves_the_conversation_in_step(script):
 
 AT_1_KHZ = [
     (":FREQuency 1.0000E+03;*ESR?", "0"),
-    ("*TRG;:MEASure?;:FREQuency?;*ESR?", f"{GOOD};1.0000E+03;0"),
+    (f"{READ};:FREQuency?;*ESR?", f"{GOOD};{ITEMS};1.0000E+03;0"),
 ]
 
 
@@ -173,9 +175,18 @@ def test_a_reading_at_a_frequency_takes_two_exchanges(script):
 
 
 def test_a_reading_at_another_frequency_than_was_set_is_none(script):
-    told = (AT_1_KHZ[1][0], f"{GOOD};2.0000E+03;0")
+    told = (AT_1_KHZ[1][0], f"{GOOD};{ITEMS};2.0000E+03;0")
     with script(AT_1_KHZ[0], told) as line, pytest.raises(GarbledError, match="at 2000 Hz"):
         IM3523(line, IDENTITY).read_at(1e3)
+
+
+@pytest.mark.parametrize(
+    ("items", "told"), [("1,18;18", "`items` is"), ("16,18;26", "`valid` is 26 and was 18")]
+)
+def test_a_reading_of_other_quantities_is_none(script, items, told):
+    with script((f"{READ};*ESR?", f"{GOOD};{items};0")) as line:
+        with pytest.raises(RestartedError, match=told):
+            IM3523(line, IDENTITY).read()
 
 
 @pytest.mark.parametrize("code", [2, 3, 5])
