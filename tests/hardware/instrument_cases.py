@@ -15,7 +15,8 @@ class Case:
     """An instrument. found: settings as found. changes: values for the driver, in this order.
 
     acquired: open correction of the virtual meter after it was acquired. lost: settings that a
-    power cut changes and no driver knows.
+    power cut changes and no driver knows. quantities: lines of another client that change what the
+    numbers are. meddling: lines that change how they are measured or triggered.
     """
 
     model: str
@@ -23,6 +24,8 @@ class Case:
     changes: Mapping[str, Any]
     acquired: Any = True
     lost: Mapping[str, Any] | None = None
+    quantities: tuple[str, ...] = ()
+    meddling: tuple[str, ...] = ()
 
     @property
     def driver(self) -> Any:
@@ -71,6 +74,7 @@ def keysight(level: str = "VOLT") -> LcrSettings:
         list_mode="STEP",
         list_values=(1e3, 3e3),
         level_control=True,
+        references=(5e3, -1e5),
         load_correction=True,
         length=1,
     )
@@ -94,6 +98,26 @@ IM3523 = Case(
     },
     acquired="ALL",
     lost={"parameters": Settings().parameters},
+    quantities=(
+        ":MEASure:ITEM 5,2",
+        ":MEASure:ITEM 24,2",
+        ":MEASure:ITEM 0,26",
+        ":MEASure:ITEM 32,12;VALid 2",
+        ":FREQuency 2E3",
+    ),
+    meddling=(
+        ":MEASure:VALid 31",
+        ":HEADer ON",
+        ":TRIGger INTernal",
+        ":LEVel CV",
+        ":LEVel:CCURrent 1E-2",
+        ":CORRection:LOAD OFF",
+        ":CORRection:CABLe 0",
+        ":RANGe 9",
+        ":RANGe:SYNC:SPEEd ALL,SLOW",
+        ":RANGe:SYNC:AVERaging ALL,9",
+        ":RANGe:SYNC:TRIGger:DELay ALL,1",
+    ),
 )
 CHANGES = {
     "speed": "LONG",
@@ -107,12 +131,41 @@ CHANGES = {
     "frequency": 5e3,
 }
 LOST_LIST = {"list_mode": "SEQ", "list_values": ()}
-E4980A = Case("E4980A", keysight, CHANGES, lost={**LOST_LIST, "current": 0.0})
+LCR_QUANTITIES = (
+    ":FUNC:IMP ZTD",
+    ":FUNC:IMP GB",
+    ":FUNC:IMP CPRP",
+    ":FUNC:DEV1:MODE ABS",
+    ":FUNC:DEV2:MODE PERC",
+    ":FREQ 7E3;:LIST:FREQ 1E3,4E3,2E4",
+    ":DISP:PAGE BNUM",
+)
+LCR_MEDDLING = (
+    ":LIST:MODE STEP",
+    ":TRIG:SOUR INT",
+    ":INIT:CONT OFF",
+    ":TRIG:DEL 2",
+    ":APER LONG,2",
+    ":AMPL:ALC OFF",
+    ":FUNC:IMP:RANG:AUTO ON",
+    ":CORR:LENG 2",
+    ":CORR:LOAD:STAT OFF",
+)
+E4980A = Case(
+    "E4980A",
+    keysight,
+    CHANGES,
+    lost={**LOST_LIST, "current": 0.0},
+    quantities=LCR_QUANTITIES,
+    meddling=(*LCR_MEDDLING, ":TRIG:TDEL 20", ":VOLT 0.1"),
+)
 HP4284A = Case(
     "4284A",
     lambda: keysight("CURR"),
     {**CHANGES, "amplitude": "0.005 A"},
     lost={**LOST_LIST, "voltage": 1.0},
+    quantities=LCR_QUANTITIES,
+    meddling=(*LCR_MEDDLING, ":CURR 1E-3"),
 )
 E4990A = Case(
     "E4990A",
@@ -150,5 +203,25 @@ E4990A = Case(
         "segments": AnalyserSettings().segments,
         "segment_table": AnalyserSettings().segment_table,
     },
+    quantities=(
+        ":CALC1:PAR1:DEF Z",
+        ":CALC1:PAR2:DEF TZ",
+        ":CALC1:PAR1:DEF X;:CALC1:PAR2:DEF R",
+        ":CALC1:PAR1:DEF RP",
+        ":SENS1:SEGM:DATA 7,0,0,0,0,0,0,0,2,1000,4000,2,20000,20000,2",
+        ":SENS1:SWE:TYPE LIN",
+    ),
+    meddling=(
+        ":CALC1:PAR2:SEL",
+        ":TRIG:SOUR INT",
+        ":INIT1:CONT OFF",
+        ":CALC1:AVER ON",
+        ":SENS1:AVER:COUN 4;STAT ON",
+        ":SENS1:APER 5",
+        ":SENS1:SWE:DEL 20",
+        ":SOUR1:MODE VOLT",
+        ":SOUR1:VOLT 0.1",
+        ":SENS1:CORR2:LOAD OFF",
+    ),
 )
 CASES = (IM3523, E4980A, HP4284A, E4990A)

@@ -1,0 +1,142 @@
+"""Another client, or a finger on the panel, changes a setting in the midst of a recording."""
+
+import dataclasses
+import random
+import socket
+
+import numpy as np
+import pytest
+from rcskin.hardware.meter.link.connection import VisaConnection
+from rcskin.hardware.record.press_order import parse_step
+from rcskin.hardware.record.recorder import record
+from rcskin.hardware.record.recording_dataset import recording_dataset
+from rcskin.hardware.virtual.language.parser import messages
+from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
+from rcskin.simulator.sweeps import impedance
+from rcskin.tests.hardware.instrument_cases import CASES
+
+ORDER = ("none", "1,1", "2,1")
+
+
+@pytest.fixture
+def instrument(make_instrument, case):
+    """The virtual instrument, as found."""
+    return make_instrument(kind=VIRTUAL_MODELS[case.model], settings=case.found())
+
+
+def execute(instrument, line):
+    """Have the instrument execute the settings in a line at once, as if keys were pressed."""
+    for message in messages(line):
+        command, suffixes = instrument.command(message.words)
+        command.on_set(instrument, *suffixes, *message.arguments)
+
+
+class Meddler:
+    """Another client, which sends a line before the message of a recording at a place.
+
+    undone: the line before the next message, or empty.
+    """
+
+    def __init__(self, port, line, undone=""):
+        self.lines, self.at, self.count = [line, *([undone] if undone else [])], None, 0
+        self._socket = socket.create_connection(("127.0.0.1", port), timeout=5)
+        self._answers = self._socket.makefile("rb")
+
+    def before_message(self):
+        """Count a message, and send a line before it if it is its turn."""
+        self.count += 1
+        if self.at is not None and self.count >= self.at and self.lines:
+            self._socket.sendall(f"{self.lines.pop(0)}\n*IDN?\n".encode())
+            self._answers.readline()
+
+    def close(self):
+        """End the connection."""
+        self._answers.close()
+        self._socket.close()
+
+
+@pytest.fixture
+def meddler(ports, monkeypatch):
+    """A function that makes a meddler."""
+    made, write = [], VisaConnection.write
+
+    def before(line, message):
+        for each in made:
+            each.before_message()
+        write(line, message)
+
+    def meddler(*lines):
+        made.append(Meddler(ports.meter, *lines))
+        return made[-1]
+
+    monkeypatch.setattr(VisaConnection, "write", before)
+    yield meddler
+    for each in made:
+        each.close()
+
+
+def recorded(task, operator, pillow, show):
+    """Remarks of a recording of three presses, whose sweeps must be those of the skin."""
+    order = tuple(parse_step(press, 2, 2).press for press in ORDER)
+    task = dataclasses.replace(task, header=dataclasses.replace(task.header, order=order))
+    header, entries = record(task, operator)
+    sweeps = recording_dataset(header, entries)
+    exact = [[pillow.impedance(press, f) for f in header.frequencies] for press in order]
+    np.testing.assert_allclose(impedance(sweeps)[:, 0], exact, rtol=1e-4)
+    assert header.frequencies == task.header.frequencies
+    return show.remarks
+
+
+def at(moments):
+    """Parameters: an instrument, a line of another client, and seeds of its moment."""
+    return [
+        pytest.param(case, line, seed, id=f"{case.model}-{line}-{seed}")
+        for case in CASES
+        for lines, seeds in moments(case)
+        for line in lines
+        for seed in range(seeds)
+    ]
+
+
+def meddle_in_the_second_sweep(operator, meddler, instrument, seed):
+    """Let the meddler send its line at a random message of the second sweep."""
+    press, starts = operator.press_skin, []
+
+    def then(step):
+        press(step)
+        starts.append(meddler.count)
+        if len(starts) == 2:
+            meddler.at = starts[1] + 1 + random.Random(seed).randrange(starts[1] - starts[0])
+
+    operator.press_skin = then
+
+
+@pytest.mark.parametrize(
+    ("case", "line", "seed"), at(lambda case: [(case.quantities, 2), (case.meddling, 1)])
+)
+def test_a_setting_that_is_changed_is_restored_and_the_sweep_repeated(
+    task, operator, pillow, show, instrument, case, line, meddler, seed
+):
+    other = meddler(line)
+    meddle_in_the_second_sweep(operator, other, instrument, seed)
+    recorded(task, operator, pillow, show)
+    assert not other.lines
+    assert instrument.settings == case.found()
+
+
+@pytest.mark.parametrize(("case", "line", "seed"), at(lambda case: [(case.quantities, 1)]))
+def test_quantities_that_are_changed_between_trigger_and_answer_cost_the_sweep(
+    task, operator, pillow, show, instrument, case, line, seed, monkeypatch
+):
+    keep, kept = type(instrument).keep, []
+
+    def keep_and_change(meter, results):
+        keep(meter, results)
+        kept.append(results)
+        if len(kept) == 3:
+            execute(meter, line)
+
+    monkeypatch.setattr(type(instrument), "keep", keep_and_change)
+    remarks = recorded(task, operator, pillow, show)
+    assert len(remarks) == 1 and "check" in remarks[0]
+    assert instrument.settings == case.found()
