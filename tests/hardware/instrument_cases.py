@@ -130,7 +130,7 @@ CHANGES = {
     "load_correction": False,
     "frequency": 5e3,
 }
-LOST_LIST = {"list_mode": "SEQ", "list_values": ()}
+LOST_LIST = {"list_mode": "SEQ", "list_values": (), "references": (0.0, 0.0)}
 LCR_QUANTITIES = (
     ":FUNC:IMP ZTD",
     ":FUNC:IMP GB",

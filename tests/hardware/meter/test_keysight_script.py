@@ -265,6 +265,12 @@ def test_a_sweep_with_a_fault_is_none(script, exchange, error, told):
             E4980A(line, IDENTITY).read_sweep([1e3, 2e3])
 
 
+@pytest.mark.parametrize("model", [E4980A, HP4284A])
+def test_an_empty_answer_is_an_empty_list(script, model):
+    with script((":LIST:FREQuency?", "")) as line:
+        assert model.list_frequencies.current_value(model(line, IDENTITY)) == ()
+
+
 def test_a_long_list_is_swept_in_parts(script):
     frequencies = [100.0 * n for n in range(1, 12)]
     first = ",".join(f"{f:.5E}" for f in frequencies[:10])

@@ -69,6 +69,33 @@ def test_an_instrument_of_pymeasure(ports):
 FREQUENCIES = [1e3 * n for n in range(1, 13)]
 
 
+SETTINGS_OF_PYMEASURE = {
+    lambda lcr: lcr: (
+        "frequency",
+        "ac_current",
+        "bias_enabled",
+        "bias_voltage",
+        "bias_current",
+        "impedance_mode",
+        "impedance_range",
+        "auto_range_enabled",
+        "trigger_source",
+        "trigger_delay",
+        "trigger_continuous_enabled",
+        "high_power_enabled",
+        "options",
+    ),
+    lambda lcr: lcr.correction: (
+        "open_enabled",
+        "short_enabled",
+        "load_enabled",
+        "load_function",
+        "cable_length",
+    ),
+    lambda lcr: lcr.correction.spot1: ("enabled", "frequency", "load_function"),
+}
+
+
 def reactances(pillow):
     return pytest.approx([pillow.impedance("none", f).imag for f in FREQUENCIES], rel=1e-5)
 
@@ -83,6 +110,19 @@ def test_the_driver_of_pymeasure_for_the_4284a(make_instrument, serve, pillow):
             assert (lcr.frequency, lcr.ac_voltage, lcr.impedance_mode) == (5e3, 0.5, "RX")
             R, X, swept = lcr.sweep_measurement("frequency", FREQUENCIES)
             assert (R, X, swept) == ([10e3] * 12, reactances(pillow), FREQUENCIES)
+            lcr.correction.load_function = lcr.impedance_mode = "CPRP"
+            lcr.correction.cable_length, lcr.correction.load_enabled = 2, True
+            lcr.correction.spot1.frequency, lcr.correction.spot1.enabled = 2e4, True
+            lcr.bias_voltage, lcr.bias_enabled, lcr.ac_current = 1.5, True, 1e-3
+            lcr.impedance_range, lcr.trigger_delay, lcr.trigger_source = 1e3, 0.5, "BUS"
+            lcr.trigger_continuous_enabled = False
+            lcr.trigger_initiate()
+            assert lcr.trigger()[2] == 0
+            for owner, names in SETTINGS_OF_PYMEASURE.items():
+                for name in names:
+                    assert getattr(owner(lcr), name) is not None
+            assert (lcr.correction.load_function, lcr.bias_voltage) == ("CPRP", 1.5)
+            assert lcr.sweep_measurement("bias_voltage", [0.5, 1.0])[2] == [0.5, 1.0]
             assert lcr.check_errors() == []
         finally:
             lcr.adapter.close()

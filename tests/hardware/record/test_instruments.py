@@ -8,6 +8,7 @@ import time
 
 import numpy as np
 import pytest
+from rcskin.hardware.meter.errors import NoAnswerError
 from rcskin.hardware.record.measured_sweep import check_frequencies
 from rcskin.hardware.record.press_order import parse_step
 from rcskin.hardware.record.recorder import record
@@ -15,7 +16,7 @@ from rcskin.hardware.record.recording_dataset import recording_dataset
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
 from rcskin.simulator.sweeps import InputError, impedance
-from rcskin.tests.hardware.instrument_cases import CASES, E4980A, E4990A
+from rcskin.tests.hardware.instrument_cases import CASES, E4980A, E4990A, HP4284A
 
 OTHERS = [case for case in CASES if case.model != "IM3523"]
 
@@ -67,9 +68,7 @@ def test_a_fault_costs_a_repetition_and_nothing_else(task, operator, instrument,
             instrument.faults.add(fault)
 
     operator.press_skin = press
-    order = [parse_step(press, 2, 2) for press in ("none", "1,1")]
-    task = asking(task, order=tuple(step.press for step in order))
-    _, entries = record(task, operator)
+    _, entries = record(only(task, "none", "1,1"), operator)
     assert len(show.remarks) == 1 and "check" in show.remarks[0]
     assert all(not entry.remarks for entry in entries)
     now, found = instrument.settings, case.found()
@@ -94,13 +93,105 @@ def test_a_setting_that_the_meter_lacks_is_refused_and_nothing_is_left_behind(
     assert instrument.settings == case.found()
 
 
+def only(task, *presses, **other):
+    """The task with these presses alone."""
+    return asking(task, order=tuple(parse_step(press, 2, 2).press for press in presses), **other)
+
+
+@pytest.mark.parametrize(
+    ("slow", "recorded"),
+    [
+        ({"delay": 20.0}, {"trigger_delay": 0.0}),
+        ({"step_delay": 5.0}, {"step_delay": 0.0}),
+        ({"delay": 999.0, "step_delay": 999.0}, {"trigger_delay": 0.0, "step_delay": 0.0}),
+        ({"aperture": "LONG", "averaging": 256}, {"speed": "LONG", "averaging": 256}),
+    ],
+)
 @pytest.mark.parametrize("case", [E4980A], indirect=True, ids=["E4980A"])
-def test_a_frequency_with_more_digits_than_the_meter_sets_is_reported(meter, caplog):
-    check_frequencies(meter, (1e3, 12350.0))
-    assert not caplog.records
+def test_what_makes_a_sweep_slow_is_set_to_zero_or_waited_for(
+    task, operator, show, instrument, case, slow, recorded
+):
+    instrument.settings = found = dataclasses.replace(case.found(), **slow)
+    before, instrument.pace = dataclasses.replace(found), 0.01
+    header, _ = record(only(task, "none"), operator)
+    assert show.remarks == [] and recorded.items() <= header.settings.items()
+    assert instrument.settings == before
+
+
+@pytest.mark.parametrize(
+    ("case", "name"), [(HP4284A, "step_delay"), (E4990A, "delay")], indirect=["case"]
+)
+def test_a_delay_that_was_left_does_not_stop_a_recording(
+    task, operator, show, instrument, case, name
+):
+    setattr(instrument.settings, name, 30.0)
+    before, instrument.pace = dataclasses.replace(instrument.settings), 0.02
+    record(only(task, "none"), operator)
+    assert show.remarks == []
+    assert instrument.settings == before
+
+
+@pytest.mark.parametrize("case", [E4980A], indirect=True, ids=["E4980A"])
+def test_a_requested_delay_is_kept_and_recorded(task, operator, instrument, case):
+    header, _ = record(only(task, "none", asked={"trigger_delay": 0.25}), operator)
+    assert header.settings["trigger_delay"] == 0.25
+
+
+@pytest.mark.parametrize("case", [E4980A], indirect=True, ids=["E4980A"])
+def test_a_sweep_that_takes_too_long_names_what_the_time_follows_from(meter, instrument):
+    meter.read_sweep([1e3, 2e3])
+    instrument.pace, instrument.settings.delay = 0.1, 200.0
+    with pytest.raises(NoAnswerError, match="follows from .*aperture = SHORT 3, trigger_delay"):
+        meter.read_sweep([1e3, 2e3])
+
+
+FREQUENCIES = (1321.62, 4000.0, 17455.3)
+
+
+@pytest.mark.parametrize("case", CASES, indirect=True, ids=lambda case: case.model)
+def test_the_frequencies_of_a_recording_are_those_that_the_meter_sets(
+    task, operator, pillow, case, instrument, caplog
+):
+    task = only(task, "none", "1,1", frequencies=FREQUENCIES)
     with caplog.at_level(logging.WARNING):
-        check_frequencies(meter, (1e3, 12345.678))
-    assert "meter E4980A sets 12345.68 Hz as 12350 Hz" in caplog.text
+        sweeps = recording_dataset(*record(task, operator))
+    digits = {"E4990A": 12, "IM3523": 5}.get(case.model, 4)
+    set_by_meter = [float(f"{f:.{digits - 1}e}") for f in FREQUENCIES]
+    assert sweeps["frequency"].values.tolist() == set_by_meter
+    exact = [[pillow.impedance(press, f) for f in set_by_meter] for press in ("none", "1,1")]
+    np.testing.assert_allclose(impedance(sweeps)[:, 0], exact, rtol=1e-5)
+    rounded = f"sets 1321.62 Hz as {set_by_meter[0]:.7g} Hz"
+    told = [each for each in caplog.messages if rounded in each]
+    assert len(told) == (case.model != "E4990A")
+    assert instrument.settings == case.found()
+
+
+@pytest.mark.parametrize("case", [E4980A], indirect=True, ids=["E4980A"])
+def test_a_recording_at_rounded_frequencies_is_continued(task, operator, instrument, case):
+    task = only(task, "none", "1,1", frequencies=FREQUENCIES)
+    press, presses = operator.press_skin, []
+
+    def once(step):
+        press(step)
+        presses.append(step)
+        if len(presses) == 2:
+            raise KeyboardInterrupt
+
+    operator.press_skin = once
+    with pytest.raises(KeyboardInterrupt):
+        record(task, operator)
+    operator.press_skin = press
+    header, entries = record(task, operator)
+    assert (header.frequencies, len(entries)) == ((1322.0, 4000.0, 17460.0), 2)
+    other = only(task, "none", "1,1", frequencies=(1321.62, 4000.0, 18455.3))
+    with pytest.raises(InputError, match="differs in frequencies"):
+        record(other, operator)
+
+
+@pytest.mark.parametrize("case", [E4980A], indirect=True, ids=["E4980A"])
+def test_two_frequencies_that_the_meter_sets_as_one_are_refused(meter):
+    with pytest.raises(InputError, match="sets 1321.62 Hz as 1322 Hz, as another frequency"):
+        check_frequencies(meter, (1000.0, 1321.62, 1321.9))
 
 
 @pytest.mark.parametrize("case", [E4980A], indirect=True, ids=["E4980A"])

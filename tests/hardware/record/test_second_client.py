@@ -3,6 +3,7 @@
 import dataclasses
 import random
 import socket
+from copy import deepcopy
 
 import numpy as np
 import pytest
@@ -34,19 +35,23 @@ def execute(instrument, line):
 class Meddler:
     """Another client, which sends a line before the message of a recording at a place.
 
-    undone: the line before the next message, or empty.
+    undone: True if the instrument has the settings of before again at the next message.
     """
 
-    def __init__(self, port, line, undone=""):
-        self.lines, self.at, self.count = [line, *([undone] if undone else [])], None, 0
+    def __init__(self, instrument, port, line, undone):
+        self.line, self.undone, self.at, self.count = line, undone, None, 0
+        self._instrument, self._before = instrument, None
         self._socket = socket.create_connection(("127.0.0.1", port), timeout=5)
         self._answers = self._socket.makefile("rb")
 
     def before_message(self):
-        """Count a message, and send a line before it if it is its turn."""
+        """Count a message, and send the line before it if it is its turn."""
         self.count += 1
-        if self.at is not None and self.count >= self.at and self.lines:
-            self._socket.sendall(f"{self.lines.pop(0)}\n*IDN?\n".encode())
+        if self._before and self.undone:
+            self._instrument.settings, self.undone = self._before, False
+        if self.count == self.at:
+            self._before = deepcopy(self._instrument.settings)
+            self._socket.sendall(f"{self.line}\n*IDN?\n".encode())
             self._answers.readline()
 
     def close(self):
@@ -56,7 +61,7 @@ class Meddler:
 
 
 @pytest.fixture
-def meddler(ports, monkeypatch):
+def meddler(ports, instrument, monkeypatch):
     """A function that makes a meddler."""
     made, write = [], VisaConnection.write
 
@@ -65,8 +70,8 @@ def meddler(ports, monkeypatch):
             each.before_message()
         write(line, message)
 
-    def meddler(*lines):
-        made.append(Meddler(ports.meter, *lines))
+    def meddler(line, undone=False):
+        made.append(Meddler(instrument, ports.meter, line, undone))
         return made[-1]
 
     monkeypatch.setattr(VisaConnection, "write", before)
@@ -98,7 +103,7 @@ def at(moments):
     ]
 
 
-def meddle_in_the_second_sweep(operator, meddler, instrument, seed):
+def meddle_in_the_second_sweep(operator, meddler, seed):
     """Let the meddler send its line at a random message of the second sweep."""
     press, starts = operator.press_skin, []
 
@@ -118,9 +123,20 @@ def test_a_setting_that_is_changed_is_restored_and_the_sweep_repeated(
     task, operator, pillow, show, instrument, case, line, meddler, seed
 ):
     other = meddler(line)
-    meddle_in_the_second_sweep(operator, other, instrument, seed)
+    meddle_in_the_second_sweep(operator, other, seed)
     recorded(task, operator, pillow, show)
-    assert not other.lines
+    assert other.count > other.at
+    assert instrument.settings == case.found()
+
+
+@pytest.mark.parametrize(("case", "line", "seed"), at(lambda case: [(case.quantities, 2)]))
+def test_a_change_that_is_undone_at_once_leaves_no_wrong_sweep(
+    task, operator, pillow, show, instrument, case, line, meddler, seed
+):
+    other = meddler(line, undone=True)
+    meddle_in_the_second_sweep(operator, other, seed)
+    recorded(task, operator, pillow, show)
+    assert not other.undone
     assert instrument.settings == case.found()
 
 

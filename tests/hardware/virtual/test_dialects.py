@@ -161,6 +161,26 @@ def test_a_slow_meter_measures_for_the_time_of_its_aperture(make_instrument):
     assert asyncio.run(timed("LONG,4")) == pytest.approx(0.96, rel=0.01)
 
 
+@pytest.mark.parametrize("model", ["E4980A", "E4980AL", "4284A"])
+def test_what_a_meter_has_learnt_restores_its_settings(make_instrument, model):
+    meter = make_instrument(kind=VIRTUAL_MODELS[model])
+    changed = ":FUNC:IMP RX;:CURR 1E-3;:FUNC:DEV1:MODE PERC;:FUNC:DEV1:REF 5;:LIST:FREQ 1E3,2E3"
+    learnt = talk(meter, f"{changed};:TRIG:DEL 2;:CORR:LOAD:TYPE GB;:DISP:PAGE LIST;*LRN?")[0]
+    before = meter.settings
+    assert talk(meter, "*RST;*CLS", learnt, ERROR)[2] == NO_ERROR
+    assert meter.settings is not before and meter.settings == before
+
+
+def test_a_deviation_is_shown_from_its_reference(make_instrument):
+    meter = make_instrument(kind=VirtualE4980A)
+    lines = (":FUNC:DEV1:REF 8E3;MODE PERC;:FUNC:DEV2:REF -1E5;MODE ABS;*TRG", "*TRG")
+    assert talk(meter, READ, *lines)[1] == "+2.50000E+01,-5.91549E+04,+0"
+    assert talk(meter, ":FUNC:DEV1:REF:FILL;*TRG", ERROR) == [
+        "+0.00000E+00,+0.00000E+00,+0",
+        NO_ERROR,
+    ]
+
+
 def test_a_free_running_meter_reads_on(make_instrument):
     meter = make_instrument(kind=VirtualE4980A)
     assert talk(meter, ":FUNC:IMP RX", ":FETC?", ":FREQ 10KHZ;:FETC?") == [
