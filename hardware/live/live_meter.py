@@ -165,11 +165,11 @@ class LiveMeter:
         measured = check_frequencies(meter, model.frequencies)
         settings = meter.snapshot()
         restore_settings(meter, settings)
-        header = RecordingHeader(
+        self._station.header = RecordingHeader(
             scene=model.problem.scene,
             name="live",
             interfaces=model.interfaces,
-            frequencies=model.frequencies,
+            frequencies=tuple(measured.values()),
             rows=pixels.rows,
             columns=pixels.columns,
             order=(),
@@ -179,9 +179,10 @@ class LiveMeter:
             begun=(begun := now()),
             session=begun,
             accuracy=self._table.name,
-            of_each=dict(model.own_frequencies),
+            of_each={
+                name: tuple(measured[f] for f in own) for name, own in model.own_frequencies.items()
+            },
         )
-        self._station.header = header.at(measured)
         frequency = np.array(model.frequencies)
         self.checker = SweepChecker(
             frequency,

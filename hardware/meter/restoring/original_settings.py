@@ -8,7 +8,7 @@ from contextvars import ContextVar
 from typing import Any, Protocol
 
 from ....simulator.sweeps import InputError
-from ..errors import MeterError, RefusedError, RestartedError
+from ..errors import GarbledError, MeterError, NoAnswerError, RefusedError, RestartedError
 from ..meter_identity import MeterIdentity
 from ..setting import Setting, SettingsOwner
 from .termination import shielded
@@ -58,15 +58,23 @@ def restore_original(meter: SettingsOwner) -> None:
 
 
 def _restore_each(meter: SettingsOwner, kept: dict[str, Any]) -> None:
-    """Restore each setting in `kept`, and remove those that the meter confirms."""
-    last = meter.restored_last
+    """Restore each setting in `kept`, and remove those that the meter confirms.
+
+    A setting without a proper answer does not stop the others; its failure is raised at the end.
+    """
+    last, failures = meter.restored_last, []
     for name in sorted(kept, key=lambda name: name in last and 1 + last.index(name)):
         setting = getattr(type(meter), name, None)
         if not isinstance(setting, Setting):
             continue
-        with suppress(RefusedError, InputError, TypeError, ValueError):  # values may be of a file
-            setting.restore(meter, kept[name])
-            del kept[name]
+        try:
+            with suppress(RefusedError, InputError, TypeError, ValueError):  # may be of a file
+                setting.restore(meter, kept[name])
+                del kept[name]
+        except (NoAnswerError, GarbledError) as failure:
+            failures.append(failure)
+    if failures:
+        raise failures[0]
 
 
 def not_restored_message(settings: Mapping[str, Any]) -> str:
