@@ -25,8 +25,9 @@ def test_an_instrument_declares_all_that_the_recorder_needs(meter):
     assert meter.__doc__
     for name in (*meter.settable, *meter.reported, *meter.timing, *meter.restored_last):
         assert hasattr(meter, name), name
-    for name in (*meter.timing, *meter.restored_last):
+    for name in (*meter.timing, *meter.restored_last, *meter.needed):
         assert isinstance(getattr(meter, name), Setting)
+    assert set(meter.meaning) <= set(meter.needed) and meter.meaning
     for name in meter.reported:
         assert isinstance(getattr(meter, name), MeterProperty)
     assert meter.extents[-1] == "OFF"
@@ -44,13 +45,16 @@ def test_every_model_has_a_band_and_is_known_by_its_identity():
 def test_the_instrument_of_the_page_reads_and_is_put_back(script):
     exchange = [
         ("*CLS;*ESR?", "0"),
+        (":FUNCtion?", "ZTD"),
+        (":FUNCtion RX;*ESR?", "0"),
         (":TRIGger:SOURce?", "INT"),
         (":TRIGger:SOURce BUS;*ESR?", "0"),
         (":FREQuency?", "2E3"),
         (":FREQuency 1.0000E+03;*ESR?", "0"),
         (":SPEEd?", "FAST"),
-        ("*TRG;*ESR?", "1E4,-2E4;0"),
+        ("*TRG;:FUNCtion?;*ESR?", "1E4,-2E4;RX;0"),
         ("*ESR?", "0"),
+        (":FUNCtion ZTD;*ESR?", "0"),
         (":FREQuency 2.0000E+03;*ESR?", "0"),
         (":TRIGger:SOURce INTERNAL;*ESR?", "0"),
     ]
