@@ -101,7 +101,7 @@ class WordFormat:
 
 @dataclass(frozen=True)
 class RegisterFormat:
-    """`count` registers of eight bits."""
+    """`count` registers of eight bits. Further ones of a model are left out if they are 0."""
 
     count: int
 
@@ -110,12 +110,15 @@ class RegisterFormat:
 
     def write(self, value: Any) -> str | None:
         """The numbers in digits, separated by commas."""
-        fits = len(value) == self.count and all(_is_number(each) for each in value)
+        fits = len(value) >= self.count and all(_is_number(each) for each in value)
         return ",".join(str(int(each)) for each in value) if fits else None
 
     def read(self, text: str) -> tuple[int, ...]:
         """The numbers."""
-        return tuple(int(each) for each in text.split(","))
+        numbers = [int(each) for each in text.split(",")]
+        while len(numbers) > self.count and not numbers[-1]:
+            numbers.pop()
+        return tuple(numbers)
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,12 @@ removed when the output is written.
 from __future__ import annotations
 
 import logging
+import math
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, suppress
 from dataclasses import asdict, dataclass, field, fields, replace
 from datetime import datetime
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -197,18 +199,19 @@ def differences(begun: RecordingHeader, requested: RecordingHeader) -> list[str]
     """Labels of the fields in which a request differs from the begun recording."""
     names = [*REQUESTED_FIELDS, *(["session"] if requested.session else [])]
     different = [name for name in names if getattr(begun, name) != getattr(requested, name)]
-    if _rounded(begun, requested):
-        different = [name for name in different if name not in ("frequencies", OPTIONAL_FIELD)]
+    different = [name for name in different if not _rounded(name, begun, requested)]
     return [FIELD_LABELS.get(name, name) for name in different]
 
 
-def _rounded(begun: RecordingHeader, requested: RecordingHeader) -> bool:
-    """True if the frequencies of a begun recording are requested ones that a meter rounded."""
-    if len(begun.frequencies) != len(requested.frequencies):
-        return False
-    pairs = dict(zip(requested.frequencies, begun.frequencies, strict=True))
-    near = all(abs(g / f - 1) <= MAX_ROUNDING for f, g in pairs.items())
-    return near and requested.at(pairs).of_each == begun.of_each
+def _rounded(name: str, begun: RecordingHeader, requested: RecordingHeader) -> bool:
+    """True for frequencies, if the begun ones are requested ones that a meter rounded."""
+    pairs = zip_longest(
+        [f for own in begun.by_interface.values() for f in own],
+        [f for own in requested.by_interface.values() for f in own],
+        fillvalue=math.inf,
+    )
+    near = all(abs(g / f - 1) <= MAX_ROUNDING for g, f in pairs)
+    return name in ("frequencies", OPTIONAL_FIELD) and near
 
 
 def _write(path: Path, content: dict[str, Any]) -> None:

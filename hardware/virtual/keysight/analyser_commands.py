@@ -15,7 +15,19 @@ from .e4990a import numbers_text
 from .error_queue import ILLEGAL_VALUE
 from .keysight_common_commands import operation_register
 from .keysight_corrections import correction_commands
-from .scpi_values import check_suffixes, integer, nr3, number, one_of, setting, switch, switch_text
+from .scpi_values import (
+    check_suffixes,
+    integer,
+    nr3,
+    number,
+    on_off,
+    one_of,
+    setting,
+    switch,
+    switch_text,
+    within,
+    word,
+)
 
 if TYPE_CHECKING:
     from .e4990a import VirtualE4990A
@@ -51,21 +63,8 @@ def _on_channel(act: Callable[..., Any]) -> Callable[..., Any]:
     return on_channel
 
 
-def _number(low: float, high: float, unit: str = "") -> Callable[[Any, str], float]:
-    return lambda meter, text: number(text, low, high, unit, clip=True)
-
-
 def _integer(low: int, high: int) -> Callable[[Any, str], int]:
     return lambda meter, text: integer(text, low, high, clip=True)
-
-
-def _word(*words: str) -> Callable[[Any, str], str]:
-    read = one_of(*words)
-    return lambda meter, text: read(text)
-
-
-def _switch(meter: VirtualE4990A, text: str) -> bool:
-    return switch(text)
 
 
 def _sweep_edge(name: str) -> Callable[..., None]:
@@ -154,8 +153,8 @@ SWEEP = (
         on_query=_on_channel(lambda meter: numbers_text(meter.settings.frequencies)),
     ),
     setting(":SENSe#:SWEep:POINts", "points", _integer(*POINTS)),
-    setting(":SENSe#:SWEep:TYPE", "sweep_type", _word("LINear", "LOGarithmic", "SEGMent")),
-    setting(":SENSe#:SWEep:DELay", "delay", _number(0.0, 30.0, "S"), nr3),
+    setting(":SENSe#:SWEep:TYPE", "sweep_type", word("LINear", "LOGarithmic", "SEGMent")),
+    setting(":SENSe#:SWEep:DELay", "delay", within(0.0, 30.0, "S", clip=True), nr3),
     MeterCommand(
         ":SENSe#:SEGMent:DATA",
         _on_channel(_set_segments),
@@ -173,22 +172,22 @@ SWEEP = (
         ),
     ),
     setting(":SENSe#:APERture[:TIME]", "time", _integer(1, 5)),
-    setting(":SENSe#:AVERage[:STATe]", "point_average", _switch, switch_text),
+    setting(":SENSe#:AVERage[:STATe]", "point_average", on_off, switch_text),
     setting(":SENSe#:AVERage:COUNt", "point_count", _integer(1, 999)),
-    setting(":CALCulate#:AVERage[:STATe]", "sweep_average", _switch, switch_text),
+    setting(":CALCulate#:AVERage[:STATe]", "sweep_average", on_off, switch_text),
     setting(":CALCulate#:AVERage:COUNt", "sweep_count", _integer(1, 999)),
     MeterCommand(":CALCulate#:AVERage:CLEar", _on_channel(_nothing), set_arguments=0),
-    setting(":SOURce#:MODE", "level", _word("VOLTage", "CURRent")),
-    setting(":SOURce#:VOLTage[:LEVel]", "voltage", _number(*VOLTAGE, "V"), nr3),
-    setting(":SOURce#:CURRent[:LEVel]", "current", _number(*CURRENT, "A"), nr3),
-    setting(":SOURce#:BIAS:STATe", "bias", _switch, switch_text),
+    setting(":SOURce#:MODE", "level", word("VOLTage", "CURRent")),
+    setting(":SOURce#:VOLTage[:LEVel]", "voltage", within(*VOLTAGE, "V", clip=True), nr3),
+    setting(":SOURce#:CURRent[:LEVel]", "current", within(*CURRENT, "A", clip=True), nr3),
+    setting(":SOURce#:BIAS:STATe", "bias", on_off, switch_text),
 )
 CORRECTIONS = (
-    setting(":SENSe#:CORRection2:OPEN", "open_correction", _switch, switch_text),
-    setting(":SENSe#:CORRection2:SHORt", "short_correction", _switch, switch_text),
-    setting(":SENSe#:CORRection2:LOAD", "load_correction", _switch, switch_text),
-    setting(":SENSe#:CORRection:COLLect:FPOints", "fixture_points", _word("FIXed", "USER")),
-    setting(":SENSe#:FIXTure:SELect", "fixture", _word("NONE", "ARBitrary")),
+    setting(":SENSe#:CORRection2:OPEN", "open_correction", on_off, switch_text),
+    setting(":SENSe#:CORRection2:SHORt", "short_correction", on_off, switch_text),
+    setting(":SENSe#:CORRection2:LOAD", "load_correction", on_off, switch_text),
+    setting(":SENSe#:CORRection:COLLect:FPOints", "fixture_points", word("FIXed", "USER")),
+    setting(":SENSe#:FIXTure:SELect", "fixture", word("NONE", "ARBitrary")),
     *correction_commands(
         *(f":SENSe#:CORRection2:COLLect:ACQuire:{kind}" for kind in ("OPEN", "SHORt", "LOAD"))
     ),
@@ -210,7 +209,7 @@ DATA = (
         on_query=_on_channel(lambda meter: meter.complex_data()),
     ),
     MeterCommand(":FORMat:DATA", _ascii_only, lambda meter: "ASC"),
-    setting(":FORMat:BORDer", "byte_order", _word("NORMal", "SWAPped")),
+    setting(":FORMat:BORDer", "byte_order", word("NORMal", "SWAPped")),
     MeterCommand(":DISPlay:WINDow#:TRACe#:Y[:SCALe]:AUTO", _nothing, set_arguments=0),
     MeterCommand(":DISPlay:ENABle", _nothing),
     MeterCommand(":DISPlay:CCLear", _nothing, set_arguments=0),
@@ -223,7 +222,7 @@ TRIGGERS = (
         lambda meter, text: meter.set_source(text),
         lambda meter: meter.settings.trigger,
     ),
-    setting(":TRIGger[:SEQuence]:AVERage", "average_trigger", _switch, switch_text),
+    setting(":TRIGger[:SEQuence]:AVERage", "average_trigger", on_off, switch_text),
     MeterCommand(":TRIGger[:SEQuence]:SINGle", lambda meter: meter.single(), set_arguments=0),
     MeterCommand(":TRIGger[:SEQuence][:IMMediate]", lambda meter: meter.trigger(), set_arguments=0),
     MeterCommand("*TRG", lambda meter: meter.bus_trigger(), set_arguments=0),

@@ -8,14 +8,25 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..language.meter_command import MeterCommand, all_forms, matched_word
 from ..language.parser import ExecutionError
 from .error_queue import ILLEGAL_VALUE, STALE_DATA, TOO_MUCH_DATA
 from .keysight_corrections import correction_commands, spot_commands
 from .lcr_settings import FUNCTIONS, fitting_range, rounded_frequency
-from .scpi_values import integer, nr3, number, one_of, setting, switch, switch_text
+from .scpi_values import (
+    integer,
+    nr3,
+    number,
+    on_off,
+    one_of,
+    setting,
+    switch,
+    switch_text,
+    within,
+    word,
+)
 
 if TYPE_CHECKING:
     from .e4980a import VirtualE4980A
@@ -48,33 +59,12 @@ def _current(meter: VirtualE4980A, text: str) -> float:
     return number(text, *meter.limits.current, "A")
 
 
-def _word(*words: str) -> Callable[[Any, str], str]:
-    read = one_of(*words)
-    return lambda meter, text: read(text)
-
-
-def _switch(meter: VirtualE4980A, text: str) -> bool:
-    return switch(text)
-
-
-def _seconds(high: float) -> Callable[[Any, str], float]:
-    return lambda meter, text: number(text, 0.0, high, "S")
-
-
-def _bias_voltage(meter: VirtualE4980A, text: str) -> float:
-    return number(text, -40.0, 40.0, "V")
-
-
-def _bias_current(meter: VirtualE4980A, text: str) -> float:
-    return number(text, -0.1, 0.1, "A")
-
-
 LISTED: dict[str, Callable[..., float]] = {
     "FREQ": _frequency,
     "VOLT": _voltage,
     "CURR": _current,
-    "BVOL": _bias_voltage,
-    "BCUR": _bias_current,
+    "BVOL": within(-40.0, 40.0, "V"),
+    "BCUR": within(-0.1, 0.1, "A"),
 }
 """Readers of the points of a list, by what varies."""
 
@@ -248,42 +238,42 @@ SETTINGS = (
     setting(":FREQuency[:CW]", "frequency", _frequency, nr3),
     _level(":VOLTage[:LEVel]", "VOLT", "voltage", _voltage),
     _level(":CURRent[:LEVel]", "CURR", "current", _current),
-    setting(":FUNCtion:IMPedance[:TYPE]", "function", _word(*FUNCTIONS)),
+    setting(":FUNCtion:IMPedance[:TYPE]", "function", word(*FUNCTIONS)),
     MeterCommand(
         ":FUNCtion:IMPedance:RANGe[:VALue]", _set_range, lambda meter: nr3(meter.settings.range)
     ),
-    setting(":FUNCtion:IMPedance:RANGe:AUTO", "auto_range", _switch, switch_text),
+    setting(":FUNCtion:IMPedance:RANGe:AUTO", "auto_range", on_off, switch_text),
     MeterCommand(
         ":APERture",
         _set_aperture,
         lambda meter: f"{meter.settings.aperture},{meter.settings.averaging}",
         set_arguments=(1, 2),
     ),
-    setting(":FUNCtion:DEV1:MODE", "deviation_1", _word("ABSolute", "PERCent", "OFF")),
-    setting(":FUNCtion:DEV2:MODE", "deviation_2", _word("ABSolute", "PERCent", "OFF")),
+    setting(":FUNCtion:DEV1:MODE", "deviation_1", word("ABSolute", "PERCent", "OFF")),
+    setting(":FUNCtion:DEV2:MODE", "deviation_2", word("ABSolute", "PERCent", "OFF")),
     _reference(0),
     _reference(1),
-    setting(":TRIGger:SOURce", "trigger", _word("INTernal", "HOLD", "EXTernal", "BUS")),
-    setting(":COMParator[:STATe]", "comparator", _switch, switch_text),
-    setting(":FORMat:ASCii:LONG", "long_format", _switch, switch_text),
+    setting(":TRIGger:SOURce", "trigger", word("INTernal", "HOLD", "EXTernal", "BUS")),
+    setting(":COMParator[:STATe]", "comparator", on_off, switch_text),
+    setting(":FORMat:ASCii:LONG", "long_format", on_off, switch_text),
     MeterCommand(
         ":FORMat[:DATA]", _set_format, lambda meter: meter.data_format, set_arguments=(1, 2)
     ),
-    setting(":AMPLitude:ALC", "level_control", _switch, switch_text),
-    setting(":BIAS:STATe", "bias", _switch, switch_text),
-    setting(":BIAS:VOLTage[:LEVel]", "bias_voltage", _bias_voltage, nr3),
-    setting(":BIAS:CURRent[:LEVel]", "bias_current", _bias_current, nr3),
-    setting(":BIAS:RANGe:AUTO", "bias_auto_range", _switch, switch_text),
-    setting(":OUTPut:HPOWer", "high_power", _switch, switch_text),
-    setting(":DISPlay:PAGE", "page", _word(*PAGES)),
-    setting(":DISPlay:ENABle", "display", _switch, switch_text),
-    setting(":CORRection:OPEN:STATe", "open_correction", _switch, switch_text),
-    setting(":CORRection:SHORt:STATe", "short_correction", _switch, switch_text),
-    setting(":CORRection:LOAD:STATe", "load_correction", _switch, switch_text),
-    setting(":CORRection:LOAD:TYPE", "load_type", _word(*FUNCTIONS)),
+    setting(":AMPLitude:ALC", "level_control", on_off, switch_text),
+    setting(":BIAS:STATe", "bias", on_off, switch_text),
+    setting(":BIAS:VOLTage[:LEVel]", "bias_voltage", LISTED["BVOL"], nr3),
+    setting(":BIAS:CURRent[:LEVel]", "bias_current", LISTED["BCUR"], nr3),
+    setting(":BIAS:RANGe:AUTO", "bias_auto_range", on_off, switch_text),
+    setting(":OUTPut:HPOWer", "high_power", on_off, switch_text),
+    setting(":DISPlay:PAGE", "page", word(*PAGES)),
+    setting(":DISPlay:ENABle", "display", on_off, switch_text),
+    setting(":CORRection:OPEN:STATe", "open_correction", on_off, switch_text),
+    setting(":CORRection:SHORt:STATe", "short_correction", on_off, switch_text),
+    setting(":CORRection:LOAD:STATe", "load_correction", on_off, switch_text),
+    setting(":CORRection:LOAD:TYPE", "load_type", word(*FUNCTIONS)),
     setting(":CORRection:LENGth", "length", _length),
-    setting(":CORRection:METHod", "method", _word("SINGle", "MULTi")),
-    setting(":LIST:MODE", "list_mode", _word("SEQuence", "STEPped")),
+    setting(":CORRection:METHod", "method", word("SINGle", "MULTi")),
+    setting(":LIST:MODE", "list_mode", word("SEQuence", "STEPped")),
     _list("FREQ", ":LIST:FREQuency"),
     _list("VOLT", ":LIST:VOLTage"),
     _list("CURR", ":LIST:CURRent"),
@@ -301,10 +291,10 @@ SETTINGS = (
 )
 DELAYS = {
     True: (
-        setting(":TRIGger:DELay", "step_delay", _seconds(999.0), nr3),
-        setting(":TRIGger:TDELay", "delay", _seconds(999.0), nr3),
+        setting(":TRIGger:DELay", "step_delay", within(0.0, 999.0, "S"), nr3),
+        setting(":TRIGger:TDELay", "delay", within(0.0, 999.0, "S"), nr3),
     ),
-    False: (setting(":TRIGger:DELay", "step_delay", _seconds(60.0), nr3),),
+    False: (setting(":TRIGger:DELay", "step_delay", within(0.0, 60.0, "S"), nr3),),
 }
 """Commands of delays, by whether the trigger has one of its own."""
 READINGS = (

@@ -88,6 +88,22 @@ def switch_text(value: bool) -> str:
     return str(int(value))
 
 
+def word(*words: str) -> Callable[[Any, str], str]:
+    """Reader of a setting that is one of these words, see `one_of`."""
+    read = one_of(*words)
+    return lambda meter, text: read(text)
+
+
+def on_off(meter: Any, text: str) -> bool:
+    """Reader of a setting that is a switch."""
+    return switch(text)
+
+
+def within(low: float, high: float, unit: str, clip: bool = False) -> Callable[[Any, str], float]:
+    """Reader of a setting that is a number, see `number`."""
+    return lambda meter, text: number(text, low, high, unit, clip)
+
+
 def setting(
     header: str, name: str, read: Callable[..., Any], show: Callable[[Any], str] = str
 ) -> MeterCommand:

@@ -189,6 +189,16 @@ def test_a_reading_of_other_quantities_is_none(script, items, told):
             IM3523(line, IDENTITY).read()
 
 
+def test_a_model_with_a_third_register_of_quantities_reads_and_is_put_back(script):
+    items = [(":MEASure:ITEM?", "1,2,4"), (":MEASure:ITEM 16,18;*ESR?", "0")]
+    read = (f"{READ};*ESR?", f"{GOOD};16,18,0;18;0")
+    with script(*items, read, (":MEASure:ITEM 1,2,4;*ESR?", "0")) as line:
+        meter = IM3536(line, IDENTITY)
+        before, meter.items = meter.items, (16, 18)
+        assert meter.read().Rs == 10e3
+        meter.items = before
+
+
 @pytest.mark.parametrize("code", [2, 3, 5])
 def test_a_doubtful_reading_is_kept_and_flagged(code):
     reading = parse_reading(f"{code}, 1.0E-09, 10.0E+03,-1.0E+03")
