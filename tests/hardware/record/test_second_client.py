@@ -92,14 +92,12 @@ def recorded(task, operator, pillow, show):
     return show.remarks
 
 
-def at(moments):
-    """Parameters: an instrument, a line of another client, and seeds of its moment."""
+def lines(*names):
+    """Parameters: an instrument, a line of another client, and the seed of its moment."""
     return [
-        pytest.param(case, line, seed, id=f"{case.model}-{line}-{seed}")
+        pytest.param(case, line, seed, id=f"{case.model}-{line}")
         for case in CASES
-        for lines, seeds in moments(case)
-        for line in lines
-        for seed in range(seeds)
+        for seed, line in enumerate(each for name in names for each in getattr(case, name))
     ]
 
 
@@ -116,9 +114,7 @@ def meddle_in_the_second_sweep(operator, meddler, seed):
     operator.press_skin = then
 
 
-@pytest.mark.parametrize(
-    ("case", "line", "seed"), at(lambda case: [(case.quantities, 2), (case.meddling, 1)])
-)
+@pytest.mark.parametrize(("case", "line", "seed"), lines("quantities", "meddling"))
 def test_a_setting_that_is_changed_is_restored_and_the_sweep_repeated(
     task, operator, pillow, show, instrument, case, line, meddler, seed
 ):
@@ -129,7 +125,7 @@ def test_a_setting_that_is_changed_is_restored_and_the_sweep_repeated(
     assert instrument.settings == case.found()
 
 
-@pytest.mark.parametrize(("case", "line", "seed"), at(lambda case: [(case.quantities, 2)]))
+@pytest.mark.parametrize(("case", "line", "seed"), lines("quantities"))
 def test_a_change_that_is_undone_at_once_leaves_no_wrong_sweep(
     task, operator, pillow, show, instrument, case, line, meddler, seed
 ):
@@ -140,7 +136,7 @@ def test_a_change_that_is_undone_at_once_leaves_no_wrong_sweep(
     assert instrument.settings == case.found()
 
 
-@pytest.mark.parametrize(("case", "line", "seed"), at(lambda case: [(case.quantities, 1)]))
+@pytest.mark.parametrize(("case", "line", "seed"), lines("quantities"))
 def test_quantities_that_are_changed_between_trigger_and_answer_cost_the_sweep(
     task, operator, pillow, show, instrument, case, line, seed, monkeypatch
 ):
