@@ -121,9 +121,10 @@ class MachineOperator:
 
     def again(self, failure: MeterError) -> bool:
         """True, after a pause, unless the repetitions are used up."""
-        self.show.end([str(failure)])
         if not self._count_repetition():
+            self.show.end([str(failure)])
             return False
+        self.show.end([f"{failure}; the sweep is measured again"])
         time.sleep(self.pause * 2 ** (self.repetitions - 1))
         return True
 

@@ -151,4 +151,5 @@ def test_quantities_that_are_changed_between_trigger_and_answer_cost_the_sweep(
     monkeypatch.setattr(type(instrument), "keep", keep_and_change)
     remarks = recorded(task, operator, pillow, show)
     assert len(remarks) == 1 and "check" in remarks[0]
+    assert remarks[0].endswith("the sweep is measured again")
     assert instrument.settings == case.found()
