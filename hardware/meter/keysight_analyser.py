@@ -13,7 +13,7 @@ from ...simulator.meters.accuracy_table import OUTPUT_RESISTANCE, AccuracyTable,
 from ...simulator.meters.meter_bands import METER_BANDS
 from ...simulator.sweeps import InputError
 from .errors import FailedReadingError
-from .keysight_meter import CORRECTION_SECONDS, KeysightMeter, reading_of, state_of, values_of
+from .keysight_meter import CORRECTION_SECONDS, KeysightMeter, reading_of, state_of
 from .keysight_settings import NumbersFormat, NumbersSetting
 from .meter_reading import MeterReading
 from .setting import MeterProperty, Setting
@@ -229,9 +229,9 @@ class E4990A(KeysightMeter):
         return self.talk.query("*OPC?", int, seconds=CORRECTION_SECONDS) == 1
 
 
-def _trace(answer: str, points: int) -> list[float]:
+def _trace(answer: str, points: int) -> tuple[float, ...]:
     """Values of a trace, one for each point. Raises ValueError for another number of them."""
-    found = values_of(answer)
+    found = NumbersFormat().read(answer)
     if len(found) != VALUES_OF_POINT * points:
         raise ValueError(answer)
     return found[::VALUES_OF_POINT]

@@ -127,8 +127,3 @@ def reading_of(
         raise ValueError(f"{R:g},{X:g}")
     Cp = parallel_capacitance(np.array([complex(R, X)]), np.array([frequency]))
     return MeterReading(float(Cp[0]), R, X, status)
-
-
-def values_of(text: str) -> list[float]:
-    """Numbers separated by commas. Raises ValueError."""
-    return [float(each) for each in text.split(",")]
