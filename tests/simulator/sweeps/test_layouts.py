@@ -124,6 +124,16 @@ def test_touchstone(imported):
         imported("# kHz S RI R 50", "1 0.5 x", name="a.s1p")
 
 
+@pytest.mark.parametrize("name", ["a.s1p", "a.s2p", "A.S1P"])
+def test_a_touchstone_runs_nothing(tmp_path, name):
+    pytest.importorskip("skrf")
+    folder = tmp_path / "owned"
+    (tmp_path / name).write_bytes(b"cposix\nmkdir\n(S'%s'\ntR." % str(folder).encode())
+    with pytest.raises(InputError, match="cannot be read as Touchstone"):
+        import_file(tmp_path / name)
+    assert not folder.exists()
+
+
 def test_touchstone_as_instruments_write_it():
     pytest.importorskip("skrf")
     sweeps = import_file(shared("cases", "15_names_of_instruments", "touchstone.s1p"))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import re
 from collections.abc import Iterator
 from pathlib import Path
@@ -43,21 +44,22 @@ def sources(path: Path) -> Iterator[Lines]:
 
 
 def _touchstone(path: Path) -> Lines:
-    """Frequency and impedance of a one-port, or of a part between two ports."""
-    require_packages(path, EXTRA, "skrf")
-    numbers = [
-        number
-        for lines in text_lines(path)
-        for number, text in lines
-        if re.match(r"\s*[-+.\d]", text)
-    ]
-    import skrf
+    """Frequency and impedance of a one-port, or of a part between two ports.
 
+    The library gets text: given a path, it would first load the file as a pickle.
+    """
+    require_packages(path, EXTRA, "skrf")
+    lines = next(text_lines(path))
+    numbers = [number for number, text in lines if re.match(r"\s*[-+.\d]", text)]
+    from skrf.io import Touchstone
+
+    content = io.StringIO("\n".join(text for _, text in lines))
+    content.name = path.name  # its ending tells Touchstone the number of ports
     try:
-        network = skrf.Network(str(path))
-        f, s, z0 = network.f, network.s, network.z0[:, 0]
-        ports = s.shape[1]
-        found = network.z[:, 0, 0] if ports == 1 else _between_ports(path, s, z0)
+        read = Touchstone(content)
+        f, s, z0 = read.f, read.s, read.z0[:, 0]
+        s11 = s[:, 0, 0]
+        found = z0 * (1 + s11) / (1 - s11) if s.shape[1] == 1 else _between_ports(path, s, z0)
         Z = np.asarray(found, dtype=np.complex128)
     except InputError:
         raise
