@@ -77,6 +77,7 @@ def open_zarr(path: Path) -> xr.Dataset:
     try:
         inputs.check_folder(path)
         sealed = check_store(path)
+        _check_codecs(path)
         inputs.check_arrays(path, _declared(path))
         stored = xr.open_zarr(path)
         _check_whole(path, [*map(str, stored.variables)] if sealed else kind_of(stored).names)
@@ -105,6 +106,14 @@ def _check_whole(path: Path, names: Iterable[str]) -> None:
         if name in names and array.nchunks_initialized < array.nchunks:
             present = f"{array.nchunks_initialized} of {array.nchunks} parts of `{name}`"
             raise InputError(f"{path}: cut off, holds {present}")
+
+
+def _check_codecs(path: Path) -> None:
+    """Raises InputError if an array is a pickle, which some versions of numcodecs would run."""
+    for name, array in _arrays(path):
+        codecs = (*array.filters, *array.compressors)
+        if any(getattr(codec, "codec_id", None) == "pickle" for codec in codecs):
+            raise InputError(f"{path}: `{name}` is a pickle, which may run anything; not read")
 
 
 def _declared(path: Path) -> Iterator[tuple[str, int, int, int]]:

@@ -11,14 +11,18 @@ import json
 import os
 import stat
 import tomllib
+import warnings
 import zipfile
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, TYPE_CHECKING, Any
 
 from .errors import InputError
 from .free_space import SHARE, free_memory
+
+if TYPE_CHECKING:
+    from PIL import Image
 
 MIB, GIB = 2**20, 2**30
 INTEGER_LIMIT = 2**63
@@ -41,6 +45,9 @@ MAP = InputKind("a map", 16 * MIB)
 """A CSV of 1000 x 1000 factors with 16 characters each."""
 PICTURE = InputKind("a picture", 256 * MIB)
 """64 million pixels of 16 bits and three colours, uncompressed."""
+PICTURES = ("PNG", "JPEG", "TIFF", "BMP")
+MAX_PIXELS = 2**26
+"""Largest number of pixels of a picture; each takes up to 8 bytes in memory."""
 MESH = InputKind("a mesh", 256 * MIB)
 """A few million triangles."""
 TABLE = InputKind("a table of sweeps", 512 * MIB)
@@ -94,6 +101,28 @@ def text(path: Path, kind: InputKind) -> str:
         return content(path, kind).decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: cannot be read: not text in UTF-8 ({error.reason})") from error
+
+
+def picture(path: Path) -> Image.Image:
+    """A picture that is not decoded yet; decoding raises OSError, ValueError or SyntaxError.
+
+    Raises InputError as `content`, for other formats than PICTURES, and for more than MAX_PIXELS.
+    """
+    from PIL import Image, UnidentifiedImageError
+
+    file = io.BytesIO(content(path, PICTURE))
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+            found = Image.open(file, formats=PICTURES)
+    except UnidentifiedImageError:
+        raise InputError(f"{path}: cannot be read as an image of {', '.join(PICTURES)}") from None
+    except Image.DecompressionBombError as error:
+        raise InputError(f"{path}: {error}; at most {MAX_PIXELS} pixels are read") from error
+    if found.width * found.height > MAX_PIXELS:
+        size = f"{found.width} x {found.height}"
+        raise InputError(f"{path}: has {size} pixels; at most {MAX_PIXELS} are read")
+    return found
 
 
 def tables(given: str) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...sweeps import InputError
+from ...sweeps import InputError, inputs
 from .episodes import Episode, EpisodePart
 
 ENDINGS = (".png", ".jpg", ".jpeg")
@@ -40,30 +40,23 @@ class CameraImages:
 
         Raises InputError for a file that is no image, or has another size than the first one.
         """
-        found = _pixels(path)
-        if found.shape[:2] != self.shape:
-            raise InputError(
-                f"{path}: has {_size_text(found.shape)} pixels, but the first image of "
-                f"{self.name} has {_size_text(self.shape)}"
-            )
-        return found
-
-
-def _pixels(path: Path) -> NDArray[np.uint8]:
-    from PIL import Image, UnidentifiedImageError
-
-    try:
-        with Image.open(path) as image:
-            return np.asarray(image.convert("RGB"))
-    except (UnidentifiedImageError, OSError, SyntaxError) as error:
-        raise InputError(f"{path}: cannot be read as an image: {error}") from error
+        with inputs.picture(path) as image:
+            if (image.height, image.width) != self.shape:
+                raise InputError(
+                    f"{path}: has {image.width} x {image.height} pixels, but the first image of "
+                    f"{self.name} has {self.shape[1]} x {self.shape[0]}"
+                )
+            try:
+                return np.asarray(image.convert("RGB"))
+            except (OSError, SyntaxError, ValueError) as error:
+                raise InputError(f"{path}: cannot be read as an image: {error}") from error
 
 
 def encoded(path: Path, pixels: NDArray[np.uint8]) -> dict[str, Any]:
     """An image as `datasets` stores it: the bytes of its file, as PNG if it is not in RGB."""
     from PIL import Image
 
-    with Image.open(path) as image:
+    with inputs.picture(path) as image:
         if image.mode == "RGB":
             return {"bytes": path.read_bytes(), "path": None}
     buffer = io.BytesIO()
@@ -88,8 +81,10 @@ def _camera(folder: Path, name: str, episodes: Sequence[Episode]) -> CameraImage
     if "/" in name or not name.isprintable():
         raise InputError(f"{folder}: the name of a camera must be printable")
     files = [file for episode in episodes for file in _images(folder, episode)]
-    rows, columns, _ = _pixels(files[0]).shape
-    return CameraImages(name, (rows, columns), tuple(files))
+    with inputs.picture(files[0]) as first:
+        shape = first.height, first.width
+    inputs.check_memory(folder, min(len(files), IMAGES_AT_ONCE) * 3 * shape[0] * shape[1])
+    return CameraImages(name, shape, tuple(files))
 
 
 def _images(folder: Path, episode: Episode) -> list[Path]:
@@ -106,7 +101,3 @@ def _images(folder: Path, episode: Episode) -> list[Path]:
             f"{episode.sweeps} sweeps; one image for each sweep is needed"
         )
     return found
-
-
-def _size_text(shape: Sequence[int]) -> str:
-    return f"{shape[1]} x {shape[0]}"

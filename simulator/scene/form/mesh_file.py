@@ -131,6 +131,8 @@ def _parsed(path: str) -> meshio.Mesh:
     if ending not in FORMATS:
         raise InputError(f"{path}: must end in {', '.join(FORMATS)}, got {ending!r}")
     require_packages(path, "mesh", "meshio")
+    if ending == ".inp":
+        _check_whole(path)
     import meshio
 
     quiet = io.StringIO()
@@ -141,6 +143,14 @@ def _parsed(path: str) -> meshio.Mesh:
         text = quiet.getvalue() if isinstance(error, SystemExit) else f"{error}"
         reason = " ".join(text.split()) or type(error).__name__
         raise InputError(f"{path}: cannot be read by meshio: {reason}") from error
+
+
+def _check_whole(path: str) -> None:
+    """Raises InputError if an Abaqus file includes others; meshio would open whatever it names."""
+    lines = inputs.content(Path(path), inputs.MESH).decode("latin-1").splitlines()
+    for number, line in enumerate(lines, 1):
+        if line.partition(",")[0].replace("*", "").strip().upper() == "INCLUDE":
+            raise InputError(f"{path}: line {number} includes another file; save the mesh as one")
 
 
 def _pieces(mesh: Any, patterns: dict[str, list[tuple[int, ...]]]) -> tuple[Integer, Integer]:

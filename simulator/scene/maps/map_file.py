@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import csv
-import io
-import warnings
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
@@ -19,13 +17,7 @@ from ..planar import shared
 from ..validation import Table, Whole, one_line
 from .factor_maps import MAX_VALUES, Factor
 
-if TYPE_CHECKING:
-    from PIL import Image
-
 Count = Annotated[Whole, Field(ge=1, le=MAX_VALUES)]
-PICTURES = ("PNG", "JPEG", "TIFF", "BMP")
-MAX_PIXELS = 2**26
-"""Largest number of pixels of a picture; each takes 8 bytes in memory."""
 MAPPED = {"top", "bottom", "foam"}
 
 
@@ -127,26 +119,9 @@ def _factor(cell: str, line: int, place: int) -> float:
     return value
 
 
-def _opened_picture(path: Path) -> Image.Image:
-    """Opens a picture without decoding it. Raises ValueError for more than MAX_PIXELS pixels."""
-    from PIL import Image
-
-    file = io.BytesIO(inputs.content(path, inputs.PICTURE))
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-            picture = Image.open(file, formats=PICTURES)
-    except Image.DecompressionBombError as error:
-        raise ValueError(f"{error}; at most {MAX_PIXELS} pixels are read") from error
-    if picture.width * picture.height > MAX_PIXELS:
-        size = f"{picture.width} x {picture.height}"
-        raise ValueError(f"has {size} pixels; at most {MAX_PIXELS} are read")
-    return picture
-
-
 def _picture(path: Path, map_file: MapFile) -> Real:
     assert map_file.low is not None and map_file.high is not None
-    with _opened_picture(path) as picture:
+    with inputs.picture(path) as picture:
         if picture.mode.startswith("I"):
             lightness = np.asarray(picture, dtype=np.float64) / np.iinfo(np.uint16).max
         else:

@@ -62,7 +62,7 @@ def test_large_pictures_are_reduced_to_means_on_request(mapped, tmp_path):
             for cell in ("x", "1_0", "٣", "nan", "inf")
         ),
         ("a.csv", "1,2\n", ["low = 1.0"], "low and high are for pictures"),
-        ("a.png", "no picture", ["low = 1.0", "high = 2.0"], "cannot be read: cannot identify"),
+        ("a.png", "no picture", ["low = 1.0", "high = 2.0"], "cannot be read as an image of PNG"),
         ("a.png", "", [], "low and high must be given"),
         ("a.png", "", ["low = 0.0", "high = 2.0"], "`low` must be from 1e-6 to 1e6"),
         ("a.csv", "1,2\n", ["rows = 129"], "`rows` must be <= 128, got 129"),

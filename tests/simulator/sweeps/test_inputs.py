@@ -1,7 +1,9 @@
 """Inputs are regular files of a bounded size: anything else is one line, at once."""
 
 import io
+import json
 import os
+import re
 import struct
 import zipfile
 import zlib
@@ -10,8 +12,12 @@ import numpy as np
 import pytest
 import xarray as xr
 from rcskin.localization.model.localizer_file import load
+from rcskin.simulator.dataset.exports.camera_images import cameras
+from rcskin.simulator.dataset.exports.episodes import Episode
+from rcskin.simulator.dataset.exports.export import export
+from rcskin.simulator.scene.form.mesh_file import read_surface
 from rcskin.simulator.scene.scene_files import BUILTIN, load_scene, parse_scene
-from rcskin.simulator.sweeps import InputError, inputs, read
+from rcskin.simulator.sweeps import InputError, inputs, read, write
 from rcskin.simulator.sweeps.digests import unsealed_json
 from rcskin.simulator.sweeps.imports import import_file
 from rcskin.simulator.sweeps.schema import session_names
@@ -139,6 +145,36 @@ def test_a_picture_of_too_many_pixels_is_not_decoded(tmp_path, side):
     assert "pixels" in refusal(load_scene, scene)
 
 
+@pytest.fixture
+def camera(tmp_path):
+    """A folder with two images of a camera."""
+    from PIL import Image
+
+    own = tmp_path / "camera_main_rgb/episode-000000"
+    own.mkdir(parents=True)
+    for name in ("0.png", "1.png"):
+        Image.fromarray(np.zeros((40, 40, 3), np.uint8)).save(own / name)
+    return own
+
+
+@pytest.mark.parametrize("name", ["0.png", "1.png"])
+@pytest.mark.parametrize("side", [9_000, 100_000])
+def test_a_camera_of_too_many_pixels_is_not_decoded(tmp_path, make_sweeps, camera, side, name):
+    write(make_sweeps(2), tmp_path / "data.nc")
+    (camera / name).write_bytes(png(side, side))
+
+    def exported(path):
+        export(path, tmp_path / "out.zarr", "tactile-zarr", [camera.parent])
+
+    assert re.search("pixels.* at most .*read", refusal(exported, tmp_path / "data.nc"))
+
+
+def test_images_of_a_camera_at_once_fit_into_memory(camera, monkeypatch):
+    monkeypatch.setattr(inputs, "free_memory", lambda: 1000)
+    with pytest.raises(InputError, match="camera_main_rgb: declares .* of numbers"):
+        cameras([camera.parent], [Episode(0, "0", 0, 2)])
+
+
 def test_other_formats_of_pictures_and_meshes_are_not_tried(tmp_path):
     from PIL import Image
 
@@ -149,6 +185,26 @@ def test_other_formats_of_pictures_and_meshes_are_not_tried(tmp_path):
     (tmp_path / "it.stl").touch()
     scene.write_text(text.replace("[skin]", '[skin]\nmesh = "it.stl"'), encoding="utf-8")
     assert "it.stl: must end in .msh, .vtk, .vtu, .inp, got '.stl'" in refusal(load_scene, scene)
+
+
+@pytest.mark.parametrize("keyword", ["*INCLUDE, INPUT=", "*include,input=", " * Include ,INPUT="])
+def test_a_mesh_that_includes_other_files_is_refused(tmp_path, keyword):
+    (tmp_path / "it.inp").write_text(f"*NODE\n1, 0, 0\n{keyword}other.inp\n", encoding="utf-8")
+    assert "it.inp: line 3 includes another file" in refusal(read_surface, tmp_path / "it.inp")
+
+
+@pytest.mark.parametrize("key", ["filters", "compressor"])
+def test_an_array_that_is_a_pickle_is_not_read(tmp_path, key):
+    """Some versions of numcodecs run it, as the last of two filters or as the compressor."""
+    import zarr
+
+    path, pickled = tmp_path / "a.zarr", {"id": "pickle", "protocol": 5}
+    group = zarr.open_group(path, mode="w", zarr_format=2)
+    group.create_array("press", shape=(1,), dtype="str", dimension_names=None)
+    stored = json.loads((path / "press/.zarray").read_text("utf-8"))
+    stored[key] = [*stored["filters"], pickled] if key == "filters" else pickled
+    (path / "press/.zarray").write_text(json.dumps(stored), "utf-8")
+    assert "`press` is a pickle, which may run anything; not read" in refusal(read, path)
 
 
 @pytest.mark.posix("Windows has no pipes in folders")
