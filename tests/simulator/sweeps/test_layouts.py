@@ -99,11 +99,20 @@ def test_a_file_that_two_rules_can_read_is_refused_with_both(imported):
         imported(*table, *fields(";"))
 
 
-def s_parameters(s, ports):
-    lines = ["! made by hand", "# kHz S RI R 50"]
-    for f, row in zip(F, s.reshape(len(F), -1), strict=True):
-        numbers = " ".join(f"{each.real!r} {each.imag!r}" for each in row.tolist())
-        lines.append(f"{f / 1e3:.9g} {numbers}")
+NUMBERS = {
+    "RI": lambda s: (s.real, s.imag),
+    "MA": lambda s: (abs(s), np.degrees(np.angle(s))),
+    "DB": lambda s: (20 * np.log10(abs(s)), np.degrees(np.angle(s))),
+}
+
+
+def touchstone(parameters, option="# kHz S RI R 50", above=(), digits=12):
+    """Lines of a Touchstone of parameters of shape (frequency, all of one line)."""
+    (form,) = {"RI", "MA", "DB"} & {*option.split()} or {"MA"}
+    lines = ["! made by hand", option, *above]
+    for f, row in zip(F, parameters.reshape(len(F), -1), strict=True):
+        numbers = [f"{n:.{digits}g}" for each in row for n in NUMBERS[form](each)]
+        lines.append(f"{f / 1e3:.9g} {' '.join(numbers)}")
     return lines
 
 
@@ -111,17 +120,153 @@ def two_ports(s11, s21):
     return np.stack([s11, s21, s21, s11], axis=1)
 
 
-def test_touchstone(imported):
+def in_series(Z):
+    return two_ports(Z / (Z + 100), 100 / (Z + 100))
+
+
+def to_ground(Z):
+    return two_ports(-50 / (2 * Z + 50), 2 * Z / (2 * Z + 50))
+
+
+S = (Z - 50) / (Z + 50)
+OF_VERSION_2 = ("[Number of Ports] 1", "[Number of Frequencies] 3", "[Network Data]")
+TOUCHSTONES = {
+    "one port": ("a.s1p", touchstone(S)),
+    "in series": ("a.s2p", touchstone(in_series(Z))),
+    "to ground": ("b.S2P", touchstone(to_ground(Z))),
+    "magnitude and angle": ("a.s2p", touchstone(in_series(Z), "# kHz S MA R 50")),
+    "decibels": ("a.s2p", touchstone(to_ground(Z), "# kHz S DB R 50")),
+    "no reference": ("a.s1p", touchstone(S, "# kHz S RI")),
+    "another reference": ("a.s1p", touchstone((Z - 75) / (Z + 75), "# kHz S RI R 75")),
+    "Z-parameters, normalized": ("a.s1p", touchstone(Z / 50, "# kHz Z RI R 50")),
+    "Y-parameters, to 1 ohm": ("a.s1p", touchstone(1 / Z, "# kHz Y MA R 1")),
+    "Y-parameters of two ports": (
+        "a.s2p",
+        touchstone(two_ports(1 / Z, -1 / Z), "# kHz Y RI R 1"),
+    ),
+    "Z-parameters of two ports": ("a.s2p", touchstone(two_ports(Z, Z), "# kHz Z RI R 1")),
+    "version 2": ("a.s1p", ["[Version] 2.0", *touchstone(S, above=OF_VERSION_2), "[End]"]),
+    "version 2, admittance": (
+        "a.s1p",
+        ["[Version] 2.0", *touchstone(1 / Z, "# kHz Y RI R 50", OF_VERSION_2), "[End]"],
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", TOUCHSTONES)
+def test_touchstone(imported, kind):
     pytest.importorskip("skrf")
-    check(imported(*s_parameters((Z - 50) / (Z + 50), 1), name="a.s1p"))
-    in_series = two_ports(Z / (Z + 100), 100 / (Z + 100))
-    check(imported(*s_parameters(in_series, 2), name="a.s2p"))
-    to_ground = two_ports(-50 / (2 * Z + 50), 2 * Z / (2 * Z + 50))
-    check(imported(*s_parameters(to_ground, 2), name="b.S2P"))
-    with pytest.raises(InputError, match=r"its two ports hold no single impedance: neither S11"):
-        imported(*s_parameters(two_ports(0.3 + 0 * Z, 0.3 + 0 * Z), 2), name="a.s2p")
-    with pytest.raises(InputError, match=r"cannot be read as Touchstone"):
-        imported("# kHz S RI R 50", "1 0.5 x", name="a.s1p")
+    name, lines = TOUCHSTONES[kind]
+    check(imported(*lines, name=name))
+
+
+NO_SINGLE = r"a\.s2p: its two ports hold no single impedance: S21 .*; save the port .* as \.s1p"
+REFUSED = {
+    "no part": ("a.s2p", touchstone(two_ports(0.3 + 0 * Z, 0.3 + 0 * Z)), NO_SINGLE),
+    "nothing at port 2": (
+        "a.s2p",
+        touchstone(np.stack([S, 0 * S, 0 * S, 0 * S + 1], 1)),
+        NO_SINGLE,
+    ),
+    "zeros beside S11": ("a.s2p", touchstone(two_ports(S, 0 * S)), NO_SINGLE),
+    "no text": ("a.s1p", ["# kHz S RI R 50", "1 0.5 x"], "cannot be read as Touchstone"),
+    "three ports": ("a.s3p", touchstone(np.zeros((3, 9))), "from one or two ports, got 3"),
+    "a million ports": ("a.s999999p", touchstone(S), "from one or two ports, got 999999"),
+    "ports declared": (
+        "a.s1p",
+        ["[Version] 2.0", "[Number of Ports] 99999", *touchstone(S)],
+        "from one or two ports, got 99999",
+    ),
+    "two references": ("a.s2p", touchstone(in_series(Z), "# kHz S RI R 50 75"), "one reference"),
+    "two references of version 2": (
+        "a.s2p",
+        ["[Version] 2.0", *touchstone(in_series(Z), above=("[Reference] 50 75",))],
+        "one reference",
+    ),
+    "complex reference": ("a.s1p", touchstone(S, "# kHz S RI R 50+1j"), "one reference imped"),
+    "no reference": ("a.s1p", touchstone(S, "# kHz S RI R 0"), "reference impedance, real and > 0"),
+    "Y-parameters, normalized": (
+        "a.s1p",
+        touchstone(50 / Z, "# kHz Y RI R 50"),
+        "Y-parameters of version 1 are read only if they are normalized to 1 ohm; save S- or Z-",
+    ),
+    "open everywhere": ("a.s1p", touchstone(0 * S + 1), "no line has a reading"),
+    "open between ports": (
+        "a.s2p",
+        touchstone(two_ports(0 * S + 1, 0 * S)),
+        "no line has a reading",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", REFUSED)
+def test_touchstone_without_an_impedance_is_refused(imported, kind):
+    pytest.importorskip("skrf")
+    name, lines, message = REFUSED[kind]
+    with pytest.raises(InputError, match=message):
+        imported(*lines, name=name)
+
+
+@pytest.mark.parametrize("option", ["# kHz S RI R 50", "# kHz S MA R 50", "# kHz S DB R 50"])
+@pytest.mark.parametrize("angle", [0, 360])
+def test_an_open_reading_of_a_touchstone_is_left_out(imported, option, angle):
+    pytest.importorskip("skrf")
+    lines = touchstone(S, option)
+    lines[3] = f"10 {0 if 'DB' in option else 1} {0 if 'RI' in option else angle}"
+    sweeps = imported(*lines, name="a.s1p")
+    assert sweeps.attrs["left_out"] == "line 4 (`Rs (ohm)` is no reading)"
+    np.testing.assert_allclose(impedance(sweeps)[0, 0], Z[[0, 2]], rtol=1e-9)
+
+
+@pytest.mark.parametrize("digits", [6, 9])
+@pytest.mark.parametrize("size", 10.0 ** np.arange(0, 8))
+def test_two_ports_of_any_impedance_are_told_apart(imported, size, digits):
+    """A part is read in series and to ground, or refused where digits do not tell its S11."""
+    pytest.importorskip("skrf")
+    part = size * np.exp(-0.6j) * np.array([1, 0.9, 0.5])
+    for form, name in ((in_series, "a.s2p"), (to_ground, "b.s2p")):
+        try:
+            found = impedance(imported(*touchstone(form(part), digits=digits), name=name))[0, 0]
+        except InputError as error:
+            assert "no single impedance" in str(error) and size == 1e7 and digits == 6
+        else:
+            np.testing.assert_allclose(found, part, rtol=0.2 if digits == 6 else 1e-3)
+
+
+@pytest.mark.parametrize("decibels", range(-120, -39, 10))
+@pytest.mark.parametrize("noise", [0, 1e-5, 1e-4])
+def test_crosstalk_of_a_one_port_is_no_part_in_series(imported, decibels, noise):
+    pytest.importorskip("skrf")
+    random = np.random.default_rng(0)
+    for size in 10.0 ** np.arange(1, 7.1, 0.5):
+        part = size * np.exp(-0.6j) * np.array([1, 0.6, 0.2])
+        s11, leak = (part - 50) / (part + 50), 0 * part + 10 ** (decibels / 20)
+        s = np.stack([s11, leak, leak, 0 * part + 1], axis=1)
+        s = s + noise * (random.normal(size=s.shape) + 1j * random.normal(size=s.shape))
+        with pytest.raises(InputError, match=NO_SINGLE):
+            imported(*touchstone(s), name="a.s2p")
+
+
+@pytest.mark.parametrize("size", [300, 3e3, 30e3])
+def test_a_part_between_the_ports_of_an_analyser_is_read_with_its_noise(imported, size):
+    """Noise of 1e-4 of S11, 1e-6 of S21, and impedances that fall as those of a skin."""
+    pytest.importorskip("skrf")
+    random = np.random.default_rng(0)
+    part = size / (1 + 1j * np.array([0.1, 1, 10]))
+    s = in_series(part)
+    s = s + [1e-4, 1e-6, 1e-6, 1e-4] * (
+        random.normal(size=s.shape) + 1j * random.normal(size=s.shape)
+    )
+    found = impedance(imported(*touchstone(s), name="a.s2p"))[0, 0]
+    np.testing.assert_allclose(found, part, rtol=5e-3)
+
+
+def test_a_one_port_in_a_file_for_two_is_refused_or_read_as_one():
+    pytest.importorskip("skrf")
+    one = impedance(import_file(shared("cases", "23_s2p_of_one_port", "reflection.s1p")))[0, 0]
+    assert np.abs(one[0] / (47795.5 - 458.0j) - 1) < 1e-5
+    with pytest.raises(InputError, match="no single impedance"):
+        import_file(shared("cases", "23_s2p_of_one_port", "reflection.s2p"))
 
 
 @pytest.mark.parametrize("name", ["a.s1p", "a.s2p", "A.S1P"])

@@ -21,10 +21,18 @@ BINARY = {
     ".xls": "a .xls is of an old format: save it as .xlsx or .csv",
 }
 WORKBOOKS = (".xlsx", ".xlsm")
-TOUCHSTONE = re.compile(r"\.s\d+p", re.IGNORECASE)
+TOUCHSTONE = re.compile(r"\.s(\d+)p", re.IGNORECASE)
+NUMBER_OF_PORTS = re.compile(r"^\s*\[number of ports\]\s*(\S+)", re.IGNORECASE | re.MULTILINE)
+SECOND_REFERENCE = re.compile(r"^\s*#[^!\n]*\sR\s+\S+[ \t]+[^\s!]", re.IGNORECASE | re.MULTILINE)
+ONE_REFERENCE = "must have one reference impedance, real and > 0 ohm"
 EXTRA = "formats"
-CONSISTENT = 0.05
-"""Largest deviation from 1 of the sum or difference of S11 and S21 of a part between two ports."""
+AGREEMENT = 0.1
+"""Largest deviation of S21 from what follows from S11, of the smaller of both: if a one-port with
+crosstalk passed for a part in series, its impedance would be wrong by no more."""
+REFLECTION_ERROR = 0.01
+"""Error of S11 of a calibrated analyser: a directivity of 40 dB."""
+OPEN = 1e-12
+"""Smallest |1 - S11| that is no rounding of 1."""
 
 
 def sources(path: Path) -> Iterator[Lines]:
@@ -50,46 +58,77 @@ def _touchstone(path: Path) -> Lines:
     """
     require_packages(path, EXTRA, "skrf")
     lines = next(text_lines(path))
-    numbers = [number for number, text in lines if re.match(r"\s*[-+.\d]", text)]
+    text = "\n".join(line for _, line in lines)
+    ports = NUMBER_OF_PORTS.search(text) or TOUCHSTONE.fullmatch(path.suffix)
+    if ports is None or ports[1] not in ("1", "2"):
+        raise InputError(f"{path}: Z is read from one or two ports, got {ports and ports[1][:9]}")
+    if SECOND_REFERENCE.search(text):  # some versions of the library ignore it
+        raise InputError(f"{path}: {ONE_REFERENCE}")
     from skrf.io import Touchstone
 
-    content = io.StringIO("\n".join(text for _, text in lines))
+    content = io.StringIO(text)
     content.name = path.name  # its ending tells Touchstone the number of ports
     try:
         read = Touchstone(content)
-        f, s, z0 = read.f, read.s, read.z0[:, 0]
-        s11 = s[:, 0, 0]
-        found = z0 * (1 + s11) / (1 - s11) if s.shape[1] == 1 else _between_ports(path, s, z0)
-        Z = np.asarray(found, dtype=np.complex128)
-    except InputError:
-        raise
     except Exception as error:
         reason = " ".join(str(error).split())[:200] or type(error).__name__
         raise InputError(f"{path}: cannot be read as Touchstone: {reason}") from error
-    if len(numbers) != len(f):
-        raise InputError(f"{path}: has {len(f)} frequencies in {len(numbers)} lines of numbers")
-    readings = zip(f.tolist(), Z.real.tolist(), Z.imag.tolist(), strict=True)
+    numbers = [number for number, line in lines if re.match(r"\s*[-+.\d]", line)]
+    if len(numbers) != len(read.f):
+        lengths = f"{len(read.f)} frequencies in {len(numbers)} lines of numbers"
+        raise InputError(f"{path}: has {lengths}")
+    Z = _impedance(path, read)
+    readings = zip(read.f.tolist(), Z.real.tolist(), Z.imag.tolist(), strict=True)
     rows = ["\t".join(map(repr, reading)) for reading in readings]
     return [(max(numbers[0] - 1, 1), "f (Hz)\tRs (ohm)\tX (ohm)"), *zip(numbers, rows, strict=True)]
 
 
-def _between_ports(path: Path, s: Complex, z0: Complex) -> Complex:
+def _impedance(path: Path, read: Any) -> Complex:
+    """Impedance of what a Touchstone holds, ohm; NaN where the part is open, as of S11 = 1."""
+    s11, z0 = read.s[:, 0, 0], np.real(read.z0[:, 0])
+    if (read.z0 != z0[:, np.newaxis]).any() or not (np.isfinite(z0) & (z0 > 0)).all():
+        raise InputError(f"{path}: {ONE_REFERENCE}")
+    if read.parameter in "ygh" and read.version == "1.0" and (z0 != 1).any():
+        raise InputError(
+            f"{path}: {read.parameter.upper()}-parameters of version 1 are read only if they are "
+            "normalized to 1 ohm; save S- or Z-parameters"
+        )
+    with np.errstate(divide="ignore", invalid="ignore"):
+        if read.s.shape[1] == 2:
+            Z = z0 * _between_ports(path, s11, read.s[:, 1, 0])
+        else:
+            Z = np.where(np.abs(1 - s11) < OPEN, np.nan, z0 * (1 + s11) / (1 - s11))
+    return np.where(np.isfinite(Z), Z, complex(np.nan, np.nan))
+
+
+def _between_ports(path: Path, s11: Complex, s21: Complex) -> Complex:
     """Impedance of a part between two ports or from both to ground, whichever the file holds.
 
-    In series S11 + S21 = 1 and Z = 2 z0 S11 / S21; to ground S21 - S11 = 1 and
-    Z = -z0 S21 / (2 S11). s: shape (frequency, port, port). z0: ohm, shape (frequency,).
+    In series S21 = 1 - S11 and Z = 2 S11 / S21; to ground S21 = 1 + S11 and Z = -S21 / (2 S11), in
+    units of the reference impedance.
     """
-    if s.shape[1] > 2:
-        raise InputError(f"{path}: has {s.shape[1]} ports; Z is read from one or two")
-    s11, s21 = s[:, 0, 0], s[:, 1, 0]
-    in_series = bool((np.abs(s11 + s21 - 1) < CONSISTENT).all())
-    to_ground = bool((np.abs(s21 - s11 - 1) < CONSISTENT).all())
-    if in_series == to_ground:
-        raise InputError(
-            f"{path}: its two ports hold no single impedance: neither S11 + S21 (a part between "
-            "the ports) nor S21 - S11 (a part to ground) is 1; save one port as .s1p"
-        )
-    return 2 * z0 * s11 / s21 if in_series else -z0 * s21 / (2 * s11)
+    if _follows(1 - s11, s21, s11):
+        return 2 * s11 / s21
+    if _follows(1 + s11, s21, s11):
+        return -s21 / (2 * s11)
+    raise InputError(
+        f"{path}: its two ports hold no single impedance: S21 is neither 1 - S11 (a part between "
+        "the ports) nor 1 + S11 (a part to ground) within 10 % of the smaller; save the port with "
+        "the part as .s1p"
+    )
+
+
+def _follows(expected: Complex, s21: Complex, s11: Complex) -> bool:
+    """Whether S21 is as expected, within AGREEMENT of what determines the impedance.
+
+    That is the smaller of S11 and S21: a part of 1 Mohm in series has S21 = 1e-4, and so has what
+    leaks to an open port. Where it is S21, one reading may deviate by the error of S11 as well.
+    """
+    smaller = np.minimum(np.abs(s11), np.abs(s21))
+    error = np.where(np.abs(s21) < np.abs(s11), REFLECTION_ERROR, 0.0)
+    deviation = np.abs(s21 - expected)
+    whole = np.linalg.norm(deviation) <= AGREEMENT * np.linalg.norm(smaller)
+    return bool(whole and (deviation <= AGREEMENT * smaller + error).all())
 
 
 def _sheets(path: Path) -> Iterator[Lines]:
