@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .errors import InputError
-from .optional_packages import require_packages
+from .importing.tables.columns import spelled, unit_factor
 from .reading_quantities import DESCRIBED
 from .sweep_table import DIMENSIONS
 
@@ -17,19 +16,17 @@ if TYPE_CHECKING:
     import xarray as xr
 
 UNITS = {"frequency": "Hz", **{name: each.units for name, each in DESCRIBED.items()}}
-OHM = re.compile(r"ohms?|Ω|Ω", re.IGNORECASE)
 
 
 def conventional(sweeps: xr.Dataset, path: Path) -> xr.Dataset:
     """The sweeps in SI units, with the dimensions of quantities in the order of DIMENSIONS.
 
-    Raises InputError for a unit that is none of the quantity, or if the library that converts
-    units is not installed.
+    Raises InputError for a unit that is none of the quantity's in `importing.tables.columns`.
     """
     for name, unit in UNITS.items():
         if name not in sweeps.variables:
             continue
-        given = OHM.sub("ohm", str(sweeps[name].attrs.get("units", unit)))
+        given = spelled(str(sweeps[name].attrs.get("units", unit)))
         if given != unit:
             values = sweeps[name].values * _factor(name, given, unit, path)
             if name == "frequency":
@@ -46,11 +43,14 @@ def conventional(sweeps: xr.Dataset, path: Path) -> xr.Dataset:
 
 def _factor(name: str, given: str, unit: str, path: Path) -> float:
     """The factor from a given unit to another; raises InputError if there is none."""
-    require_packages(f"{path}: `{name}` in {given}", "formats", "pint")
-    import pint
+    quantity = name.removesuffix("_error").replace("_", " ")
+    factor = None if _may_be_milli_or_mega(given, unit) else unit_factor(quantity, given)
+    if factor is None:
+        raise InputError(f"{path}: `{name}` must be in {unit}, got {given[:40]!r}")
+    return factor
 
-    try:
-        return float(pint.UnitRegistry().Quantity(1.0, given).to(unit).magnitude)
-    except Exception as error:
-        reason = " ".join(str(error).split())[:120]
-        raise InputError(f"{path}: `{name}` must be in {unit}, got {given!r}: {reason}") from error
+
+def _may_be_milli_or_mega(given: str, unit: str) -> bool:
+    """Whether a unit begins with m or M but ignores case: `mhz`, `MOHM`."""
+    plain = unit.lower() if given.islower() else unit.upper() if given.isupper() else unit
+    return given[:1] in ("m", "M") and plain != unit

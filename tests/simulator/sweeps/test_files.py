@@ -251,6 +251,7 @@ def saved_again(sweeps, path, change):
         ("X", 1e-3, "mohm"),
         ("Cp", 1e-12, "pF"),
         ("frequency", 1e3, "kHz"),
+        ("frequency", 1 / (2 * np.pi), "rad/s"),
     ],
 )
 def test_units_of_other_programs_are_converted(make_sweeps, tmp_path, name, factor, unit):
@@ -262,13 +263,27 @@ def test_units_of_other_programs_are_converted(make_sweeps, tmp_path, name, fact
     assert found[name].attrs["units"] == make_sweeps()[name].attrs["units"]
 
 
-@pytest.mark.parametrize("unit", ["m", "kilos", "ohm ohm", "1/0"])
+@pytest.mark.parametrize(
+    "unit",
+    ["m", "kilos", "ohm ohm", "1/0", "10**10**10*ohm", "2 kohm", "kohm*pF/pF", "MOHM", "a" * 10**6],
+)
 def test_units_of_other_quantities_are_refused(make_sweeps, tmp_path, unit):
     with pytest.raises(InputError, match=r"all\.nc: `Rs` must be in ohm, got '"):
         saved_again(
             make_sweeps(),
             tmp_path / "all.nc",
             lambda sweeps: sweeps.assign(Rs=sweeps["Rs"].assign_attrs(units=unit)),
+        )
+
+
+def test_a_unit_without_case_may_be_milli_or_mega(make_sweeps, tmp_path):
+    with pytest.raises(InputError, match="`frequency` must be in Hz, got 'mhz'"):
+        saved_again(
+            make_sweeps(),
+            tmp_path / "all.nc",
+            lambda sweeps: sweeps.assign_coords(
+                frequency=sweeps["frequency"].assign_attrs(units="mhz")
+            ),
         )
 
 
