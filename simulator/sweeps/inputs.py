@@ -160,15 +160,16 @@ def check_memory(path: Path, size: int) -> None:
         )
 
 
-def check_archive(path: Path, file: IO[bytes]) -> None:
-    """Raises InputError if a ZIP archive unpacks to more than the limit of a model.
+def check_archive(path: Path, file: IO[bytes], kind: InputKind | None = None) -> None:
+    """Raises InputError if a ZIP archive unpacks to more than the limit of its kind, a model's.
 
     path: named in errors only. Raises zipfile.BadZipFile if it is no archive.
     """
     with zipfile.ZipFile(file) as archive:
         size = sum(each.file_size for each in archive.infolist())
-    if size > min(MODEL.max_bytes, SHARE * free_memory()):
-        raise InputError(f"{path}: unpacks to {size / GIB:.3g} GiB; {_limit_text(MODEL)}")
+    kind = kind or MODEL
+    if size > min(kind.max_bytes, SHARE * free_memory()):
+        raise InputError(f"{path}: unpacks to {size / GIB:.3g} GiB; {_limit_text(kind)}")
 
 
 def check_folder(path: Path) -> None:

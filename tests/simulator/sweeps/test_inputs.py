@@ -5,6 +5,7 @@ import json
 import os
 import re
 import struct
+import tracemalloc
 import zipfile
 import zlib
 
@@ -187,6 +188,92 @@ def test_other_formats_of_pictures_and_meshes_are_not_tried(tmp_path):
     assert "it.stl: must end in .msh, .vtk, .vtu, .inp, got '.stl'" in refusal(load_scene, scene)
 
 
+SHEET, SHARED, TYPES = "xl/worksheets/sheet1.xml", "xl/sharedStrings.xml", "[Content_Types].xml"
+SPREADSHEETS = "application/vnd.openxmlformats-officedocument.spreadsheetml"
+SHARED_TYPE = f'<Override PartName="/{SHARED}" ContentType="{SPREADSHEETS}.sharedStrings+xml"/>'
+
+
+def spoilt_workbook(path, rows="", behind="", above="", dimension="A1:C3", shared=""):
+    """A workbook of two readings with more rows, other parts and texts in its archive."""
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    for row in (["f (Hz)", "Rs (ohm)", "X (ohm)"], [100, 3, -5], [1000, 2, -3]):
+        book.active.append(row)
+    book.save(path)
+    with zipfile.ZipFile(path) as archive:
+        parts = {name: archive.read(name).decode() for name in archive.namelist()}
+    sheet = parts[SHEET].replace("</sheetData>", f"{rows}</sheetData>{behind}")
+    parts[SHEET] = above + sheet.replace("A1:C3", dimension)
+    if shared:
+        parts[SHARED] = (
+            f'<sst xmlns="http://schemas.openxmlformats.org/spreadsheetml/2006/main">{shared}</sst>'
+        )
+        parts[TYPES] = parts[TYPES].replace("</Types>", f"{SHARED_TYPE}</Types>")
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, text in parts.items():
+            archive.writestr(name, text)
+    return path
+
+
+def cell(place):
+    row = "".join(filter(str.isdigit, place))
+    return f'<row r="{row}"><c r="{place}"><v>1</v></c></row>'
+
+
+HOSTILE_WORKBOOKS = {
+    "cells in the corners": ({"rows": cell("XFD4") + cell("A1048576")}, "line 4: has 16384 cells"),
+    "a row beyond all": ({"rows": cell("A99999999999")}, "row 1048577: .*save the table alone"),
+    "a column beyond all": ({"rows": cell("ZZZZZZZ4")}, "cannot be read as a workbook"),
+    "wide rows": (
+        {"rows": "".join(cell(f"XFD{row}") for row in range(4, 1000))},
+        "row 259: a workbook is read up to",
+    ),
+    "one row of cells": (
+        {"rows": f"<row>{'<c/>' * 10**6}</row>"},
+        "sheet1.xml unpacks to too much",
+    ),
+    "texts that are shared": ({"shared": "<si/>" * 10**6}, "Strings.xml unpacks to too much"),
+    "a long text": ({"behind": "x" * 10**8}, "sheet1.xml unpacks to too much"),
+    "a long text in many cells": (
+        {
+            "shared": f"<si><t>{'xyz' * 30_000}</t></si>",
+            "rows": '<row r="4"><c r="A4" t="s"><v>0</v></c></row>',
+        },
+        "cell A4 has 90000 characters",
+    ),
+    "texts that multiply": (
+        {"above": '<!DOCTYPE x [<!ENTITY a "aaaaaaaaaa">]>', "behind": "&a;"},
+        "sheet1.xml has a document type",
+    ),
+}
+
+
+@pytest.mark.parametrize("kind", HOSTILE_WORKBOOKS)
+def test_a_workbook_takes_no_more_memory_than_a_table(tmp_path, kind):
+    changes, message = HOSTILE_WORKBOOKS[kind]
+    path = spoilt_workbook(tmp_path / "a.xlsx", **changes)
+    tracemalloc.start()
+    try:
+        assert re.search(message, refusal(import_file, path))
+        assert tracemalloc.get_traced_memory()[1] < 200 * 2**20
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"dimension": "A1:XFD1048576"},
+        {"dimension": "A1:A1"},
+        {"behind": '<mergeCells count="1"><mergeCell ref="A4:XFD1048576"/></mergeCells>'},
+        {"rows": '<row r="1048576"/>'},
+    ],
+)
+def test_what_a_workbook_says_of_its_size_is_not_believed(tmp_path, changes):
+    path = spoilt_workbook(tmp_path / "a.xlsx", **changes)
+    assert import_file(path)["Rs"].values.tolist() == [[[3.0, 2.0]]]
+
+
 @pytest.mark.parametrize("keyword", ["*INCLUDE, INPUT=", "*include,input=", " * Include ,INPUT="])
 def test_a_mesh_that_includes_other_files_is_refused(tmp_path, keyword):
     (tmp_path / "it.inp").write_text(f"*NODE\n1, 0, 0\n{keyword}other.inp\n", encoding="utf-8")
@@ -215,6 +302,12 @@ def test_nothing_in_a_zarr_folder_is_a_pipe_or_a_link(tmp_path):
 
 
 DEEP = "[" * 100_000
+
+
+@pytest.mark.parametrize("blank", ["\t", " ", " /"])
+def test_a_long_line_of_blanks_is_split_at_once(tmp_path, blank):
+    (tmp_path / "a.txt").write_text(f"f (Hz){blank * 400_000}Rs X\n100 1 2\n", encoding="utf-8")
+    assert "a.txt: " in refusal(import_file, tmp_path / "a.txt")
 
 
 @pytest.mark.parametrize("reader", [read, import_file])

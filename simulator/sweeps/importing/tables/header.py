@@ -12,6 +12,8 @@ from .text_lines import ALL_SEPARATORS, header_cells, is_comment, line_cells, tr
 
 MAX_SHOWN = 40
 """Number of characters shown of a line."""
+LONGEST_NAME = 300
+"""Number of characters up to which a name is understood."""
 
 DIGITS_ONLY = re.compile(r"(?=.*\d)[\d\s.,;+\-eEdD'\"]+")
 """A line of numbers, even if it cannot be split into them."""
@@ -48,7 +50,7 @@ class Scan:
 
 def recognised_all(names: list[str]) -> list[Column]:
     """The recognized columns of a header."""
-    found = (recognised(name, place) for place, name in enumerate(names))
+    found = (recognised(n, place) for place, n in enumerate(names) if len(n) <= LONGEST_NAME)
     return [column for column in found if column is not None]
 
 

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import io
 import re
+import warnings
+import zipfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 
@@ -31,6 +33,17 @@ AGREEMENT = 0.1
 crosstalk passed for a part in series, its impedance would be wrong by no more."""
 REFLECTION_ERROR = 0.01
 """Error of S11 of a calibrated analyser: a directivity of 40 dB."""
+MAX_ROWS, MAX_CELLS, MAX_TAGS = 2**20, 2**22, 2**24
+"""Largest numbers of rows of a sheet, and, of a workbook, of cells up to the last one of each row
+and of tags of XML; a cell has four."""
+UNPACKED_RATIO = 100
+"""Largest size of an unpacked workbook per packed byte; tables of numbers have 5 to 20."""
+TOO_LARGE = (
+    f"a workbook is read up to {MAX_ROWS} rows and {MAX_CELLS} cells; save the table alone, as .csv"
+)
+LONGEST_TEXT = 2**15
+"""Largest number of characters of a cell, as of Excel."""
+DOCTYPE = b"<!DOCTYPE"
 OPEN = 1e-12
 """Smallest |1 - S11| that is no rounding of 1."""
 
@@ -132,30 +145,71 @@ def _follows(expected: Complex, s21: Complex, s11: Complex) -> bool:
 
 
 def _sheets(path: Path) -> Iterator[Lines]:
-    """The sheets of a workbook as lines of cells."""
-    require_packages(path, EXTRA, "openpyxl")
-    import pandas as pd
+    """The sheets of a workbook as lines of cells; of empty lines in a row, the first.
 
+    Rows are read one by one, and counted before they take memory: a small file can place a cell in
+    the last row and another in the last column, name one long text in every cell, or be an archive
+    that unpacks to anything.
+    """
+    require_packages(path, EXTRA, "openpyxl")
+    import openpyxl
+
+    file = io.BytesIO(inputs.content(path, inputs.TABLE))
+    cells = 0
     try:
-        with inputs.check_input(path, inputs.TABLE).open("rb") as file:
-            inputs.check_archive(path, file)
-            file.seek(0)
-            sheets = pd.read_excel(
-                file, sheet_name=None, header=None, dtype=object, na_filter=False, engine="openpyxl"
-            )
+        inputs.check_archive(path, file, inputs.TABLE)
+        _check_xml(path, file)
+        with warnings.catch_warnings(action="ignore"):  # of styles and rules that openpyxl lacks
+            book = openpyxl.load_workbook(file, read_only=True, data_only=True, keep_links=False)
+            for sheet in book.worksheets:
+                sheet.reset_dimensions()  # they may lie
+                lines: Lines = []
+                for number, row in enumerate(sheet.iter_rows(), 1):
+                    cells += len(row)
+                    text = "\t".join(map(_cell, row)).rstrip("\t") if cells <= MAX_CELLS else ""
+                    if number > MAX_ROWS or cells > MAX_CELLS or len(text) > inputs.LINE:
+                        raise InputError(
+                            f"{path}: sheet {sheet.title!r}, row {number}: {TOO_LARGE}"
+                        )
+                    if text or (lines and lines[-1][1]):
+                        lines.append((number, text))
+                yield lines
     except InputError:
         raise
     except Exception as error:
         reason = " ".join(str(error).split())[:200] or type(error).__name__
         raise InputError(f"{path}: cannot be read as a workbook: {reason}") from error
-    for sheet in sheets.values():
-        rows = sheet.to_numpy().tolist()
-        yield [(n, "\t".join(map(_cell, row)).rstrip("\t")) for n, row in enumerate(rows, 1)]
 
 
-def _cell(value: Any) -> str:
-    """A cell as text; numbers with a point."""
+def _check_xml(path: Path, file: IO[bytes]) -> None:
+    """Raises InputError if the parts of a workbook unpack to too many bytes or tags.
+
+    Raises ValueError for a document type, by which texts may multiply.
+    """
+    packed, unpacked, tags = file.seek(0, 2), 0, 0
+    with zipfile.ZipFile(file) as archive:
+        for name in archive.namelist():
+            end = b""
+            with archive.open(name) as part:
+                for block in iter(lambda: part.read(inputs.MIB), b""):
+                    unpacked, tags = unpacked + len(block), tags + block.count(b"<")
+                    if unpacked > UNPACKED_RATIO * packed + inputs.MIB or tags > MAX_TAGS:
+                        raise InputError(f"{path}: {name} unpacks to too much; {TOO_LARGE}")
+                    plain = end + block.replace(b"\0", b"")  # of UTF-16
+                    if DOCTYPE in plain:
+                        raise ValueError(f"{name} has a document type")
+                    end = plain[1 - len(DOCTYPE) :]
+
+
+def _cell(cell: Any) -> str:
+    """A cell as text; numbers with a point, whole ones without."""
+    value = cell.value
     if value is None:
         return ""
-    text = repr(value) if isinstance(value, float) else str(value)
-    return " ".join(text.replace('"', "''").split())
+    if cell.data_type == "e":
+        return "nan"
+    if isinstance(value, str) and len(value) > LONGEST_TEXT:
+        raise ValueError(f"cell {cell.coordinate} has {len(value)} characters")
+    if isinstance(value, float):
+        value = int(value) if value.is_integer() else value
+    return " ".join(str(value).replace('"', "''").split())

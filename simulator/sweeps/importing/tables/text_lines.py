@@ -18,7 +18,7 @@ WIDE, SPACE = "  ", " "
 """Separators of at least two spaces, and of any space."""
 ALL_SEPARATORS = (*SEPARATORS, WIDE, SPACE)
 COMMENTS = "#%;!"
-GLUED = re.compile(r"\s+(?=[(\[/])|(?<=/)\s+")
+GLUED = re.compile(r"(?<!\s)\s+(?=[(\[/])|(?<=/)\s+")
 """Space between a name and its unit."""
 
 
