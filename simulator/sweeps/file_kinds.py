@@ -17,6 +17,7 @@ EXPECTED = {
     "sweeps": "sweeps are expected here: a .nc, .csv or .zarr",
     "model": "a model is expected here: a .skops, as rcskin train writes",
 }
+FOREIGN = "tables of instruments and other programs are read by rcskin import"
 
 
 def check_file_kind(path: Path, expected: str) -> None:

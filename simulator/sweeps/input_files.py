@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from . import inputs
 from .digests import check_store
 from .errors import InputError
-from .file_kinds import check_file_kind
+from .file_kinds import FOREIGN, check_file_kind
 from .formats.csv import read_csv
 from .formats.netcdf import DAMAGED, read_dataset
 from .optional_packages import require_packages
@@ -46,7 +46,7 @@ def read(path: str | Path) -> xr.Dataset:
     if path.suffix not in readers:
         check_file_kind(path, "sweeps")
         given = f"got {path.suffix!r}" if path.suffix else "got no ending"
-        raise InputError(f"{path}: sweeps are read from {', '.join(ENDINGS)}, {given}")
+        raise InputError(f"{path}: sweeps are read from {', '.join(ENDINGS)}, {given}; {FOREIGN}")
     if not path.exists():
         raise InputError(f"{path}: no such file")
     if path.suffix == ".zarr" and not path.is_dir():

@@ -20,6 +20,7 @@ from .. import inputs
 from ..csv_cells import CsvWriter, guarded_comment, unguarded
 from ..digests import OWN_KEYS, UNSEALED, check_text, seal_text
 from ..errors import InputError
+from ..file_kinds import FOREIGN
 from ..impedance import (
     UNRELATED,
     branch_reactance,
@@ -210,7 +211,8 @@ def _text(path: Path, content: bytes, above: int) -> pd.DataFrame:
             encoding="utf-8-sig",
         ).fillna("")
     except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
-        raise InputError(f"{path}: not a CSV of sweeps: {' '.join(str(error).split())}") from error
+        reason = " ".join(str(error).split())
+        raise InputError(f"{path}: not a CSV of sweeps: {reason}; {FOREIGN}") from error
     cells.index += above + 1
     cells = cells[(cells != "").any(axis=1)]
     table = cells.iloc[1:].set_axis([name.strip() for name in cells.iloc[0]], axis=1)
@@ -235,7 +237,8 @@ def _check_columns(path: Path, there: list[str]) -> None:
     if not gains and not {"X_ohm", "Cp_F"} & set(there):
         absent.append("X_ohm` or `Cp_F")
     if absent:
-        raise InputError(f"{path}: column `{absent[0]}` is missing; found {', '.join(there)}")
+        missing = f"column `{absent[0]}` is missing; found {', '.join(there)}"
+        raise InputError(f"{path}: {missing}; {FOREIGN}")
 
 
 def _numbers(path: Path, table: pd.DataFrame) -> pd.DataFrame:

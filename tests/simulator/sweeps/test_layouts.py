@@ -321,6 +321,35 @@ def test_workbooks(tmp_path):
         import_file(path)
 
 
-def test_binary_files_are_refused_with_what_to_do(imported):
-    with pytest.raises(InputError, match=r"a \.mpr is binary: export it as text \(\.mpt\) in EC-"):
-        imported("x", name="a.mpr")
+@pytest.mark.parametrize(
+    ("name", "advice"),
+    [
+        ("a.mpr", r"a \.mpr is binary: export it as text \(\.mpt\) in EC-Lab"),
+        ("a.pssession", "is a session of PSTrace: export its measurement as .csv there"),
+        ("a.mat", "is a file of MATLAB: save its columns as .csv there, by writetable"),
+        ("a.xls", "is no .xlsx: save it as .xlsx or .csv"),
+        *((f"a{ending}", "write its frequencies") for ending in (".h5", ".HDF5", ".pkl", ".npz")),
+        ("a.csv.gz", "is packed: unpack it"),
+    ],
+)
+def test_binary_files_are_refused_with_what_to_do(imported, name, advice):
+    with pytest.raises(InputError, match=advice):
+        imported("x", name=name)
+
+
+@pytest.mark.parametrize("name", ["a.csv", "a.txt", "a.mpt", "a.xlsx", "a.s1p", "a"])
+@pytest.mark.parametrize("above", [[], ["made by hand", "a; b; c; d; e; f"]])
+def test_commands_that_read_sweeps_name_import_for_tables_of_others(run, tmp_path, name, above):
+    (tmp_path / name).write_text("\n".join([*above, "f/Hz;Rs;X", "100;1;2", "200;1;2"]))
+    for command in (
+        ["localize", "any.skops"],
+        ["evaluate", "any.skops"],
+        ["adapt", "any.skops", "-o", tmp_path / "b.skops"],
+        ["train", "-o", tmp_path / "b.skops"],
+        ["calibrate", "strip-1x3"],
+        ["join", "-o", tmp_path / "b.nc"],
+        ["gap", "-o", tmp_path / "gap", tmp_path / name],
+        ["export", "-o", tmp_path / "b.mcap"],
+    ):
+        code, _, err = run(*command, tmp_path / name)
+        assert (code, err.count("\n")) == (2, 1) and "rcskin import" in err, (command, err)

@@ -18,10 +18,19 @@ from ...errors import InputError
 from ...optional_packages import require_packages
 from .text_lines import Lines, text_lines
 
+OTHERS = ("a file of another program", "write its frequencies and impedances as .csv there")
 BINARY = {
-    ".mpr": "a .mpr is binary: export it as text (.mpt) in EC-Lab",
-    ".xls": "a .xls is of an old format: save it as .xlsx or .csv",
+    ".mpr": ("binary", "export it as text (.mpt) in EC-Lab"),
+    ".pssession": ("a session of PSTrace", "export its measurement as .csv there"),
+    ".ism": ("binary", "save it as ASCII in Thales or Zahner Analysis"),
+    ".nox": ("binary", "export it as ASCII in NOVA"),
+    ".mat": ("a file of MATLAB", "save its columns as .csv there, by writetable"),
+    **dict.fromkeys((".xls", ".xlsb", ".ods"), ("no .xlsx", "save it as .xlsx or .csv")),
+    **dict.fromkeys((".h5", ".hdf5", ".hdf", ".tdms", ".parquet", ".feather"), OTHERS),
+    **dict.fromkeys((".pkl", ".pickle", ".joblib", ".npy", ".npz"), OTHERS),
+    **dict.fromkeys((".zip", ".gz", ".7z", ".xz", ".bz2"), ("packed", "unpack it")),
 }
+"""What a file of an ending is that is not read, and what to do."""
 WORKBOOKS = (".xlsx", ".xlsm")
 TOUCHSTONE = re.compile(r"\.s(\d+)p", re.IGNORECASE)
 NUMBER_OF_PORTS = re.compile(r"^\s*\[number of ports\]\s*(\S+)", re.IGNORECASE | re.MULTILINE)
@@ -55,7 +64,8 @@ def sources(path: Path) -> Iterator[Lines]:
     """
     suffix = path.suffix.lower()
     if suffix in BINARY:
-        raise InputError(f"{path}: {BINARY[suffix]}")
+        what, advice = BINARY[suffix]
+        raise InputError(f"{path}: a {suffix} is {what}: {advice}")
     if TOUCHSTONE.fullmatch(suffix):
         yield _touchstone(path)
     elif suffix in WORKBOOKS:
