@@ -97,7 +97,7 @@ def _touchstone(path: Path) -> Lines:
         reason = " ".join(str(error).split())[:200] or type(error).__name__
         raise InputError(f"{path}: cannot be read as Touchstone: {reason}") from error
     numbers = [number for number, line in lines if re.match(r"\s*[-+.\d]", line)]
-    if len(numbers) != len(read.f):
+    if not numbers or len(numbers) != len(read.f):
         lengths = f"{len(read.f)} frequencies in {len(numbers)} lines of numbers"
         raise InputError(f"{path}: has {lengths}")
     Z = _impedance(path, read)
