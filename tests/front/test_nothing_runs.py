@@ -207,7 +207,7 @@ def test_no_reader_runs_what_a_file_holds(name, tmp_path, monkeypatch):
     monkeypatch.setattr(array_cache, "folder", lambda: tmp_path / "cache")
     paths = []
     for ending in endings:
-        (tmp_path / f"folder{ending}").mkdir()
+        (tmp_path / f"folder{ending}").mkdir(exist_ok=True)  # .s2p is .S2P on some systems
         paths.append(tmp_path / f"folder{ending}")
         for number, content in enumerate(contents(tmp_path / "made").values()):
             path = tmp_path / f"file-{number}{ending}"
