@@ -108,14 +108,14 @@ def picture(path: Path) -> Image.Image:
 
     Raises InputError as `content`, for other formats than PICTURES, and for more than MAX_PIXELS.
     """
-    from PIL import Image, UnidentifiedImageError
+    from PIL import Image
 
     file = io.BytesIO(content(path, PICTURE))
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)
             found = Image.open(file, formats=PICTURES)
-    except UnidentifiedImageError:
+    except (OSError, SyntaxError, ValueError):
         raise InputError(f"{path}: cannot be read as an image of {', '.join(PICTURES)}") from None
     except Image.DecompressionBombError as error:
         raise InputError(f"{path}: {error}; at most {MAX_PIXELS} pixels are read") from error
@@ -160,16 +160,15 @@ def check_memory(path: Path, size: int) -> None:
         )
 
 
-def check_archive(path: Path, file: IO[bytes], kind: InputKind | None = None) -> None:
-    """Raises InputError if a ZIP archive unpacks to more than the limit of its kind, a model's.
+def check_archive(path: Path, file: IO[bytes]) -> None:
+    """Raises InputError if a ZIP archive unpacks to more than the limit of a model.
 
     path: named in errors only. Raises zipfile.BadZipFile if it is no archive.
     """
     with zipfile.ZipFile(file) as archive:
         size = sum(each.file_size for each in archive.infolist())
-    kind = kind or MODEL
-    if size > min(kind.max_bytes, SHARE * free_memory()):
-        raise InputError(f"{path}: unpacks to {size / GIB:.3g} GiB; {_limit_text(kind)}")
+    if size > min(MODEL.max_bytes, SHARE * free_memory()):
+        raise InputError(f"{path}: unpacks to {size / GIB:.3g} GiB; {_limit_text(MODEL)}")
 
 
 def check_folder(path: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import itertools
 import re
 import warnings
 import zipfile
@@ -82,9 +83,9 @@ def _touchstone(path: Path) -> Lines:
     require_packages(path, EXTRA, "skrf")
     lines = next(text_lines(path))
     text = "\n".join(line for _, line in lines)
-    ports = NUMBER_OF_PORTS.search(text) or TOUCHSTONE.fullmatch(path.suffix)
-    if ports is None or ports[1] not in ("1", "2"):
-        raise InputError(f"{path}: Z is read from one or two ports, got {ports and ports[1][:9]}")
+    ports = (NUMBER_OF_PORTS.findall(text) + TOUCHSTONE.findall(path.suffix))[0]
+    if ports not in ("1", "2"):
+        raise InputError(f"{path}: Z is read from one or two ports, got {ports[:9]}")
     if SECOND_REFERENCE.search(text):  # some versions of the library ignore it
         raise InputError(f"{path}: {ONE_REFERENCE}")
     from skrf.io import Touchstone
@@ -154,36 +155,22 @@ def _follows(expected: Complex, s21: Complex, s11: Complex) -> bool:
     return bool(whole and (deviation <= AGREEMENT * smaller + error).all())
 
 
-def _sheets(path: Path) -> Iterator[Lines]:
-    """The sheets of a workbook as lines of cells; of empty lines in a row, the first.
+def _sheets(path: Path) -> list[Lines]:
+    """The sheets of a workbook as lines of cells.
 
-    Rows are read one by one, and counted before they take memory: a small file can place a cell in
-    the last row and another in the last column, name one long text in every cell, or be an archive
-    that unpacks to anything.
+    A small file may place a cell in the last row and one in the last column, name one long text in
+    every cell, or unpack to anything; so rows are read one by one, and counted.
     """
     require_packages(path, EXTRA, "openpyxl")
     import openpyxl
 
     file = io.BytesIO(inputs.content(path, inputs.TABLE))
-    cells = 0
     try:
-        inputs.check_archive(path, file, inputs.TABLE)
         _check_xml(path, file)
         with warnings.catch_warnings(action="ignore"):  # of styles and rules that openpyxl lacks
             book = openpyxl.load_workbook(file, read_only=True, data_only=True, keep_links=False)
-            for sheet in book.worksheets:
-                sheet.reset_dimensions()  # they may lie
-                lines: Lines = []
-                for number, row in enumerate(sheet.iter_rows(), 1):
-                    cells += len(row)
-                    text = "\t".join(map(_cell, row)).rstrip("\t") if cells <= MAX_CELLS else ""
-                    if number > MAX_ROWS or cells > MAX_CELLS or len(text) > inputs.LINE:
-                        raise InputError(
-                            f"{path}: sheet {sheet.title!r}, row {number}: {TOO_LARGE}"
-                        )
-                    if text or (lines and lines[-1][1]):
-                        lines.append((number, text))
-                yield lines
+            cells = itertools.count(1)
+            return [_rows(path, sheet, cells) for sheet in book.worksheets]
     except InputError:
         raise
     except Exception as error:
@@ -191,19 +178,33 @@ def _sheets(path: Path) -> Iterator[Lines]:
         raise InputError(f"{path}: cannot be read as a workbook: {reason}") from error
 
 
+def _rows(path: Path, sheet: Any, cells: Iterator[int]) -> Lines:
+    """The rows of a sheet without repeated empty ones. cells: counts those of the workbook."""
+    sheet.reset_dimensions()  # the file may lie
+    lines: Lines = []
+    for number, row in enumerate(sheet.iter_rows(), 1):
+        text = "\t".join(_cell(cell) for cell in row if next(cells) <= MAX_CELLS).rstrip("\t")
+        if number > MAX_ROWS or next(cells) > MAX_CELLS or len(text) > inputs.LINE:
+            raise InputError(f"{path}: sheet {sheet.title!r}, row {number}: {TOO_LARGE}")
+        if text or (lines and lines[-1][1]):
+            lines.append((number, text))
+    return lines
+
+
 def _check_xml(path: Path, file: IO[bytes]) -> None:
     """Raises InputError if the parts of a workbook unpack to too many bytes or tags.
 
     Raises ValueError for a document type, by which texts may multiply.
     """
-    packed, unpacked, tags = file.seek(0, 2), 0, 0
+    limit = min(UNPACKED_RATIO * file.seek(0, 2) + inputs.MIB, inputs.TABLE.max_bytes)
+    unpacked = tags = 0
     with zipfile.ZipFile(file) as archive:
         for name in archive.namelist():
             end = b""
             with archive.open(name) as part:
                 for block in iter(lambda: part.read(inputs.MIB), b""):
                     unpacked, tags = unpacked + len(block), tags + block.count(b"<")
-                    if unpacked > UNPACKED_RATIO * packed + inputs.MIB or tags > MAX_TAGS:
+                    if unpacked > limit or tags > MAX_TAGS:
                         raise InputError(f"{path}: {name} unpacks to too much; {TOO_LARGE}")
                     plain = end + block.replace(b"\0", b"")  # of UTF-16
                     if DOCTYPE in plain:
@@ -220,6 +221,5 @@ def _cell(cell: Any) -> str:
         return "nan"
     if isinstance(value, str) and len(value) > LONGEST_TEXT:
         raise ValueError(f"cell {cell.coordinate} has {len(value)} characters")
-    if isinstance(value, float):
-        value = int(value) if value.is_integer() else value
+    value = int(value) if isinstance(value, float) and value.is_integer() else value
     return " ".join(str(value).replace('"', "''").split())
