@@ -218,6 +218,16 @@ def test_an_open_reading_of_a_touchstone_is_left_out(imported, option, angle):
     np.testing.assert_allclose(impedance(sweeps)[0, 0], Z[[0, 2]], rtol=1e-9)
 
 
+@pytest.mark.parametrize("form", [in_series, to_ground])
+def test_a_reading_of_two_ports_that_is_no_number_is_left_out(imported, form):
+    pytest.importorskip("skrf")
+    lines = touchstone(form(Z))
+    lines[3] = "10" + " nan" * 8
+    sweeps = imported(*lines, name="a.s2p")
+    assert sweeps.attrs["left_out"] == "line 4 (`Rs (ohm)` is no reading)"
+    np.testing.assert_allclose(impedance(sweeps)[0, 0], Z[[0, 2]], rtol=1e-9)
+
+
 @pytest.mark.parametrize("digits", [6, 9])
 @pytest.mark.parametrize("size", 10.0 ** np.arange(0, 8))
 def test_two_ports_of_any_impedance_are_told_apart(imported, size, digits):

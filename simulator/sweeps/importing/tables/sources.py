@@ -108,7 +108,7 @@ def _touchstone(path: Path) -> Lines:
 
 
 def _impedance(path: Path, read: Any) -> Complex:
-    """Impedance of what a Touchstone holds, ohm; NaN where the part is open, as of S11 = 1."""
+    """Impedance of what a Touchstone holds, ohm; NaN where it is open (S11 = 1) or not a number."""
     s11, z0 = read.s[:, 0, 0], np.real(read.z0[:, 0])
     if (read.z0 != z0[:, np.newaxis]).any() or not (np.isfinite(z0) & (z0 > 0)).all():
         raise InputError(f"{path}: {ONE_REFERENCE}")
@@ -117,11 +117,13 @@ def _impedance(path: Path, read: Any) -> Complex:
             f"{path}: {read.parameter.upper()}-parameters of version 1 are read only if they are "
             "normalized to 1 ohm; save S- or Z-parameters"
         )
+    Z, known = np.full(len(s11), complex(np.nan, np.nan)), np.isfinite(read.s).all(axis=(1, 2))
+    s11, z0 = s11[known], z0[known]
     with np.errstate(divide="ignore", invalid="ignore"):
         if read.s.shape[1] == 2:
-            Z = z0 * _between_ports(path, s11, read.s[:, 1, 0])
+            Z[known] = z0 * _between_ports(path, s11, read.s[known, 1, 0])
         else:
-            Z = np.where(np.abs(1 - s11) < OPEN, np.nan, z0 * (1 + s11) / (1 - s11))
+            Z[known] = np.where(np.abs(1 - s11) < OPEN, np.nan, z0 * (1 + s11) / (1 - s11))
     return np.where(np.isfinite(Z), Z, complex(np.nan, np.nan))
 
 
