@@ -150,7 +150,7 @@ def objects(given: str) -> Any:
         raise ValueError("lists or objects are nested too deep") from None
 
 
-def check_memory(path: Path, size: int) -> None:
+def check_memory(path: Path, size: float) -> None:
     """Raises InputError if the arrays of a file need more memory than is available."""
     most = min(SWEEPS.max_bytes, SHARE * free_memory())
     if size > most:

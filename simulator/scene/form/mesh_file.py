@@ -10,6 +10,8 @@ from __future__ import annotations
 import contextlib
 import functools
 import io
+import math
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,6 +29,8 @@ FORMATS = {".msh": "gmsh", ".vtk": "vtk", ".vtu": "vtu", ".inp": "abaqus"}
 """Names of formats in meshio by file ending."""
 MAX_GROUP_VALUES = 1000
 """Largest number of distinct whole numbers in element data that form groups."""
+BYTES_OF_POINT = 200
+"""Memory of a point of a grid, with its cells."""
 LINES = {"line": [(0, 1)], "line3": [(0, 2), (2, 1)]}
 CORNERS = [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)]
 TRIANGLES = {
@@ -131,8 +135,7 @@ def _parsed(path: str) -> meshio.Mesh:
     if ending not in FORMATS:
         raise InputError(f"{path}: must end in {', '.join(FORMATS)}, got {ending!r}")
     require_packages(path, "mesh", "meshio")
-    if ending == ".inp":
-        _check_whole(path)
+    _check_declared(Path(path), inputs.content(Path(path), inputs.MESH).decode("latin-1"), ending)
     import meshio
 
     quiet = io.StringIO()
@@ -145,12 +148,32 @@ def _parsed(path: str) -> meshio.Mesh:
         raise InputError(f"{path}: cannot be read by meshio: {reason}") from error
 
 
-def _check_whole(path: str) -> None:
-    """Raises InputError if an Abaqus file includes others; meshio would open whatever it names."""
-    lines = inputs.content(Path(path), inputs.MESH).decode("latin-1").splitlines()
-    for number, line in enumerate(lines, 1):
+def _check_declared(path: Path, text: str, ending: str) -> None:
+    """Raises InputError for a short text of more points of grids (VTK) or members of sets (Abaqus)
+    than memory holds, and as `_declared_members`."""
+    count = 0.0
+    if ending == ".vtk":
+        grids = re.findall(r"^\s*DIMENSIONS\s+(\d+)\s+(\d+)\s+(\d+)", text, re.I | re.M)
+        count = sum(math.prod(map(float, grid)) for grid in grids)
+    elif ending == ".inp":
+        count = _declared_members(path, text)
+    inputs.check_memory(path, BYTES_OF_POINT * count)
+
+
+def _declared_members(path: Path, text: str) -> float:
+    """Number of members of the sets that an Abaqus file gives by their first and last one.
+
+    Raises InputError if it includes another file; meshio would open whatever it names.
+    """
+    count, generated = 0.0, False
+    for number, line in enumerate(text.splitlines(), 1):
         if line.partition(",")[0].replace("*", "").strip().upper() == "INCLUDE":
             raise InputError(f"{path}: line {number} includes another file; save the mesh as one")
+        if line.lstrip().startswith("*"):
+            generated = "GENERATE" in line.upper()
+        elif generated and (ends := re.match(r"\s*(\d+)\s*,\s*(\d+)", line)):
+            count += max(float(ends[2]) - float(ends[1]), 0.0)
+    return count
 
 
 def _pieces(mesh: Any, patterns: dict[str, list[tuple[int, ...]]]) -> tuple[Integer, Integer]:

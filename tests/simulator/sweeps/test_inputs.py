@@ -280,6 +280,20 @@ def test_a_mesh_that_includes_other_files_is_refused(tmp_path, keyword):
     assert "it.inp: line 3 includes another file" in refusal(read_surface, tmp_path / "it.inp")
 
 
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [
+        ("a.vtk", "DATASET STRUCTURED_POINTS\nDIMENSIONS 5000 5000 5000\nORIGIN 0 0 0\n"),
+        ("b.vtk", "DATASET RECTILINEAR_GRID\n dimensions 99999999999 1 1\n"),
+        ("a.inp", "*NODE\n1, 0, 0\n*NSET, NSET=a, GENERATE\n1, 9000000000, 1\n"),
+        ("b.inp", "*NODE\n1, 0, 0\n*Elset, elset=a, generate\n1, 5\n  1,  9000000000\n"),
+    ],
+)
+def test_a_mesh_that_declares_much_is_refused(tmp_path, name, text):
+    (tmp_path / name).write_text(f"# vtk DataFile Version 3.0\nany\nASCII\n{text}", "utf-8")
+    assert "GiB of numbers" in refusal(read_surface, tmp_path / name)
+
+
 @pytest.mark.parametrize("key", ["filters", "compressor"])
 def test_an_array_that_is_a_pickle_is_not_read(tmp_path, key):
     """Some versions of numcodecs run it, as the last of two filters or as the compressor."""
