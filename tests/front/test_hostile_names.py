@@ -82,6 +82,8 @@ def faults(name, content):
         page = Reading()
         page.feed(text)
         return page.faults + [found[0] for found in SOURCE.finditer(text)]
+    if name.endswith(".md"):
+        return re.findall(r"(?<!\\)[<$*\[&].*", text.partition("Interfaces: ")[2]) + controls(text)
     if name.endswith(".csv"):
         return formulas(text) + controls(text)
     return controls(text)
@@ -128,6 +130,7 @@ QUICK = """
     join it.nc it.csv --session %s -o joined.nc
     export joined.nc -o joined.csv
     export it.nc -o it.parquet
+    export it.nc --format hugging-face -o card
     train it.nc it.nc it.nc it.nc it.nc it.nc --features Rs,Cp --estimator ksvm-ovo -o column.skops
     localize column.skops joined.csv
     localize column.skops joined.csv -o column.csv

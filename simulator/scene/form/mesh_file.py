@@ -10,6 +10,8 @@ from __future__ import annotations
 import contextlib
 import functools
 import io
+import math
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,6 +29,10 @@ FORMATS = {".msh": "gmsh", ".vtk": "vtk", ".vtu": "vtu", ".inp": "abaqus"}
 """Names of formats in meshio by file ending."""
 MAX_GROUP_VALUES = 1000
 """Largest number of distinct whole numbers in element data that form groups."""
+MAX_NUMBER, MAX_GRID = 10**8, 10**7
+"""Largest number of a node or an element, and of nodes in a grid that a file only declares."""
+LARGE_NUMBER = re.compile(rb"(?<![\w.+/=-])[1-9]\d{8,}(?![\w.+/=])")
+GRID = re.compile(rb"^\s*DIMENSIONS\s+(\d+)\s+(\d+)\s+(\d+)", re.MULTILINE | re.IGNORECASE)
 LINES = {"line": [(0, 1)], "line3": [(0, 2), (2, 1)]}
 CORNERS = [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)]
 TRIANGLES = {
@@ -75,7 +81,7 @@ def read_surface(path: str) -> MeshSurface:
     """Reads a mesh file; raises InputError if it cannot be read or has no triangles."""
     if not Path(path).exists():
         raise InputError(f"{path}: no such file, needed as `skin.mesh`")
-    inputs.check_input(Path(path), inputs.MESH)
+    _check_content(path, inputs.content(Path(path), inputs.MESH))
     mesh = _parsed(path)
     for block in mesh.cells:
         if block.type not in (*TRIANGLES, *LINES, "vertex"):
@@ -100,6 +106,27 @@ def read_surface(path: str) -> MeshSurface:
         {name: _members(cells, line_cells, line_same) for name, cells in groups.items()},
         {name: _members(cells, t_cells, t_same) for name, cells in groups.items()},
     )
+
+
+def _check_content(path: str, content: bytes) -> None:
+    """Raises InputError for a mesh that names other files, or numbers more than it can hold.
+
+    meshio would open the files, and reserve memory up to the largest number.
+    """
+    if path.lower().endswith(".inp"):
+        for line in content.splitlines():
+            keyword = line.partition(b",")[0].replace(b"*", b"").strip().upper()
+            if keyword == b"INCLUDE" and not line.startswith(b"**"):
+                raise InputError(f"{path}: names another file by *INCLUDE; write it into this one")
+    for found in LARGE_NUMBER.finditer(content):
+        if float(found[0]) > max(MAX_NUMBER, len(content)):
+            raise InputError(
+                f"{path}: has the number {found[0][:20].decode()}; nodes and elements must be "
+                f"numbered up to {MAX_NUMBER} at most"
+            )
+    for found in GRID.finditer(content):
+        if math.prod(map(float, found.groups())) > MAX_GRID:
+            raise InputError(f"{path}: declares a grid of more than {MAX_GRID} nodes")
 
 
 def foil_lines(surface: MeshSurface, group: str, source: str) -> Integer:

@@ -54,6 +54,15 @@ def test_large_pictures_are_reduced_to_means_on_request(mapped, tmp_path):
 @pytest.mark.parametrize(
     ("name", "content", "lines", "told"),
     [
+        *(
+            (
+                f"{start}evil/share/map.csv",
+                None,
+                [],
+                "names a file on another computer, .*: copy it",
+            )
+            for start in ("//", r"\\\\", r"/\\", r"\\/", "//?/UNC/")
+        ),
         ("none.csv", None, [], "`skin.top.map.path` .*none.csv: no such file"),
         ("a.csv", "1,2\n3\n", [], "must be lines of equally many numbers"),
         ("a.csv", "1,-2\n", [], "line 1, column 2: all factors must be finite and > 0, got '-2'"),
