@@ -81,7 +81,7 @@ def read_surface(path: str) -> MeshSurface:
     """Reads a mesh file; raises InputError if it cannot be read or has no triangles."""
     if not Path(path).exists():
         raise InputError(f"{path}: no such file, needed as `skin.mesh`")
-    _check_content(path, inputs.content(Path(path), inputs.MESH))
+    _check_numbers(path, inputs.content(Path(path), inputs.MESH))
     mesh = _parsed(path)
     for block in mesh.cells:
         if block.type not in (*TRIANGLES, *LINES, "vertex"):
@@ -108,16 +108,8 @@ def read_surface(path: str) -> MeshSurface:
     )
 
 
-def _check_content(path: str, content: bytes) -> None:
-    """Raises InputError for a mesh that names other files, or numbers more than it can hold.
-
-    meshio would open the files, and reserve memory up to the largest number.
-    """
-    if path.lower().endswith(".inp"):
-        for line in content.splitlines():
-            keyword = line.partition(b",")[0].replace(b"*", b"").strip().upper()
-            if keyword == b"INCLUDE" and not line.startswith(b"**"):
-                raise InputError(f"{path}: names another file by *INCLUDE; write it into this one")
+def _check_numbers(path: str, content: bytes) -> None:
+    """Raises InputError for a mesh whose numbers are too large: meshio reserves memory by them."""
     for found in LARGE_NUMBER.finditer(content):
         if float(found[0]) > max(MAX_NUMBER, len(content)):
             raise InputError(
