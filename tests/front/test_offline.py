@@ -7,6 +7,7 @@ import re
 import shutil
 import subprocess
 import sys
+from html.parser import HTMLParser
 from pathlib import Path
 
 import matplotlib
@@ -152,3 +153,32 @@ def test_no_library_numbers_the_computer(notes, folder):
     """onnxruntime stores a number of its own in the user's folder, for the reports to its maker."""
     left = [path.relative_to(folder).as_posix() for path in (folder / "home").rglob("*")]
     assert not [path for path in left if re.search(r"device|telemetry|uuid|\.ses", path.lower())]
+
+
+class Loaded(HTMLParser):
+    """What a page asks for: addresses of its tags, and those of its styles."""
+
+    def __init__(self):
+        super().__init__()
+        self.addresses, self._tag = [], ""
+
+    def handle_starttag(self, tag, attrs):
+        self._tag = tag
+        self.addresses += [
+            value for name, value in attrs if name in ("src", "href", "data", "action")
+        ]
+
+    def handle_data(self, data):
+        if self._tag == "style":
+            self.addresses += re.findall(r"@import.*|url\([^)]*\)", data)
+
+
+def test_no_page_loads_anything_from_elsewhere(notes, folder):
+    pages = [*folder.rglob("*.html")]
+    assert {"it.html", "plot.html", "view.html", "gap.html", "report.html"} <= {
+        path.name for path in pages
+    }
+    for path in pages:
+        page = Loaded()
+        page.feed(path.read_text(encoding="utf-8"))
+        assert not [each for each in page.addresses if not re.match("data:|#", each)], path
