@@ -32,7 +32,9 @@ MAX_GROUP_VALUES = 1000
 MAX_NUMBER, MAX_GRID = 10**8, 10**7
 """Largest number of a node or an element, and of nodes in a grid that a file only declares."""
 LARGE_NUMBER = re.compile(rb"(?<![\w.+/=-])[1-9]\d{8,}(?![\w.+/=])")
-GRID = re.compile(rb"^\s*DIMENSIONS\s+(\d+)\s+(\d+)\s+(\d+)", re.MULTILINE | re.IGNORECASE)
+GRID = re.compile(
+    rb"^[ \t]*DIMENSIONS[ \t]+(\d{1,9})[ \t]+(\d{1,9})[ \t]+(\d{1,9})", re.MULTILINE | re.IGNORECASE
+)
 LINES = {"line": [(0, 1)], "line3": [(0, 2), (2, 1)]}
 CORNERS = [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)]
 TRIANGLES = {
