@@ -6,12 +6,16 @@ import os
 import re
 import shlex
 from string import Formatter
-from typing import Any
+from typing import Any, NoReturn
 
 from ..simulator.sweeps import InputError
 
 PATH_OF_WINDOWS = re.compile(r"""(^|[\s"'=])([A-Za-z]:\\|\\\\\w)""")
 """Start of `C:\\lab` or `\\\\server\\lab`."""
+OPTION = re.compile(r"-(?!\d+$)")
+"""Start of a word that programs take for an option; -1 is a number."""
+BATCH_FILE, SIGNS_OF_CMD = (".bat", ".cmd"), re.compile(r"""["%&|<>^!()]""")
+"""Programs that Windows runs by its shell cmd.exe, and what that would obey in an argument."""
 
 
 def split_command(command: str) -> list[str]:
@@ -39,7 +43,7 @@ class CommandTemplate:
         examples: the known placeholders, each with an example value.
         """
         try:
-            self._words = split_command(command)
+            self._option, self._words = option, split_command(command)
             parts = [part[1:] for word in self._words for part in Formatter().parse(word)]
             fields = {part for part in parts if part[0] is not None}
             known = {(name, "", None) for name in examples}
@@ -53,5 +57,20 @@ class CommandTemplate:
             ) from error
 
     def filled(self, **values: Any) -> list[str]:
-        """Words of the command with these values."""
-        return [word.format(**values) for word in self._words]
+        """Words of the command with these values, which may come from files of others.
+
+        Raises InputError for a value that the program would take for an option, or that the shell
+        of Windows would obey.
+        """
+        words = [word.format(**values) for word in self._words]
+        program = self._words[0]
+        for number, (word, given) in enumerate(zip(words, self._words, strict=True)):
+            named = given.startswith("-") or "--" in self._words[1:number]
+            if OPTION.match(word) and not named:
+                self._refuse(word, f"an option of {program}", "write -- before it")
+            if program.lower().endswith(BATCH_FILE) and word != given and SIGNS_OF_CMD.search(word):
+                self._refuse(word, "a command to cmd.exe", "call another program than a batch file")
+        return words
+
+    def _refuse(self, word: str, role: str, instead: str) -> NoReturn:
+        raise InputError(f"`{self._option}`: {word!r} would be {role}: rename it, or {instead}")

@@ -117,6 +117,11 @@ def template_environment(folder: Path, **options: Any) -> Environment:
     )
 
 
+def markdown_text(text: str) -> str:
+    """The text on one line for a page in Markdown, without markup, HTML and addresses."""
+    return re.sub(r"([!-,./:-@\[-`{-~])", r"\\\1", escaped(text))
+
+
 def plotly_text(text: str) -> str:
     """The text on one line with HTML escaped, because plotly reads text as HTML."""
     return html.escape(escaped(text), quote=False)

@@ -12,6 +12,7 @@ from importlib import import_module
 from pathlib import Path
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy: other cores have other tests
+os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")  # before onnxruntime: no test reports to others
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)  # no worker, no process compiles modules anew
 
 import joblib

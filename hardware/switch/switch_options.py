@@ -53,6 +53,8 @@ def _make_switch(
         from .manual_switch import CommandSwitch
 
         template = CommandTemplate(command, "switch-with", needed=True, interface="left")
+        for interface in interfaces:  # refused before anything is measured
+            template.filled(interface=interface)
         device = CommandSwitch(template, COMMAND_TIMEOUT)
         return DeviceSwitch(lambda: device, by_name, waiting)
     if name is not None and name != ASK:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -140,7 +141,13 @@ def outputs_of(
     rest: xr.Dataset | None,
     rows: NDArray[np.intp],
 ) -> dict[str, NDArray]:
-    """Outputs of a graph for some of the sweeps, by name, computed by onnxruntime."""
+    """Outputs of a graph for some of the sweeps, by name, computed by onnxruntime.
+
+    Since 1.29, onnxruntime sends reports of its use to its maker and stores a number of the
+    computer. ORT_DISABLE_TELEMETRY prevents both if it is set before the import; the function
+    `disable_telemetry_events` does not (Privacy.md of onnxruntime). A value of the user stays.
+    """
+    os.environ.setdefault("ORT_DISABLE_TELEMETRY", "1")
     import onnxruntime
 
     options = onnxruntime.SessionOptions()

@@ -32,6 +32,8 @@ AROUND = """
 low = "{low}"                    # of an LCR meter; "floating": of a meter without earth
 """
 """Text added to a new scene, because the meters of built-in scenes float."""
+MAX_SHOWN = 200
+"""Number of characters shown of a line that is no TOML."""
 AT_LINE = re.compile(r"at line (\d+)")
 WHOLE_LINE = re.compile(r"\s*(?P<key>[\w.\-]+)\s*=(?P<value>[^#]*)(#.*)?")
 PART_OF_LINE = re.compile(r"(?P<key>[\w.\-]+)\s*=(?P<value>[^#,={}\[\]]+)")
@@ -134,7 +136,7 @@ def scene_of_sweeps(sweeps: xr.Dataset) -> Scene | None:
 def _toml_hint(text: str, error: tomllib.TOMLDecodeError) -> str:
     """Hint at the likely mistake in the line that is not valid TOML."""
     number = AT_LINE.search(str(error))
-    line = text.splitlines()[int(number[1]) - 1] if number else ""
+    line = text.splitlines()[int(number[1]) - 1][:MAX_SHOWN] if number else ""
     whole = WHOLE_LINE.fullmatch(line)
     for given in [*([whole] if whole else []), *PART_OF_LINE.finditer(line)]:
         key, value = given["key"], given["value"].strip()

@@ -9,7 +9,7 @@ from typing import IO, Any
 
 FORMULA = re.compile(r"'*[=+\-@\t\r\n＝＋－＠]")
 """Beginning of text that spreadsheets compute, after any number of our own quotes."""
-NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
+NUMBER = re.compile(r"[+-]?([0-9]+(\.[0-9]*)?|\.[0-9]+)([eE][+-]?[0-9]+)?")
 BEYOND_ASCII = re.compile(r"[^\n -~]")
 """Characters beyond ASCII and control characters, except the line breaks between keys."""
 WITHIN_COMMENT = re.compile(r"(?<=[,;\t])[=+\-@]")

@@ -33,15 +33,15 @@ MAX_FINGER = 1e-6
 JOINT = re.compile(r"(?<!\de)\+", re.IGNORECASE)
 TOUCH = re.compile(
     r"\s*(?:(?P<row>\d+)\s*,\s*(?P<column>\d+)|(?P<shape>rect|disc|poly)\s*\((?P<place>[^()]*)\))"
-    r"\s*(?::\s*(?P<strength>.+?)\s*)?",
+    r"\s*(?::\s*(?P<strength>\S(?:.*?\S)??)\s*)?",
     re.ASCII,
 )
 PIXEL = re.compile(r"(\d+),(\d+)", re.ASCII)
-STRENGTH_WITH_UNIT = re.compile(r"(?P<number>.*?)\s*(?P<unit>mm|cm|m|N)")
+STRENGTH_WITH_UNIT = re.compile(r"(?P<number>(?:.*?\S)??)\s*(?P<unit>mm|cm|m|N)")
 PER_M = {"m": 1, "cm": 100, "mm": 1000}
-FARAD = re.compile(r"(?P<number>.*?)\s*(?P<prefix>[fpnuµm]?)F")
+FARAD = re.compile(r"(?P<number>(?:.*?\S)??)\s*(?P<prefix>[fpnuµm]?)F")
 FINGERS: dict[str, WrittenFinger] = {"finger": EARTHED, "rod": 0.0}
-LENGTH = re.compile(r"\s*(?P<number>.+?)\s*(?P<unit>mm|cm|m)\s*")
+LENGTH = re.compile(r"\s*(?P<number>\S(?:.*?\S)??)\s*(?P<unit>mm|cm|m)\s*")
 SIZES = {"rect": ("WIDTH", "HEIGHT"), "disc": ("RADIUS",)}
 
 Kind = Literal["pixel", "rect", "disc", "poly"]

@@ -36,7 +36,7 @@ LABELS = {
     "column": "pressed pixel's column: 0 nothing pressed, -1 no single pixel",
     "session": "mounting or device",
 }
-NAMES = ("interface", "press")
+NAMES, COUNTED = ("interface", "press"), ("row", "column", "session")
 MAX_SHOWN = 60
 """Number of characters shown of a refused name."""
 TAKEN = "taken"
@@ -184,6 +184,17 @@ def _check_printable(name: str, values: NDArray) -> None:
             raise InputError(f"`{name}` must be printable, on one line, got {each[:MAX_SHOWN]!r}")
 
 
+def _check_whole(name: str, values: NDArray) -> None:
+    """Refuses text and fractions where numbers are counted."""
+    if values.dtype.kind in "iu":
+        return
+    if values.dtype.kind == "f":
+        values = values[~(np.isfinite(values) & (np.floor(values) == values))]
+    if values.size:
+        got = str(values.flat[0])[:MAX_SHOWN]
+        raise InputError(f"`{name}` must be whole numbers, got {got!r}")
+
+
 def check(sweeps: xr.Dataset) -> xr.Dataset:
     """Returns the sweeps if they satisfy the schema.
 
@@ -204,6 +215,8 @@ def check(sweeps: xr.Dataset) -> xr.Dataset:
         _check_finite(TIME, sweeps[TIME].values)
     for name in NAMES:
         _check_printable(name, sweeps[name].values)
+    for name in COUNTED:
+        _check_whole(name, sweeps[name].values)
     _check_pixels(sweeps["row"].values, sweeps["column"].values)
     _checked_frequency(sweeps["frequency"].values)
     return sweeps

@@ -2,12 +2,15 @@
 
 import csv
 import io
+import os
+import pickle
 import re
 import sys
 import unicodedata
 from contextlib import redirect_stderr, redirect_stdout
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 import rcskin
 from matplotlib.figure import Figure
@@ -82,6 +85,8 @@ def faults(name, content):
         page = Reading()
         page.feed(text)
         return page.faults + [found[0] for found in SOURCE.finditer(text)]
+    if name.endswith(".md"):
+        return re.findall(r"(?<!\\)[<$*\[&].*", text.partition("Interfaces: ")[2]) + controls(text)
     if name.endswith(".csv"):
         return formulas(text) + controls(text)
     return controls(text)
@@ -128,6 +133,7 @@ QUICK = """
     join it.nc it.csv --session %s -o joined.nc
     export joined.nc -o joined.csv
     export it.nc -o it.parquet
+    export it.nc --format hugging-face -o card
     train it.nc it.nc it.nc it.nc it.nc it.nc --features Rs,Cp --estimator ksvm-ovo -o column.skops
     localize column.skops joined.csv
     localize column.skops joined.csv -o column.csv
@@ -175,3 +181,65 @@ def test_sweeps_have_no_names_that_are_obeyed(name):
     with pytest.raises(InputError, match=f"`{name}` must be printable, on one line") as refused:
         build([[[1 - 1j]]], [1e3], **{**labels, name: [OBEYED]})
     assert str(refused.value).isprintable()
+
+
+class Mkdir:
+    """What a pickle of it does when it is read."""
+
+    def __reduce__(self):
+        return os.mkdir, ("owned",)
+
+
+def packed(content):
+    """An archive whose array is a pickle, as NumPy and others store objects."""
+    file = io.BytesIO()
+    np.savez(file, Rs=np.array([content], dtype=object))
+    return file.getvalue()
+
+
+PROGRAMS = {
+    "pickle": pickle.dumps(Mkdir()),
+    "text pickle": b"cposix\nmkdir\n(S'owned'\ntR.",
+    "archive of pickles": packed(Mkdir()),
+    "Python": b"__import__('os').mkdir('owned')\n",
+    "YAML": b"!!python/object/apply:os.mkdir [owned]\n",
+    "template": b"{{ cycler.__init__.__globals__.os.mkdir('owned') }},{0.__class__}\n1,2\n",
+    "shell": b"#!/bin/sh\nmkdir owned; $(mkdir owned)\n`mkdir owned`\n",
+    "page": b"<?php mkdir('owned'); ?><script>fs.mkdir('owned')</script>\n",
+}
+TAKEN = """
+    check it.nc
+    check it.csv
+    plot it.csv -o it.png
+    describe it.toml
+    import it.csv -o made.nc
+    import it.txt -o made.nc
+    import it.xlsx -o made.nc
+    import it.z -o made.nc
+    import it.json -o made.nc
+    import it.dta -o made.nc
+    localize it.skops it.csv
+    export it.skops -o it.c
+    sweep it.toml -o made.nc
+    sweep glove --press it.toml -o made.nc
+    meter record glove --resource x --reader it.toml -o made.nc
+    meter record glove --resource x --accuracy it.toml -o made.nc
+    meter record glove --resource x --order it.txt -o made.nc
+    meter record glove --resource x --switch it.toml -o made.nc
+    meter serve --scene glove --script it.txt
+    meter serve --recorded it.nc
+"""
+
+
+@pytest.mark.parametrize("program", PROGRAMS)
+def test_no_content_of_a_file_is_run(run, tmp_path, monkeypatch, program):
+    """Whatever stands in it, and whichever command takes it."""
+    monkeypatch.chdir(tmp_path)
+    for line in TAKEN.strip().splitlines():
+        words = line.split()
+        name = next(word for word in words if word.startswith("it."))
+        (tmp_path / name).write_bytes(PROGRAMS[program])
+        code, _, err = run(*words)
+        assert (code, err.count("\n")) == (2, 1), err
+        (tmp_path / name).unlink()
+        assert not [*tmp_path.iterdir()]

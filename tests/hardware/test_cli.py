@@ -2,11 +2,13 @@
 
 import json
 import re
+import socket
 import subprocess
 import sys
 
 import pytest
 from rcskin.hardware.meter.errors import MeterError, NoConnectionError
+from rcskin.hardware.meter.link.discovery import ProbeResult
 from rcskin.hardware.virtual.hioki.meter_state import Settings
 from rcskin.hardware.virtual.recorded_skin import RecordedSkin
 from rcskin.hardware.virtual.served_skin import instrument, recorded
@@ -51,6 +53,23 @@ def test_identify_fails_where_nothing_answers(command):
     result = command("identify", "TCPIP0::127.0.0.1::1::SOCKET", "--timeout", 0.2)
     assert result.exit_code == 1
     assert "check the cable" in result.output
+
+
+def test_only_a_search_without_names_asks_the_networks_of_the_computer(command, monkeypatch):
+    sent = []
+
+    def sendto(_, *given):
+        sent.append(given[-1])
+        raise OSError("not sent")
+
+    monkeypatch.setattr(socket.socket, "sendto", sendto)
+    monkeypatch.setattr(socket.socket, "connect", None)
+    monkeypatch.setattr("rcskin.hardware.meter.link.discovery.probe", lambda *_: ProbeResult(None))
+    command("identify")
+    assert sent and {port for _, port in sent} == {111}  # the port mapper's, of VXI-11
+    sent.clear()
+    command("identify", "TCPIP0::127.0.0.1::1::SOCKET")
+    assert not sent
 
 
 def test_press_and_misbehave_go_through_the_side_door(told, command, ports, instrument):

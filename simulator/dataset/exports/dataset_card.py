@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from ...safe_text import markdown_text
 from .exported_sweeps import Exported
 
 
@@ -34,7 +35,7 @@ def write_card(
         f"  data_files: {files}",
         "---",
         "",
-        f"# {exported.data.stem}",
+        f"# {markdown_text(exported.data.stem)}",
         "",
         f"Readings of a capacitive sensor skin: {sweeps} sweeps in {episodes} episodes, one for",
         f"each session. Written by {description['made_by']}.",
@@ -47,7 +48,7 @@ def write_card(
         "",
         *quantities,
         "",
-        f"Interfaces: {', '.join(exported.vector.interfaces)}.",
+        f"Interfaces: {', '.join(map(markdown_text, exported.vector.interfaces))}.",
         "",
         f"Frequencies in Hz: {', '.join(f'{each:.10g}' for each in exported.vector.frequencies)}.",
         "",

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Self
@@ -15,6 +16,8 @@ from ...arrays import Integer
 from ..validation import Table, single_line
 from .mesh_file import MeshSurface, read_surface
 
+ON_ANOTHER_COMPUTER = re.compile(r"[\\/]{2}")
+"""Start of the path \\\\computer\\folder, with which Windows calls that computer."""
 Rows = Annotated[str, Field(description="Rows of numbers, separated by commas.")]
 
 
@@ -84,8 +87,21 @@ def read_along(given: object, info: ValidationInfo) -> object:
     folder = (info.context or {"folder": Path()})["folder"]
     if folder is None:
         raise ValueError(names_a_file(given))
-    path = (folder / single_line(given)).absolute()
+    path = file_of_scene(single_line(given), folder).absolute()
     return MeshData.of(read_surface(str(path)), path.name)
+
+
+def file_of_scene(given: str, folder: Path) -> Path:
+    """Path of a file that a scene names, from the scene's folder.
+
+    Raises ValueError for a path on another computer: Windows would log in there to look for it, and
+    scenes come from others.
+    """
+    if ON_ANOTHER_COMPUTER.match(given):
+        raise ValueError(
+            f"names a file on another computer, {given!r}: copy it into the folder of the scene"
+        )
+    return folder / given
 
 
 def names_a_file(path: object) -> str:

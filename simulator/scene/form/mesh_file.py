@@ -31,6 +31,9 @@ MAX_GROUP_VALUES = 1000
 """Largest number of distinct whole numbers in element data that form groups."""
 BYTES_OF_POINT = 200
 """Memory of a point of a grid, with its cells."""
+MAX_NUMBER = 10**8
+"""Largest number of a node or an element; meshio reserves memory by it."""
+LARGE_NUMBER = re.compile(r"(?<![\w.+/=-])[1-9]\d{8,}(?![\w.+/=])")
 LINES = {"line": [(0, 1)], "line3": [(0, 2), (2, 1)]}
 CORNERS = [(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)]
 TRIANGLES = {
@@ -149,8 +152,14 @@ def _parsed(path: str) -> meshio.Mesh:
 
 
 def _check_declared(path: Path, text: str, ending: str) -> None:
-    """Raises InputError for a short text of more points of grids (VTK) or members of sets (Abaqus)
-    than memory holds, and as `_declared_members`."""
+    """Raises InputError for a short text of more nodes, elements, points of grids (VTK) or members
+    of sets (Abaqus) than memory holds, and as `_declared_members`."""
+    for found in LARGE_NUMBER.finditer(text):
+        if float(found[0]) > max(MAX_NUMBER, len(text)):
+            raise InputError(
+                f"{path}: has the number {found[0][:20]}; nodes and elements must be numbered up "
+                f"to {MAX_NUMBER} at most"
+            )
     count = 0.0
     if ending == ".vtk":
         grids = re.findall(r"^\s*DIMENSIONS\s+(\d+)\s+(\d+)\s+(\d+)", text, re.I | re.M)

@@ -12,7 +12,7 @@ from pydantic import Field, ValidationError, model_validator
 from ...arrays import Real
 from ...sweeps import InputError, inputs
 from ...sweeps.units import plain_number
-from ..form.mesh_data import names_a_file
+from ..form.mesh_data import file_of_scene, names_a_file
 from ..planar import shared
 from ..validation import Table, Whole, one_line
 from .factor_maps import MAX_VALUES, Factor
@@ -81,8 +81,9 @@ def _with_grid(part: Any, key: str, folder: Path | None) -> Any:
 
 
 def _grid(map_file: MapFile, key: str, folder: Path) -> Real:
-    path = folder / map_file.path
+    path = Path(map_file.path)
     try:
+        path = file_of_scene(map_file.path, folder)
         values = _table(path) if map_file.table else _picture(path, map_file)
     except InputError as error:
         raise InputError(f"`{key}.path` {error}") from None

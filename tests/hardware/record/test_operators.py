@@ -1,6 +1,8 @@
 """Who presses: a machine by command, and what a person sees on the terminal."""
 
 import io
+import shlex
+import sys
 
 import numpy as np
 import pytest
@@ -83,10 +85,12 @@ def test_a_sparkline_has_a_character_for_each_value():
     assert sparkline(np.zeros(3)) == "▅▅▅"
 
 
-def test_a_pressing_command_gets_the_press(tmp_path):
+def test_a_pressing_command_gets_the_press_without_a_shell(tmp_path):
     path = tmp_path / "pressed"
-    press_by_command(f"touch {path}-{{row}}-{{column}}")(PressStep("2,1", 2, 1))
-    assert (tmp_path / "pressed-2-1").exists()
+    code = f"import sys; open({str(path)!r}, 'a').write(repr(sys.argv[1:]))"
+    command = f"{shlex.quote(sys.executable)} -c {shlex.quote(code)} {{press}} {{row}} '$HOME;ls'"
+    press_by_command(command)(PressStep("disc(0.01,0.02,0.003)", -1, -1))
+    assert path.read_text() == "['disc(0.01,0.02,0.003)', '-1', '$HOME;ls']"
 
 
 def test_a_pressing_command_that_fails_is_reported():

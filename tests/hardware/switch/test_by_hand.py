@@ -1,5 +1,6 @@
 """A person, a command and the virtual meter as switches, and how one of them is chosen."""
 
+import re
 import shlex
 import sys
 
@@ -65,6 +66,33 @@ def test_a_command_that_cannot_be_filled_in_is_refused(command):
         InputError, match="`switch-with` must be a command with the placeholder {interface}"
     ):
         commanded(command or " ")
+
+
+@pytest.mark.parametrize(
+    ("command", "name", "message"),
+    [
+        ("turn {interface}", "-rf", "'-rf' would be an option of turn: rename it, or write --"),
+        ("turn {interface}", "--help", "'--help' would be an option"),
+        ("turn {interface}.x", "-o", "'-o.x' would be an option"),
+        ("turn a {interface}", "-", "'-' would be an option"),
+        ("turn -- a; turn {interface}", "ok", None),
+        ("turn -- {interface}", "-rf", None),
+        ("turn --to={interface}", "-rf", None),
+        ("turn {interface}", "-12", None),
+        ("turn {interface}", "a b; c & $(d)", None),
+        ("turn.BAT {interface}", "a&calc", "'a&calc' would be a command to cmd.exe"),
+        ("turn.cmd to:{interface}", '"|calc', "would be a command to cmd.exe"),
+        ("turn.cmd to:{interface}", "%PATH%", "would be a command to cmd.exe"),
+        ("turn.cmd a&b {interface}", "left", None),
+    ],
+)
+def test_a_name_from_a_scene_is_neither_an_option_nor_a_command(command, name, message):
+    """It is refused before the command runs for the first time, wherever it could be obeyed."""
+    if message is None:
+        assert switch_from_options(None, command, 0, [name, "left"]).positions
+        return
+    with pytest.raises(InputError, match=re.escape(message)):
+        switch_from_options(None, command, 0, ["left", name])
 
 
 def test_doubled_braces_are_braces(tmp_path):

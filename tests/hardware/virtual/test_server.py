@@ -232,3 +232,19 @@ def test_it_listens_on_the_loopback_interface_alone(ports):
     assert ports.host == "127.0.0.1"
     with open_meter(ports.resource, 1) as meter:
         assert meter.model == "IM3523"
+
+
+@pytest.mark.parametrize("host", ["127.0.0.1", "0.0.0.0"])
+def test_only_the_port_of_the_meter_listens_where_it_is_asked_to(
+    make_instrument, monkeypatch, host
+):
+    """Its control port stays on the loopback interface."""
+    asked, bind = [], socket.socket.bind
+
+    def bind_here(self, address):
+        asked.append(address[0])
+        bind(self, ("127.0.0.1", address[1]))
+
+    monkeypatch.setattr(socket.socket, "bind", bind_here)
+    with run_in_thread(make_instrument(), host=host):
+        assert sorted(asked) == sorted([host, "127.0.0.1"])

@@ -1,4 +1,6 @@
+import io
 import json
+import pickle
 from dataclasses import replace
 from zipfile import ZipFile
 
@@ -59,6 +61,23 @@ def test_where_a_scene_is_needed_a_file_without_a_whole_one_is_named(
     with pytest.raises(InputError, match=rf"other\.skops: .*{message}"):
         _ = load(tmp_path / "other.skops").known_scene
     assert load(tmp_path / "other.skops").classes == model.classes
+
+
+def test_a_file_is_read_without_pickle(model, tmp_path, monkeypatch):
+    """Whatever it is: a model, a pickle, or a model in which an array is a pickle."""
+    save(tmp_path / "good.skops", model)
+    with ZipFile(tmp_path / "good.skops") as good, ZipFile(tmp_path / "bad.skops", "w") as bad:
+        for name in good.namelist():
+            array = io.BytesIO()
+            np.save(array, np.array([{}], dtype=object), allow_pickle=True)
+            bad.writestr(name, good.read(name) if name == "schema.json" else array.getvalue())
+    (tmp_path / "pickle.skops").write_bytes(pickle.dumps(model.classes))
+    for name in ("load", "loads", "Unpickler"):
+        monkeypatch.setattr(pickle, name, None)
+    assert load(tmp_path / "good.skops").classes == model.classes
+    for name in ("bad.skops", "pickle.skops"):
+        with pytest.raises(InputError, match=name):
+            load(tmp_path / name)
 
 
 def test_a_file_tampered_to_build_another_type_is_refused(model, tmp_path):

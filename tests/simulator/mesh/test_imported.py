@@ -1,5 +1,7 @@
 """Skins from mesh files: elements, groups, cuts along pixels and touches, and what is refused."""
 
+import re
+
 import numpy as np
 import pytest
 import tomli_w
@@ -7,6 +9,7 @@ from rcskin.simulator.mesh.refining.refinement import refined
 from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.press.pixels import pixels_with_skin
 from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.scene.form.mesh_file import read_surface
 from rcskin.simulator.scene.planar import sides
 from rcskin.simulator.sweeps import InputError
 
@@ -232,3 +235,31 @@ def test_the_command_line_reports_in_one_line(tmp_path, tools, refused, change, 
         text = text.replace(old, new, 1)
     (tmp_path / "l.toml").write_text(text, encoding="utf-8")
     assert message in refused("sweep", tmp_path / "l.toml", "-o", tmp_path / "out.csv")
+
+
+GMSH = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n1\n{} 0 0 0\n$EndNodes\n"
+VTK = "# vtk DataFile Version 3.0\nx\nASCII\nDATASET {}\n"
+NODES = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n*ELEMENT, TYPE=CPS3\n1, 1, 2, 3\n"
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "message"),
+    [
+        ("it.inp", f"{NODES}*ELSET, ELSET=a, GENERATE\n1, 2000000000, 1\n", "2000000000; nodes"),
+        ("it.msh", GMSH.format(3000000000), "has the number 3000000000; nodes and elements"),
+        ("it.msh", GMSH.format("9" * 5000), "has the number 99999999999999999999; nodes"),
+        ("it.vtk", VTK.format("UNSTRUCTURED_GRID\nPOINTS 4000000000 double"), "4000000000; nodes"),
+        *(
+            ("it.vtk", VTK.format(f"{kind}\n{start}DIMENSIONS 30000 30000 1"), "of memory")
+            for kind in ("STRUCTURED_POINTS", "STRUCTURED_GRID", "RECTILINEAR_GRID")
+            for start in ("", " ")
+        ),
+    ],
+)
+def test_no_mesh_reserves_memory_by_its_numbers(tmp_path, monkeypatch, name, content, message):
+    """Each is refused before meshio sees it."""
+    monkeypatch.setattr("meshio.read", None)
+    path = tmp_path / name
+    path.write_text(content, encoding="utf-8")
+    with pytest.raises(InputError, match=re.escape(message)):
+        read_surface(str(path))

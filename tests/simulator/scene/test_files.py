@@ -279,6 +279,14 @@ def test_an_invalid_line_of_TOML_is_shown_with_a_suggestion(old, new, told):
     assert told in str(refused.value)
 
 
+@pytest.mark.parametrize("of", ["a", "1", "-", "_"])
+def test_a_long_invalid_line_is_shown_in_part(of):
+    """Looking through all of it for a suggestion would take hours."""
+    with pytest.raises(InputError, match="not valid TOML") as refused:
+        parse_scene(f"a = 1\n[{of * 200_000}\n", "mine.toml")
+    assert len(str(refused.value)) < 1000
+
+
 @pytest.mark.parametrize(("name", "told"), [("all.nc", "sweeps"), ("m.skops", "a model")])
 def test_other_files_than_scenes_are_refused_by_their_kind(name, told, tmp_path):
     (tmp_path / name).write_bytes(b"\x89HDF")

@@ -78,3 +78,14 @@ def test_bad_files_are_refused_in_one_line(run, mapped, tmp_path, name, content,
         load_scene(scene)
     assert (code, err.count("\n")) == (2, 1)
     assert err.startswith(f"rcskin: {scene}: `skin.top.map")
+
+
+@pytest.mark.parametrize("start", ["//", r"\\\\", r"/\\", r"\\/", "//?/UNC/"])
+def test_a_scene_opens_no_file_on_another_computer(mapped, tmp_path, start):
+    """Windows would log in there, for a file that a scene of somebody else names."""
+    of_mesh = tmp_path / "mesh.toml"
+    text = (BUILTIN / "sheet-3x3.toml").read_text()
+    of_mesh.write_text(text.replace("[skin]", f'[skin]\nmesh = "{start}evil/share/it.msh"', 1))
+    for scene in (mapped(f"{start}evil/share/map.csv"), of_mesh):
+        with pytest.raises(InputError, match="names a file on another computer, .*: copy it"):
+            load_scene(scene)

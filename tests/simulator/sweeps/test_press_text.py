@@ -1,12 +1,15 @@
 """One grammar of presses as text, asked of all that read it."""
 
+import numpy as np
 import pytest
 from rcskin.hardware.record.press_order import parse_step
 from rcskin.simulator.measure.sweep_touches import pressed_pixels, touches_of
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.sweeps import InputError
+from rcskin.simulator.sweeps.csv_cells import guarded
 from rcskin.simulator.sweeps.importing.labels import _pixel
 from rcskin.simulator.sweeps.press_text import parse_touches, written_pixel
+from rcskin.simulator.sweeps.units import plain_number
 
 POLY = "poly(0,0,0.03,0,0,0.03)"
 
@@ -116,3 +119,17 @@ def test_a_polygon_is_placed_at_its_centroid(make_sweeps):
 def test_what_a_localizer_cannot_place_or_weigh_is_reported(make_sweeps, text, why):
     with pytest.raises(InputError, match=why):
         pressed(make_sweeps, text)
+
+
+@pytest.mark.parametrize("end", ["", "!", "mm", "mm!", "F!"])
+@pytest.mark.parametrize("of", [" ", "1", "\t", "1 ", "1.", "("])
+def test_long_texts_take_no_time_that_grows_with_their_square(of, end):
+    """A text of 100,000 characters would take minutes; it may be refused or be a press."""
+    long = of * (100_000 // len(of))
+    for text in (f"1,1:{long}{end}", f"1,1:2:{long}{end}", f"1,1:{long}{end}pF"):
+        try:
+            parse_touches(text)
+        except InputError as error:
+            assert str(error)
+    assert np.isnan(plain_number(f"{long}x"))
+    assert guarded(f"-{long}x") == f"'-{long}x"

@@ -67,6 +67,19 @@ def test_what_is_not_finite_is_reported(make_sweeps, name, bad):
         check(sweeps)
 
 
+@pytest.mark.parametrize("name", ["row", "column", "session"])
+@pytest.mark.parametrize(
+    ("value", "shown"),
+    [("\x1b[31m\n=1+1", r"'\\x1b\[31m"), (1.5, "'1.5'"), (np.nan, "'nan'"), (np.inf, "'inf'")],
+)
+def test_what_is_counted_is_no_text_and_no_fraction(make_sweeps, name, value, shown):
+    bad = make_sweeps(1).assign_coords({name: ("sweep", [value])})
+    with pytest.raises(InputError, match=f"`{name}` must be whole numbers, got {shown}") as refused:
+        check(bad)
+    assert str(refused.value).isprintable()
+    check(make_sweeps(1).assign_coords(session=("sweep", [7.0])))
+
+
 def test_wrong_dimensions_are_reported(make_sweeps):
     sweeps = make_sweeps()
     with pytest.raises(InputError, match="`Cp` must have dimensions"):
