@@ -63,7 +63,7 @@ def _left_out(readings: ImportedReadings, grouping: Grouping) -> str:
 
 
 def _warnings(readings: ImportedReadings, labels: LineLabels, grouping: Grouping) -> list[str]:
-    table, found = readings.table, []
+    table, found = readings.table, list(readings.table.remarks)
     Z = readings.Z[~readings.failed]
     lines = np.array([line for line, _ in table.rows])[~readings.failed]
     if readings.kind is IMPEDANCE:

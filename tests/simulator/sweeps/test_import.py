@@ -82,6 +82,78 @@ def test_units_may_stand_in_a_line_of_their_own(table):
     assert impedance(sweeps).item() == pytest.approx(-2000j)
 
 
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ["kHz,kohm,deg,", "Frequency,|Z|,Phase,remark"],
+        ["(kHz),[kohm],(deg),", "made by a tool", "", "Frequency,|Z|,Phase,remark"],
+        ["# kHz,kohm,deg,x", "# Frequency,|Z|,Phase,remark"],
+        ["kHz,kohm,,", "Frequency,|Z|,Phase (deg),remark"],
+    ],
+)
+def test_units_may_stand_above_the_names(table, lines):
+    sweeps = table(*lines, "1,2,-90,x", "3,2,-90,y", *lines, "1,2,-90,x", "3,2,-90,y")
+    assert sweeps["frequency"].values.tolist() == [1000, 3000]
+    np.testing.assert_allclose(impedance(sweeps).ravel(), [-2000j] * 4, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("above", "names", "remark"),
+    [
+        ("kHz,left,right", "f,Rs,X", "a line above the names may hold units (kHz): not used"),
+        ("kHz,kohm,kohm", "f (Hz),Rs (ohm),X", "may hold units (kHz, kohm, kohm): not used"),
+        ("Hz,ohm,ohm", "f (Hz),Rs (ohm),X", None),
+        ("F,S,H", "f,Rs,X", None),
+    ],
+)
+def test_a_line_that_only_looks_like_units_is_not_used(table, above, names, remark):
+    sweeps = table(above, names, "1,2,-3")
+    assert sweeps["frequency"].item() == 1 and impedance(sweeps).item() == 2 - 3j
+    assert (remark or "") in sweeps.attrs.get("warnings", "")
+    assert remark or "warnings" not in sweeps.attrs
+
+
+def test_a_unit_above_the_names_that_is_missing_is_not_guessed(table):
+    with pytest.raises(InputError, match=r"`X \[no unit\]` must be in ohm"):
+        table("kHz,kohm,", "f,Rs,X", "1,2,-3")
+
+
+def test_names_may_have_line_breaks_in_quotes(table):
+    sweeps = table("made by a tool", '"f', '(Hz)","Rs', '(ohm)","-X', '(ohm)"', "1,2,3", "2,2,3")
+    assert impedance(sweeps).ravel().tolist() == [2 - 3j] * 2
+    with pytest.raises(InputError, match="line 2: cannot be split into cells"):
+        table("f,Rs,X", '1,"2,3', '2,2,3"')
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "utf-16-le", "cp1252"])
+def test_a_byte_order_mark_may_stand_inside(tmp_path, encoding):
+    mark = "\ufeff" if "utf" in encoding else "\u00ef\u00bb\u00bf"
+    part = f"{mark}Frequency (Hz),Phase (\u00b0),|Z|\n1,-90,2\n2,-90,2\n"
+    (tmp_path / "joined.csv").write_bytes((part + part).encode(encoding))
+    assert import_file(tmp_path / "joined.csv").sizes["sweep"] == 2
+
+
+@pytest.mark.parametrize("end", ["", ",", ";;"])
+def test_lines_may_be_quoted_as_a_whole(table, end):
+    quoted = [f'"{line}"{end}' for line in ('""f"",""Rs"",X,', "1,2,-3,", "2,2,-3,")]
+    sweeps = table("made by a tool", quoted[0], "1,2,-3,", quoted[2])
+    assert impedance(sweeps).ravel().tolist() == [2 - 3j] * 2
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        (["f / Hz,Rs / ohm,X / ohm", "1,2,-3,4"], "line 2: has 4 cells where the header in line 1"),
+        (["f / Hz;Rs / ohm;X / ohm", "1,5;2,5;-3,5;4"], "has 4 cells where .* line 1 has 3"),
+        (["f\tRs\tX", "1\t2"], "line 2: has 2 cells where the header in line 1 has 3"),
+    ],
+)
+def test_cells_are_counted_as_the_header_is_split(tmp_path, lines, message):
+    with pytest.raises(InputError, match=message):
+        (tmp_path / "bad.csv").write_text("\n".join(lines))
+        import_file(tmp_path / "bad.csv")
+
+
 def test_angular_frequency(table):
     assert table("omega (rad/s),R,X", "6283.185307179586,1,-1")["frequency"].item() == 1000
 

@@ -104,7 +104,7 @@ def recognised(name: str, place: int = 0) -> Column | None:
             continue
         if quantity in DECIBELS and unit.casefold() == "db":
             quantity = "gain level"
-        factor = _factor(quantity, unit, _key(stem))
+        factor = unit_factor(quantity, unit, _key(stem))
         if factor is not None:
             return Column(name, quantity, sign * factor, place=place)
         if marked:
@@ -139,7 +139,7 @@ def _key(name: str) -> str:
     return re.sub(r"[\s_.:]", "", name).casefold().replace("[", "(").replace("]", ")")
 
 
-def _factor(quantity: str, unit: str, key: str) -> float | None:
+def unit_factor(quantity: str, unit: str, key: str = "") -> float | None:
     """Factor from the unit to SI; 1 without a unit unless it is needed; None if unknown."""
     unit = re.sub(r"[\s()\[\]]", "", unit)
     if not unit:

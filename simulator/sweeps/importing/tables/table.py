@@ -11,7 +11,7 @@ import numpy as np
 from ....arrays import Real
 from ...errors import InputError
 from .columns import Column
-from .header import MAX_SHOWN
+from .header import MAX_SHOWN, with_whole_headers
 from .number_format import POINT, NumberNotation, failed, possible_formats
 from .scanning import first_header, scanned
 from .sources import WORKBOOKS, sources
@@ -33,7 +33,8 @@ class ImportedTable:
 
     header: number of the header's line, 0 if the user named the columns. names: of all columns.
     columns: those that are recognized. rows: line number and cells, one cell for each of `names`.
-    preamble: the text above the header. form: how its numbers are written.
+    preamble: the text above the header. form: how its numbers are written. remarks:
+    what is unusual about it.
     """
 
     path: Path
@@ -44,6 +45,8 @@ class ImportedTable:
     preamble: str
     form: NumberNotation = POINT
     left_out: list[LeftOut] = field(default_factory=list)
+    separator: str = ","
+    remarks: list[str] = field(default_factory=list)
 
     def holding(self, holds: str) -> list[Column]:
         """The columns of one quantity, those with an understood unit first."""
@@ -124,8 +127,6 @@ class ImportedTable:
             raise self._ambiguous(forms, columns)
         return replace(self, form=forms[0])
 
-    separator: str = ","
-
     def _monotone(self, forms: Sequence[NumberNotation], column: Column) -> list[NumberNotation]:
         """The formats with which the frequency turns back least often."""
         turns = []
@@ -174,6 +175,7 @@ def read_table(path: Path, names: list[str] | None = None) -> ImportedTable:
 
 
 def _table(path: Path, lines: Lines, names: list[str] | None) -> ImportedTable:
+    lines = with_whole_headers(lines)
     layout, other = (None, None) if names else rewritten(path, lines)
     if other is not None and (line := first_header(path, lines)):
         raise InputError(
@@ -189,5 +191,5 @@ def _table(path: Path, lines: Lines, names: list[str] | None) -> ImportedTable:
     ]
     return ImportedTable(
         path, scan.line, scan.names, scan.columns, scan.rows, preamble, POINT, left_out,
-        scan.separator,
+        scan.separator, [scan.remark] if scan.remark else [],
     )  # fmt: skip
