@@ -28,25 +28,37 @@ def account(readings: ImportedReadings, labels: LineLabels, grouping: Grouping) 
 
 
 def _columns_text(readings: ImportedReadings, labels: LineLabels) -> str:
-    table = readings.table
-    taken = [readings.frequency_column, *readings.pair]
-    parts = [f"{column.holds} from {_named(column)}" for column in taken]
-    if readings.compared:
-        parts[-1] += f"; {_listed(readings.compared)} agree{'s' * (len(readings.compared) == 1)}"
+    table, curves = readings.table, [readings, *readings.beside]
+    taken = ", and ".join(map(_taken_text, curves))
+    if len(curves) > 1:
+        taken = f"{len(curves)} curves beside each other: {taken}"
     if labels.columns:
-        parts[-1] += f"; labels from {_listed(labels.columns)}"
-    used = {column.place for column in [*taken, *readings.compared, *labels.columns]}
+        taken += f"; labels from {_listed(labels.columns)}"
+    used = {
+        column.place
+        for each in curves
+        for column in [each.frequency_column, *each.pair, *each.compared, *labels.columns]
+    }
     idle = [
         f"`{n}`" for place, n in enumerate(table.names) if n not in ("", "-") and place not in used
     ]
     if idle:
-        parts[-1] += f"; not used: {', '.join(idle)}"
-    where = f"header in line {table.header}: " if table.header else ""
-    return where + ", ".join(parts)
+        taken += f"; not used: {', '.join(idle)}"
+    return (f"header in line {table.header}: " if table.header else "") + taken
+
+
+def _taken_text(readings: ImportedReadings) -> str:
+    """The columns that gave one curve, and those that agree with them."""
+    taken = [readings.frequency_column, *readings.pair]
+    text = ", ".join(f"{column.holds} from {_named(column)}" for column in taken)
+    if readings.compared:
+        text += f"; {_listed(readings.compared)} agree{'s' * (len(readings.compared) == 1)}"
+    return text
 
 
 def _named(column: Column) -> str:
-    return f"`{column.name}`" + (" (negated)" if column.factor < 0 else "")
+    unit = f" (in {column.unit})" if column.unit else ""
+    return f"`{column.name}`{unit}" + (" (negated)" if column.factor < 0 else "")
 
 
 def _listed(columns: list[Column]) -> str:

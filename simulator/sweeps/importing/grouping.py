@@ -121,13 +121,13 @@ def _without_failed(
 
 
 def reading_places(
-    table: ImportedTable, sweeps: list[ImportedSweep]
+    table: ImportedTable, sweeps: list[ImportedSweep], hint: str = ""
 ) -> tuple[list[str], Real, Mask, NDArray[np.intp]]:
     """Interfaces, ascending frequencies in Hz, mask of readings taken, and row numbers of readings.
 
     The mask has the shape (interface, frequency). The row numbers have the shape (sweep, interface,
     frequency) and are 0 where nothing was read.
-    Raises InputError naming file and line of the first sweep with other readings.
+    Raises InputError naming file and line of the first sweep with other readings, and the hint.
     """
     first = sweeps[0]
     interfaces = list(dict.fromkeys(name for name, _ in first.lines))
@@ -139,7 +139,7 @@ def reading_places(
         for f in frequency[read].tolist()
     ]
     found = np.zeros((len(sweeps), *taken.shape), dtype=np.intp)
-    found[:, taken] = [_matching(table, first, each, wanted) for each in sweeps]
+    found[:, taken] = [_matching(table, first, each, wanted, hint) for each in sweeps]
     return interfaces, frequency, taken, found
 
 
@@ -148,6 +148,7 @@ def _matching(
     first: ImportedSweep,
     sweep: ImportedSweep,
     wanted: list[tuple[str, float]],
+    hint: str,
 ) -> list[int]:
     if sweep.lines.keys() == set(wanted):
         return [sweep.lines[reading] for reading in wanted]
@@ -155,4 +156,6 @@ def _matching(
     missing = [f"{f:g} Hz" for name, f in wanted if (name, f) not in sweep.lines][:1]
     without = f" ({missing[0]} is missing)" if missing else ""
     whose = f"as the sweep from line {first.line} on"
-    raise table.error(sweep.line, f"the sweep from here on {readings}frequencies {whose}{without}")
+    raise table.error(
+        sweep.line, f"the sweep from here on {readings}frequencies {whose}{without}{hint}"
+    )

@@ -12,7 +12,7 @@ from ....arrays import Real
 from ...errors import InputError
 from .columns import Column
 from .header import MAX_SHOWN, with_whole_headers
-from .number_format import POINT, NumberNotation, failed, possible_formats
+from .number_format import NUMBERISH, POINT, NumberNotation, failed, possible_formats
 from .scanning import first_header, scanned
 from .sources import WORKBOOKS, sources
 from .text_lines import Lines
@@ -54,8 +54,13 @@ class ImportedTable:
         return sorted(found, key=lambda column: bool(column.problem))
 
     def label(self, holds: str) -> Column | None:
-        """The only column of a label. Raises InputError if there are two."""
+        """The only column of a label that is not the same in all lines, or the only one.
+
+        Raises InputError if there are two.
+        """
         found = self.holding(holds)
+        if len(found) > 1:
+            found = [each for each in found if len(set(self.text(each))) > 1] or found
         if len(found) > 1:
             raise InputError(
                 f"{self.path}: line {self.header}: `{found[0].name}` and `{found[1].name}` both "
@@ -78,13 +83,20 @@ class ImportedTable:
         values = [self._number(line, column, text) for (line, _), text in pairs]
         return column.factor * np.array(values)
 
-    def readable(self, column: Column) -> Real:
-        """One column in SI units; NaN where a cell is no number."""
-        plain = [self.form.plain(text) for text in self.text(column)]
+    def readable(self, column: Column, form: NumberNotation | None = None) -> Real:
+        """One column in SI units; NaN where a cell is no number. form: other than the table's."""
+        plain = [(form or self.form).plain(text) for text in self.text(column)]
         values = np.array(
             [np.nan if text is None or failed(text) else float(text) for text in plain]
         )
         return column.factor * values
+
+    def forms(self, column: Column) -> list[NumberNotation]:
+        """The table's number format if it reads all numbers of a column, else those that may."""
+        numbers = [text for text in self.text(column) if NUMBERISH.fullmatch(text)]
+        if all(self.form.plain(text) is not None for text in numbers):
+            return [self.form]
+        return possible_formats(numbers)
 
     def _number(self, line: int, column: Column, text: str) -> float:
         if failed(text):
