@@ -19,7 +19,7 @@ import numpy as np
 from .concatenation import concatenate
 from .errors import InputError
 from .file_kinds import check_file_kind
-from .importing.account import account
+from .importing.account import account, repeated_readings
 from .importing.failures import left_out_text
 from .importing.grouping import grouped, reading_places
 from .importing.labels import Defaults, joined_labels, line_labels
@@ -80,9 +80,10 @@ def import_file(
     labels = [line_labels(each.table, each.frequency, defaults) for each in parts]
     readings, labels = joined_readings(parts), joined_labels(labels)
     table = readings.table
-    if options.strict and table.left_out:
-        raise InputError(f"{path}: {left_out_text(table.left_out)}: no reading, as --strict asks")
     grouping = grouped(table, readings.frequency, readings.failed, labels)
+    left_out = [*table.left_out, *repeated_readings(readings, grouping)]
+    if options.strict and left_out:
+        raise InputError(f"{path}: {left_out_text(left_out)}: no reading, as --strict asks")
     sweeps = grouping.sweeps
     hint = " (columns of other curves stand beside it; --columns with - for them reads one curve)"
     places = reading_places(table, sweeps, hint if readings.beside else "")
@@ -105,7 +106,7 @@ def import_file(
         attributes={
             "source": Path(path).name,
             "quantities": " and ".join(readings.quantities),
-            **account(readings, labels, grouping),
+            **account(readings, labels, grouping, left_out),
             "preamble": table.preamble,
             **rule,
         },

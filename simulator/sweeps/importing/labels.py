@@ -37,7 +37,8 @@ class LineLabels:
     """Labels of every line.
 
     keys: what distinguishes sweeps. presses: press, row, column, session. by_sweep: a column counts
-    the sweeps. columns: those that were used. counting: columns that only count the lines.
+    the sweeps. columns: those that were used. counting: columns that only count the lines. curves:
+    number of the curve.
     """
 
     keys: list[tuple[str, ...]]
@@ -46,6 +47,7 @@ class LineLabels:
     by_sweep: bool
     columns: list[Column]
     counting: list[Column]
+    curves: list[int]
 
 
 def line_labels(table: ImportedTable, frequency: Real, defaults: Defaults) -> LineLabels:
@@ -67,7 +69,9 @@ def line_labels(table: ImportedTable, frequency: Real, defaults: Defaults) -> Li
     keys = list(zip(*texts, strict=True)) if texts else [()] * len(table.rows)
     interfaces = _column(table, used, "interface", defaults.interface, UNNAMED)
     presses = _line_presses(table, used, defaults)
-    return LineLabels(keys, interfaces, presses, "sweep" in used, list(used.values()), counting)
+    return LineLabels(
+        keys, interfaces, presses, "sweep" in used, list(used.values()), counting, [0] * len(keys)
+    )
 
 
 def _is_constant_channel(table: ImportedTable, column: Column | None) -> bool:
@@ -86,6 +90,7 @@ def joined_labels(parts: Sequence[LineLabels]) -> LineLabels:
         first.by_sweep,
         first.columns,
         first.counting,
+        [n for n, each in enumerate(parts) for _ in each.keys],
     )
 
 

@@ -542,3 +542,63 @@ def test_encodings_of_chinese_instruments(table):
 def test_encodings_of_japanese_instruments(table, encoding):
     sweeps = table("周波数[Hz],Z[Ω],θ[°]", "1,1,-90", encoding=encoding)
     assert impedance(sweeps).item() == pytest.approx(-1j)
+
+
+SPECTRUM = [(1e5, "1,-5"), (3e4, "5,-14"), (1e4, "25,-23"), (3e3, "44,-12"), (1e3, "47,-4")]
+
+
+@pytest.mark.parametrize("ends", [[2], [3], [2, 3]])
+@pytest.mark.parametrize("overlap", [0, 1])
+@pytest.mark.parametrize("direction", [1, -1])
+@pytest.mark.parametrize("label", [None, "Loop", "Sweep Number", "Cycle"])
+def test_segments_of_one_spectrum_may_overlap(table, ends, overlap, direction, label):
+    readings = SPECTRUM[::direction]
+    starts = [0, *(end - overlap for end in ends)]
+    parts = [
+        [f"{f:.9g},{z}" for f, z in readings[start : end + 1]]
+        for start, end in zip(starts, [*ends, len(readings)], strict=True)
+    ]
+    parts = [*parts, *parts]
+    marked = [[f"{n},{row}" if label else row for row in part] for n, part in enumerate(parts, 1)]
+    header = f"{label},f,R,X" if label else "f,R,X"
+    sweeps = table(header, *(row for part in marked for row in part))
+    assert sweeps.sizes["sweep"] == 2 and sweeps["frequency"].values.tolist() == sorted(
+        f for f, _ in SPECTRUM
+    )
+    assert sweeps["Rs"].values[:, 0].tolist() == [[47, 44, 25, 5, 1]] * 2
+    assert sweeps.attrs["left_out"].count("which is kept: segments of one spectrum") == 2 * (
+        len(ends) * (1 + overlap)
+    )
+    assert ("though" in sweeps.attrs.get("warnings", "")) == (label in ("Sweep Number", "Cycle"))
+
+
+def test_the_first_reading_of_two_segments_is_kept_and_the_difference_named(table):
+    sweeps = table("f,R,X", "1,4,-3", "2,3,-4", "2,3.03,-4.04", "3,2,-4")
+    assert sweeps["Rs"].values.ravel().tolist() == [4, 3, 2]
+    assert sweeps.attrs["left_out"] == (
+        "line 4 (once more 2 Hz of line 3, which is kept: segments of one spectrum, 1 % apart)"
+    )
+    failed = table("f,R,X", "1,4,-3", "2,OL,-4", "2,3,-4", "3,2,-4")
+    assert failed["Rs"].values.ravel().tolist() == [4, 3, 2]
+
+
+def test_segments_without_a_common_frequency_are_one_spectrum(table):
+    sweeps = table("f,R,X", *(f"{f},1,-1" for f in (8, 6, 4, 2, 3, 1.5, 1)))
+    assert sweeps["frequency"].values.tolist() == [1, 1.5, 2, 3, 4, 6, 8]
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        (["1,4,-3", "2,3,-4", "2,6,-8", "3,2,-4"], "line 4: goes on with a spectrum from 2 Hz"),
+        (["1,4,-3", "2,3,-4", "1,4,-3", "2,3,-4", "3,2,-4"], "line 4: the sweep from here on has"),
+        (["1,4,-3", "2,3,-4", "3,1,-1", "2,3,-4", "1,2,-4"], "line 5: the sweep from here on has"),
+    ],
+)
+def test_other_repeated_frequencies_begin_a_sweep(tmp_path, rows, message):
+    assert message in refusal(tmp_path / "bad.csv", ["f,R,X", *rows])
+
+
+def test_segments_that_label_other_presses_are_not_joined(tmp_path):
+    rows = ["press,f,R,X", "a,1,4,-3", "a,2,3,-4", "b,2,3,-4", "b,3,2,-4"]
+    assert "line 4: the sweep from here on has 2" in refusal(tmp_path / "bad.csv", rows)
