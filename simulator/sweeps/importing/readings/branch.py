@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ....arrays import Complex, Mask, Real
 from ...errors import InputError
@@ -61,7 +62,9 @@ def checked_branch(branch: str) -> str:
     return branch
 
 
-def choose_branches(Z: Complex, frequency: Real, branch: str, taken: Mask) -> BranchChoice:
+def choose_branches(
+    Z: NDArray[np.complexfloating], frequency: Real, branch: str, taken: Mask
+) -> BranchChoice:
     """Applies `choose_branch` to the readings taken of every interface; NaN for the others.
 
     Z: shape (sweep, interface, frequency). taken: shape (interface, frequency).
@@ -75,11 +78,12 @@ def choose_branches(Z: Complex, frequency: Real, branch: str, taken: Mask) -> Br
     return found
 
 
-def choose_branch(Z: Complex, frequency: Real, branch: str) -> BranchChoice:
+def choose_branch(Z: NDArray[np.complexfloating], frequency: Real, branch: str) -> BranchChoice:
     """Impedance on the branch that a rule of RULES selects.
 
     Z: ohm, on the capacitive branch, shape (..., frequency). frequency: Hz, ascending.
     """
+    Z = np.asarray(Z, dtype=np.complex128)
     s = (Z.imag**2 - Z.real**2) / np.abs(Z) ** 2
     other = Z.real + 1j * np.divide(Z.real**2, Z.imag, out=np.zeros(s.shape), where=Z.imag != 0)
     capacitive = np.full(s.shape, branch != "resistive")
