@@ -125,6 +125,24 @@ def test_names_may_have_line_breaks_in_quotes(table):
         table("f,Rs,X", '1,"2,3', '2,2,3"')
 
 
+def test_a_line_break_in_the_last_name_does_not_lose_its_unit(table):
+    assert impedance(table('f,Rs (kohm),"-X', '(kohm)"', "1,2,3")).item() == 2e3 - 3e3j
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "Frequency (Hz) Rs (ohm) X (ohm)",
+        '"Frequency (Hz)" "Rs (ohm)" "X (ohm)"',
+        "Frequency (Hz), Rs (ohm), X (ohm)",
+        "Frequency (Hz)\tRs (ohm)\tX (ohm)",
+    ],
+)
+@pytest.mark.parametrize("row", ["1.5 2.5 -3.5", "1,5;2,5;-3,5", "1,5\t2,5\t-3,5", "1.5,2.5,-3.5"])
+def test_header_and_readings_may_be_split_in_two_ways(table, header, row):
+    assert impedance(table(header, row)).item() == 2.5 - 3.5j
+
+
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "utf-16-le", "cp1252"])
 def test_a_byte_order_mark_may_stand_inside(tmp_path, encoding):
     mark = "\ufeff" if "utf" in encoding else "\u00ef\u00bb\u00bf"
@@ -146,6 +164,8 @@ def test_lines_may_be_quoted_as_a_whole(table, end):
         (["f / Hz,Rs / ohm,X / ohm", "1,2,-3,4"], "line 2: has 4 cells where the header in line 1"),
         (["f / Hz;Rs / ohm;X / ohm", "1,5;2,5;-3,5;4"], "has 4 cells where .* line 1 has 3"),
         (["f\tRs\tX", "1\t2"], "line 2: has 2 cells where the header in line 1 has 3"),
+        (["f\tRs\tX", "1\t2\t-3\ta, b"], "line 2: has 4 cells where the header in line 1 has 3"),
+        (["title", '"f,Rs,X,D,"', '"1,2,-3"'], "line 3: has 3 cells where .* line 2 has 4"),
     ],
 )
 def test_cells_are_counted_as_the_header_is_split(tmp_path, lines, message):

@@ -105,7 +105,7 @@ def with_whole_headers(lines: Lines) -> Lines:
 def _joined(texts: list[str]) -> tuple[int, str]:
     """Number of lines of the header that begins in the first one, and its text; else the first."""
     text = texts[0]
-    if text.count('"') % 2 == 0 or not OPEN_QUOTE.search(text) or header_readings(text):
+    if text.count('"') % 2 == 0 or not OPEN_QUOTE.search(text):
         return 1, text
     for count, more in enumerate(texts[1:], 2):
         if DIGITS_ONLY.fullmatch(more):
@@ -199,7 +199,9 @@ def misfit_text(scan: Scan, number: int, text: str) -> str:
             cells = trimmed(line_cells(text, separator))
         except csv.Error as error:
             return f"line {number}: cannot be split into cells: {error}"
-        if all(number_like(cell) for cell in cells if cell):
+        numbers = sum(map(number_like, cells))
+        begins = separator == own != SPACE and number_like(cells[0]) and numbers > 1
+        if begins or numbers == len([cell for cell in cells if cell]):
             counts[separator] = len(cells)
     if not counts and DIGITS_ONLY.fullmatch(text):
         counts[SPACE] = len(text.split())

@@ -98,12 +98,12 @@ def is_comment(text: str, separator: str | None = None) -> bool:
 def header_cells(text: str, separator: str) -> list[str]:
     """The cells of a line as column names, without leading comment signs."""
     bare = text.strip(" ").lstrip(COMMENTS if separator != ";" else "#%!").strip(" ")
-    if separator in (WIDE, SPACE):
+    if separator in (WIDE, SPACE) and '" "' not in bare:
         pattern = r"\s{2,}|\t" if separator == WIDE else r"\s+"
-        names = re.split(pattern, GLUED.sub("\x1f", bare.strip()))
-        return _named([name.replace("\x1f", " ") for name in names])
+        names = re.split(pattern, GLUED.sub("\0", bare.strip()))
+        return _named([name.replace("\0", " ") for name in names])
     try:
-        cells = next(csv.reader([bare], delimiter=separator, skipinitialspace=True), [])
+        cells = next(csv.reader([bare], delimiter=separator[0], skipinitialspace=True), [])
     except csv.Error:
         return []
     return _named([cell.strip() for cell in cells])
