@@ -65,8 +65,8 @@ def import_sweeps(
 
     Rs and Cp alone leave two solutions for X, X1 X2 = Rs^2. X is the one that
     a passive network has (Kramers-Kronig), followed even past -45 degrees, as
-    sheets behave. Where a network fits both or neither, X starts with |X| >= Rs
-    at the lowest frequency, and a warning names the readings. `--branch
+    sheets behave. If networks fit both, X starts with |X| >= Rs at the lowest
+    frequency; a warning names readings where X may be wrong. `--branch
     capacitive` uses |X| >= Rs everywhere, `--branch resistive` |X| <= Rs. The
     attribute `branch_rule` states what was taken.
 

@@ -3,9 +3,9 @@
 With B = omega Cp = -X/(Rs^2 + X^2), the reactance solves B X^2 + X + B Rs^2 = 0. So there are two,
 X1 X2 = Rs^2 and X1 + X2 = -1/B, and s = (X^2 - Rs^2)/(X^2 + Rs^2) is root(1 - (2 B Rs)^2) of the
 capacitive one, |X| >= Rs, and minus that of the resistive one. Z of a network is analytic in the
-frequency, and so is s: where a sweep passes -45 degrees, s goes straight on through 0, while
-each branch by itself has a kink there. A sweep on the other branch, s -> -s, has no kink either,
-but it is not causal: only one of the two is near a passive RC network (see `kramers_kronig`).
+frequency, and so is s: where a sweep passes -45 degrees, s goes straight on through 0, from one
+branch to the other. The same sweep with all signs of s changed is not causal. So of all ways to
+pass, the right one is nearest to a passive RC network (see `kramers_kronig`).
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ NOISE, MANY = 1e-3, 10
 CERTAIN = 3.0
 """Factor of the misfit of the nearest network, or by chance, from which a branch is excluded."""
 NO_NETWORK = 0.1
-"""Root mean square misfit from which a spectrum is no network's."""
+"""Root mean square misfit from which a spectrum is not that of a network."""
 MIN_FREQUENCIES = 4
 """Smallest number of frequencies at which a network is no network on the other branch."""
 MAX_LISTED = 6
@@ -89,9 +89,8 @@ def choose_branch(Z: NDArray[np.complexfloating], frequency: Real, branch: str) 
     capacitive = np.full(s.shape, branch != "resistive")
     doubtful = np.zeros(s.shape, dtype=np.bool_)
     if branch == "followed":
-        followed = _followed(s, np.log(frequency))
         for sweep in np.ndindex(s.shape[:-1]):
-            patterns = _patterns(s[sweep], followed[sweep])
+            patterns = _patterns(s[sweep])
             capacitive[sweep], doubtful[sweep] = _of_network(
                 Z[sweep], other[sweep], patterns, frequency
             )
@@ -99,17 +98,14 @@ def choose_branch(Z: NDArray[np.complexfloating], frequency: Real, branch: str) 
     return BranchChoice(np.where(capacitive, Z, other), doubtful)
 
 
-def _patterns(s: Real, followed: Mask) -> list[Mask]:
-    """The ways in which a sweep may change between branches, True on the capacitive one.
-
-    followed: the smoothest one that begins there; it and its opposite are the first.
-    """
+def _patterns(s: Real) -> list[Mask]:
+    """The ways in which a sweep may change between branches, True on the capacitive one."""
     padded = np.pad(s, 1, constant_values=np.inf)
     before, after = padded[:-2], padded[2:]
     step = np.minimum(np.maximum(before, after), 1.0) - s
     lowest = np.flatnonzero((s <= before) & (s <= after) & (s < np.maximum(CROSSING, step)))
     lowest = np.sort(lowest[np.argsort(s[lowest])][:MAX_CROSSINGS])
-    found = {tuple(followed): followed, tuple(~followed): ~followed}
+    found: dict[tuple[bool, ...], Mask] = {}
     for start, *steps in product((True, False), *([(None, 0, 1)] * len(lowest))):
         pattern = np.full(s.shape, start)
         for place, step in zip(lowest, steps, strict=True):
@@ -131,8 +127,6 @@ def _of_network(
     if len(frequency) < MIN_FREQUENCIES:
         return patterns[0], everywhere
     misfits = np.array([distance_from_rc(np.where(each, Z, other), frequency) for each in patterns])
-    if misfits.min() > NO_NETWORK:
-        return patterns[0], everywhere
     by_chance = NOISE if len(frequency) < MANY else RESOLUTION
     possible = misfits <= CERTAIN * max(misfits.min(), by_chance)
     begin = np.array([each[0] for each in patterns])
@@ -140,35 +134,7 @@ def _of_network(
         misfits[~begin] = np.inf
     chosen = patterns[int(misfits.argmin())]
     apart = [each != chosen for each, fits in zip(patterns, possible, strict=True) if fits]
-    return chosen, np.any(apart, axis=0)
-
-
-def _followed(s: Real, x: Real) -> Mask:
-    """True where s >= 0, for the signs that give the smoothest curve; the first sign is positive.
-
-    Minimizes the sum of squared distances of each point from the chord of its neighbours, by
-    dynamic programming over the signs of two neighbours.
-    """
-    points = s.shape[-1]
-    if points < 3:
-        return np.ones(s.shape, dtype=np.bool_)
-    both = np.stack([s, -s], axis=-1)
-    cost = np.zeros((*s.shape[:-1], 2, 2))
-    cost[..., 1, :] = np.inf
-    before = []
-    for k in range(2, points):
-        share = (x[k - 1] - x[k - 2]) / (x[k] - x[k - 2])
-        first, middle, last = (both[..., place, :] for place in (k - 2, k - 1, k))
-        chord = (1 - share) * first[..., :, None, None] + share * last[..., None, None, :]
-        total = cost[..., None] + (middle[..., None, :, None] - chord) ** 2
-        before.append(total.argmin(axis=-3).reshape(*s.shape[:-1], 4))
-        cost = total.min(axis=-3)
-    negative = np.empty(s.shape, dtype=np.intp)
-    negative[..., -2], negative[..., -1] = np.divmod(cost.reshape(*s.shape[:-1], 4).argmin(-1), 2)
-    for k in range(points - 1, 1, -1):
-        pair = 2 * negative[..., k - 1] + negative[..., k]
-        negative[..., k - 2] = np.take_along_axis(before[k - 2], pair[..., None], -1)[..., 0]
-    return negative == 0
+    return chosen, everywhere if misfits.min() > NO_NETWORK else np.any(apart, axis=0)
 
 
 def branch_attributes(
