@@ -32,14 +32,15 @@ within 9 degrees of it."""
 CROSSING = 0.15
 """|s| that noise leaves where a sweep crosses -45 degrees; a coarse step may leave more."""
 MAX_CROSSINGS = 2
-NOISE, MANY = 1e-3, 10
+NOISE, MANY = 3e-3, 10
 """Relative noise that a network may fit by chance, and the number of frequencies that show it."""
 CERTAIN = 3.0
 """Factor of the misfit of the nearest network, or by chance, from which a branch is excluded."""
 NO_NETWORK = 0.1
 """Root mean square misfit from which a spectrum is not that of a network."""
-MIN_FREQUENCIES = 4
-"""Smallest number of frequencies at which a network is no network on the other branch."""
+MIN_FREQUENCIES, FEW = 3, 5
+"""Smallest number of frequencies at which a network is no network on the other branch, and the
+largest number at which all ways to change between branches are tried."""
 MAX_LISTED = 6
 
 
@@ -100,6 +101,8 @@ def choose_branch(Z: NDArray[np.complexfloating], frequency: Real, branch: str) 
 
 def _patterns(s: Real) -> list[Mask]:
     """The ways in which a sweep may change between branches, True on the capacitive one."""
+    if s.size <= FEW:
+        return [np.array(signs) for signs in product((True, False), repeat=s.size)]
     padded = np.pad(s, 1, constant_values=np.inf)
     before, after = padded[:-2], padded[2:]
     step = np.minimum(np.maximum(before, after), 1.0) - s
@@ -108,9 +111,9 @@ def _patterns(s: Real) -> list[Mask]:
     found: dict[tuple[bool, ...], Mask] = {}
     for start, *steps in product((True, False), *([(None, 0, 1)] * len(lowest))):
         pattern = np.full(s.shape, start)
-        for place, step in zip(lowest, steps, strict=True):
-            if step is not None:
-                pattern[place + step :] ^= True
+        for place, after_it in zip(lowest, steps, strict=True):
+            if after_it is not None:
+                pattern[place + after_it :] ^= True
         found.setdefault(tuple(pattern), pattern)
     return list(found.values())
 
@@ -168,9 +171,8 @@ def _doubts(found: BranchChoice, frequency: Real, interfaces: Sequence[str]) -> 
     if not groups:
         return ""
     listed = [
-        f"interface {interfaces[place]} from {frequency[readings[0]]:.6g} to "
-        f"{frequency[readings[-1]]:.6g} Hz in sweep{'s' if len(sweeps) > 1 else ''} "
-        f"{_ranges(sweeps)}"
+        f"interface {interfaces[place]} {_range(frequency[list(readings)])} in "
+        f"sweep{'s' if len(sweeps) > 1 else ''} {_ranges(sweeps)}"
         for (place, readings), sweeps in sorted(groups.items())
     ]
     further = [f"{len(listed) - MAX_LISTED} groups more"] if len(listed) > MAX_LISTED else []
@@ -179,6 +181,13 @@ def _doubts(found: BranchChoice, frequency: Real, interfaces: Sequence[str]) -> 
         f"branch: {'; '.join([*listed[:MAX_LISTED], *further])}; their phase is near -45 degrees, "
         "or a passive network fits both branches or neither"
     )
+
+
+def _range(frequency: Real) -> str:
+    """Ascending frequencies in Hz as text: the only one, or the first and the last."""
+    if len(frequency) == 1:
+        return f"at {frequency[0]:.6g} Hz"
+    return f"from {frequency[0]:.6g} to {frequency[-1]:.6g} Hz"
 
 
 def _ranges(numbers: Sequence[int]) -> str:
