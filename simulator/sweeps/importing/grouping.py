@@ -114,7 +114,8 @@ def _is_segment(
 ) -> bool:
     """True if the run of a line goes on beyond the frequencies of a sweep at the interface."""
     run = common.frequency[common.runs == common.runs[place]].tolist()
-    return continues([f for name, f in sweep.lines if name == interface and f not in run[1:]], run)
+    further = set(run[1:])
+    return continues([f for name, f in sweep.lines if name == interface and f not in further], run)
 
 
 def _refuse_turns(

@@ -168,6 +168,11 @@ def test_a_prefix_that_may_be_both_is_refused(table, names, readings):
         table(columns)
 
 
+def test_a_prefix_without_a_reading_is_refused(table):
+    with pytest.raises(InputError, match="column `freq_mhz` may be in mHz or in MHz"):
+        table([("freq_mhz", ["OL"] * 3), ("Rs", Z.real), ("X", Z.imag)])
+
+
 def test_other_prefixes_in_names_without_case(table):
     sweeps = table([("FREQ_KHZ", F / 1e3), ("CP_PF", 0 * F + 5), ("RP_KOHM", 0 * F + 2)])
     assert sweeps["Cp"].values.ravel() == pytest.approx([5e-12] * 3)

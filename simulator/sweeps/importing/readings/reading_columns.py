@@ -153,9 +153,10 @@ def _with_prefixes(table: ImportedTable) -> ImportedTable:
             continue
         sizes = np.abs([table.readable(each, table.forms(each)[0]) for each in group])
         sizes = sizes[np.isfinite(sizes) & (sizes > 0)]
-        ends = (sizes.min(), sizes.max()) if of_frequency else (sizes.max(), sizes.max())
+        smallest, largest = np.min(sizes, initial=np.inf), np.max(sizes, initial=0.0)
         low, high = PLAUSIBLE[of_frequency]
-        fits = [low <= factor * ends[0] and factor * ends[1] <= high for factor in (1.0, MEGA)]
+        lowest = smallest if of_frequency else largest
+        fits = [low <= factor * lowest and factor * largest <= high for factor in (1.0, MEGA)]
         for each in group:
             columns[each.place] = _with_prefix(each, *fits)
     return replace(table, columns=list(columns.values()))
