@@ -96,8 +96,10 @@ def with_whole_headers(lines: Lines) -> Lines:
     place = 0
     while place < len(lines):
         number, text = lines[place]
-        count, joined = _joined([text for _, text in lines[place : place + MAX_JOINED]])
-        found.append((number, joined))
+        count = 1
+        if text.count('"') % 2 and OPEN_QUOTE.search(text):
+            count, text = _joined([text for _, text in lines[place : place + MAX_JOINED]])
+        found.append((number, text))
         place += count
     return found
 
@@ -105,8 +107,6 @@ def with_whole_headers(lines: Lines) -> Lines:
 def _joined(texts: list[str]) -> tuple[int, str]:
     """Number of lines of the header that begins in the first one, and its text; else the first."""
     text = texts[0]
-    if text.count('"') % 2 == 0 or not OPEN_QUOTE.search(text):
-        return 1, text
     for count, more in enumerate(texts[1:], 2):
         if DIGITS_ONLY.fullmatch(more):
             break
