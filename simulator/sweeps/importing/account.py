@@ -119,7 +119,9 @@ def _warnings(readings: ImportedReadings, labels: LineLabels, grouping: Grouping
             "sweeps; those of the first sweep stand for all"
         )
     if grouping.joined:
-        found.append(f"segments of one spectrum are one sweep, though {_labels(labels)} differ")
+        found.append(
+            f"segments of one spectrum are one sweep, although values of {_labels(labels)} differ"
+        )
     for column in labels.counting:
         found.append(f"`{column.name}` counts the lines and labels nothing")
     return found
