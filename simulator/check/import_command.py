@@ -63,17 +63,19 @@ def import_sweeps(
     `-Z''`), |Z| and phase (`theta (deg)`), G and B, Cp or Cs with D, Rs, Rp or
     Q, Ls and Rs, and others. All other columns that depend on Z must agree.
 
-    Rs and Cp alone leave two solutions for X, X1 X2 = Rs^2. X starts with the
-    capacitive one, |X| >= Rs, at the lowest frequency and is followed from
-    there, even past -45 degrees, as sheets behave. Readings where this may be
-    wrong are named. `--branch capacitive` uses |X| >= Rs everywhere,
-    `--branch resistive` |X| <= Rs. The attribute `branch_rule` states the rule.
+    Rs and Cp alone leave two solutions for X, X1 X2 = Rs^2. X is the one that
+    a passive network has (Kramers-Kronig), followed even past -45 degrees, as
+    sheets behave. If networks fit both, X starts with |X| >= Rs at the lowest
+    frequency; a warning names readings where X may be wrong. `--branch
+    capacitive` uses |X| >= Rs everywhere, `--branch resistive` |X| <= Rs. The
+    attribute `branch_rule` states what was taken.
 
     Separators are comma, semicolon, tab or spaces; decimal commas, comments
     (# % ; !), lines above the header and text below the table are understood.
     Failed readings are left out, and the lines are named. Columns of a sweep,
-    press, row, column, repetition, cycle, interface or session label the lines;
-    without them a sweep begins where the frequencies start over.
+    press, row, column, repetition, cycle, interface (or channel) or session
+    label the lines; without them a sweep begins where the frequencies start
+    over. Curves beside each other are sweeps.
     """
     from ..requests.console import note, report_written, warn
     from ..sweeps import checked_output, sizes_text, write

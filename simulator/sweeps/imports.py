@@ -19,12 +19,13 @@ import numpy as np
 from .concatenation import concatenate
 from .errors import InputError
 from .file_kinds import check_file_kind
-from .importing.account import account
+from .importing.account import account, repeated_readings
 from .importing.failures import left_out_text
 from .importing.grouping import grouped, reading_places
-from .importing.labels import Defaults, line_labels
+from .importing.labels import Defaults, joined_labels, line_labels
 from .importing.readings.branch import branch_attributes, checked_branch, choose_branches
-from .importing.readings.reading_columns import imported_readings
+from .importing.readings.curves import curves
+from .importing.readings.reading_columns import imported_readings, joined_readings
 from .importing.tables.table import read_table
 from .joining import aligned
 from .schema import build
@@ -75,15 +76,18 @@ def import_file(
     options = options or ImportOptions(branch)
     path = Path(path)
     check_file_kind(path, "sweeps")
-    table = read_table(path, options.names())
-    readings = imported_readings(table)
+    parts = [imported_readings(each) for each in curves(read_table(path, options.names()))]
+    labels = [line_labels(each.table, each.frequency, defaults) for each in parts]
+    readings, labels = joined_readings(parts), joined_labels(labels)
     table = readings.table
-    if options.strict and table.left_out:
-        raise InputError(f"{path}: {left_out_text(table.left_out)}: no reading, as --strict asks")
-    labels = line_labels(table, readings.frequency, defaults)
     grouping = grouped(table, readings.frequency, readings.failed, labels)
+    left_out = [*table.left_out, *repeated_readings(readings, grouping)]
+    if options.strict and left_out:
+        raise InputError(f"{path}: {left_out_text(left_out)}: no reading, as --strict asks")
     sweeps = grouping.sweeps
-    interfaces, frequency, taken, where = reading_places(table, sweeps)
+    hint = " (columns of other curves stand beside it; --columns with - for them reads one curve)"
+    places = reading_places(table, sweeps, hint if readings.beside else "")
+    interfaces, frequency, taken, where = places
     Z, rule = np.where(taken, readings.Z[where], np.nan), {}
     if readings.quantities == ("Rs", "Cp"):
         found = choose_branches(Z, frequency, checked_branch(options.branch), taken)
@@ -102,7 +106,7 @@ def import_file(
         attributes={
             "source": Path(path).name,
             "quantities": " and ".join(readings.quantities),
-            **account(readings, labels, grouping),
+            **account(readings, labels, grouping, left_out),
             "preamble": table.preamble,
             **rule,
         },

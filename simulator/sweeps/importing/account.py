@@ -12,49 +12,89 @@ from .labels import LineLabels
 from .readings.gain_columns import amplifying
 from .readings.reading_columns import ImportedReadings
 from .tables.columns import Column
+from .tables.table import LeftOut
 
 PASSIVE = np.pi / 2 + np.radians(1)
 """Phase of a passive part, with 1 degree of allowance, in rad."""
+SEGMENTS = 0.1
+"""Largest relative difference of Z between segments of one spectrum at a frequency of both."""
 
 
-def account(readings: ImportedReadings, labels: LineLabels, grouping: Grouping) -> dict[str, str]:
+def account(
+    readings: ImportedReadings, labels: LineLabels, grouping: Grouping, left_out: list[LeftOut]
+) -> dict[str, str]:
     """Attributes of imported sweeps: `columns`, `left_out` and `warnings`, where there are any."""
     sentences = {
         "columns": _columns_text(readings, labels),
-        "left_out": _left_out(readings, grouping),
+        "left_out": _left_out(left_out, grouping),
         "warnings": "; ".join(_warnings(readings, labels, grouping)),
     }
     return {name: text for name, text in sentences.items() if text}
 
 
 def _columns_text(readings: ImportedReadings, labels: LineLabels) -> str:
-    table = readings.table
-    taken = [readings.frequency_column, *readings.pair]
-    parts = [f"{column.holds} from {_named(column)}" for column in taken]
-    if readings.compared:
-        parts[-1] += f"; {_listed(readings.compared)} agree{'s' * (len(readings.compared) == 1)}"
+    table, curves = readings.table, [readings, *readings.beside]
+    taken = ", and ".join(map(_taken_text, curves))
+    if len(curves) > 1:
+        taken = f"{len(curves)} curves beside each other: {taken}"
     if labels.columns:
-        parts[-1] += f"; labels from {_listed(labels.columns)}"
-    used = {column.place for column in [*taken, *readings.compared, *labels.columns]}
+        taken += f"; labels from {_listed(labels.columns)}"
+    used = {
+        column.place
+        for each in curves
+        for column in [each.frequency_column, *each.pair, *each.compared, *labels.columns]
+    }
     idle = [
         f"`{n}`" for place, n in enumerate(table.names) if n not in ("", "-") and place not in used
     ]
     if idle:
-        parts[-1] += f"; not used: {', '.join(idle)}"
-    where = f"header in line {table.header}: " if table.header else ""
-    return where + ", ".join(parts)
+        taken += f"; not used: {', '.join(idle)}"
+    return (f"header in line {table.header}: " if table.header else "") + taken
+
+
+def _taken_text(readings: ImportedReadings) -> str:
+    """The columns that gave one curve, and those that agree with them."""
+    taken = [readings.frequency_column, *readings.pair]
+    text = ", ".join(f"{column.holds} from {_named(column)}" for column in taken)
+    if readings.compared:
+        text += f"; {_listed(readings.compared)} agree{'s' * (len(readings.compared) == 1)}"
+    return text
 
 
 def _named(column: Column) -> str:
-    return f"`{column.name}`" + (" (negated)" if column.factor < 0 else "")
+    unit = f" (in {column.unit})" if column.unit else ""
+    return f"`{column.name}`{unit}" + (" (negated)" if column.factor < 0 else "")
 
 
 def _listed(columns: list[Column]) -> str:
     return ", ".join(f"`{column.name}`" for column in columns)
 
 
-def _left_out(readings: ImportedReadings, grouping: Grouping) -> str:
-    text = left_out_text(readings.table.left_out)
+def repeated_readings(readings: ImportedReadings, grouping: Grouping) -> list[LeftOut]:
+    """Lines left out as two segments of a spectrum have their frequency.
+
+    Raises InputError if such readings differ by more than SEGMENTS.
+    """
+    found, rows = [], readings.table.rows
+    for kept, other in grouping.repeated:
+        if readings.failed[other]:
+            continue
+        (line, _), (repeated, _) = rows[kept], rows[other]
+        off = abs(readings.Z[other] / readings.Z[kept] - 1)
+        where = f"{readings.frequency[other]:.6g} Hz of line {line}"
+        if off > SEGMENTS:
+            raise readings.table.error(
+                repeated,
+                f"goes on with a spectrum from {where}, but its reading differs by {off:.2g} of "
+                "|Z|; import one segment, or label sweeps in a column `sweep`",
+            )
+        reason = f"once more {where}, which is kept: segments of one spectrum"
+        found.append(LeftOut(repeated, reason + f", {100 * off:.2g} % apart" * bool(off > 0)))
+    return found
+
+
+def _left_out(left_out: list[LeftOut], grouping: Grouping) -> str:
+    text = left_out_text(left_out)
     if grouping.dropped and len(grouping.sweeps) > 1:
         listed = ", ".join(f"{f:.6g} Hz" for _, f in grouping.dropped[:6])
         more = f" and {len(grouping.dropped) - 6} more" if len(grouping.dropped) > 6 else ""
@@ -63,7 +103,7 @@ def _left_out(readings: ImportedReadings, grouping: Grouping) -> str:
 
 
 def _warnings(readings: ImportedReadings, labels: LineLabels, grouping: Grouping) -> list[str]:
-    table, found = readings.table, []
+    table, found = readings.table, list(readings.table.remarks)
     Z = readings.Z[~readings.failed]
     lines = np.array([line for line, _ in table.rows])[~readings.failed]
     if readings.kind is IMPEDANCE:
@@ -78,9 +118,18 @@ def _warnings(readings: ImportedReadings, labels: LineLabels, grouping: Grouping
             f"frequencies differ by up to {1e6 * grouping.frequencies.jitter:.3g} ppm between "
             "sweeps; those of the first sweep stand for all"
         )
+    if grouping.joined:
+        found.append(
+            f"segments of one spectrum are one sweep, although values of {_labels(labels)} differ"
+        )
     for column in labels.counting:
         found.append(f"`{column.name}` counts the lines and labels nothing")
     return found
+
+
+def _labels(labels: LineLabels) -> str:
+    listed = [each for each in labels.columns if each.holds in ("sweep", "repetition", "cycle")]
+    return _listed(listed) or "labels"
 
 
 def _impedance_warnings(readings: ImportedReadings, Z: Complex, lines: Integer) -> list[str]:

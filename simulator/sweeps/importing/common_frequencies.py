@@ -50,6 +50,15 @@ def common_frequencies(frequency: Real, keys: Sequence[Hashable]) -> CommonFrequ
     return CommonFrequencies(found, runs, float(differences[beyond].max(initial=0.0)))
 
 
+def continues(first: Sequence[float], second: Sequence[float]) -> bool:
+    """True if a second run of frequencies begins within or behind the first and ends beyond it."""
+    if len(first) < 2 or len(second) < 2:
+        return False
+    direction = np.sign(first[-1] - first[0])
+    a, b = direction * np.array(first), direction * np.array(second)
+    return bool((np.diff(b) > 0).all() and b[0] > a[0] and b[-1] > a.max())
+
+
 def _joined(values: Real, tolerances: Real) -> Real:
     """Ascending values with each group of neighbours within tolerance replaced by its first."""
     apart = np.append(True, np.diff(values) > tolerances[1:] * values[:-1])

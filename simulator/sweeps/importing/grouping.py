@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Mask, Real
-from .common_frequencies import CommonFrequencies, common_frequencies
+from .common_frequencies import CommonFrequencies, common_frequencies, continues
 from .labels import LineLabels
 from .tables.table import ImportedTable
 
@@ -37,44 +37,85 @@ class Grouping:
     """Sweeps in order of appearance, with all readings that did not fail.
 
     dropped: frequencies in Hz at interfaces at which a reading failed in some sweep, so that they
-    are in none. frequencies: those of the lines.
+    are in none. frequencies: those of the lines. repeated: row numbers of readings at a frequency
+    that two segments of a spectrum share, that which is kept and the other. joined: segments had
+    other labels.
     """
 
     sweeps: list[ImportedSweep]
     dropped: list[tuple[str, float]]
     frequencies: CommonFrequencies
+    repeated: list[tuple[int, int]]
+    joined: bool
 
 
 def grouped(table: ImportedTable, frequency: Real, failed: Mask, labels: LineLabels) -> Grouping:
     """The sweeps of a table.
 
     A new sweep begins with every new value in a column that labels sweeps, and when a frequency is
-    repeated at the same interface with the same labels. failed: True for lines without a reading.
+    repeated at the same interface with the same labels. But frequencies that begin within those of
+    a sweep and go on beyond them, in the same direction, are a further segment of it.
+    failed: True for lines without a reading.
     Raises InputError naming file and line if labels change within one value of the sweep column,
     or if frequencies turn back to others.
     """
-    places = list(zip(labels.keys, labels.interfaces, strict=True))
-    common = common_frequencies(frequency, places)
+    common = common_frequencies(frequency, list(zip(labels.keys, labels.interfaces, strict=True)))
+    keys = _keys_of_spectra(labels, common)
     latest: dict[tuple[str, ...], ImportedSweep] = {}
     sweeps: list[ImportedSweep] = []
+    repeated: list[tuple[int, int]] = []
     for place, (line, _) in enumerate(table.rows):
-        key, pressed = labels.keys[place], labels.presses[place]
-        reading = labels.interfaces[place], float(common.frequency[place])
+        key, pressed = keys[place], labels.presses[place]
+        interface, f = labels.interfaces[place], float(common.frequency[place])
         sweep = latest.get(key)
-        if sweep is None or reading in sweep.lines:
-            if sweep is not None and labels.by_sweep:
-                before = table.rows[sweep.lines[reading]][0]
-                message = f"the same sweep has {reading[1]:g} Hz in line {before} already"
+        before = None if sweep is None else sweep.lines.get((interface, f))
+        if sweep is not None and before is not None:
+            if _is_segment(sweep, interface, place, common):
+                kept, other = (place, before) if failed[before] else (before, place)
+                sweep.lines[interface, f] = kept
+                repeated.append((kept, other))
+                continue
+            if labels.by_sweep:
+                message = f"the same sweep has {f:g} Hz in line {table.rows[before][0]} already"
                 raise table.error(line, message)
+        if sweep is None or before is not None:
             sweep = latest[key] = ImportedSweep(line, *pressed)
             sweeps.append(sweep)
         if (sweep.press, sweep.row, sweep.column, sweep.session) != pressed:
             raise table.error(line, f"has another press or session than line {sweep.line}")
-        sweep.lines[reading] = place
+        sweep.lines[interface, f] = place
     if not labels.by_sweep:
         _refuse_turns(table, sweeps, common)
     dropped = _without_failed(table, sweeps, failed)
-    return Grouping(sweeps, dropped, common)
+    return Grouping(sweeps, dropped, common, repeated, keys != labels.keys)
+
+
+def _keys_of_spectra(labels: LineLabels, common: CommonFrequencies) -> list[tuple[str, ...]]:
+    """The key of every line, where segments of one spectrum have that of its first segment."""
+    found: list[tuple[str, ...]] = []
+    same: dict[tuple[str, ...], tuple[str, ...]] = {}
+    latest: dict[object, tuple[tuple[str, ...], list[float]]] = {}
+    for place, key in enumerate(labels.keys):
+        where = labels.presses[place], labels.interfaces[place], labels.curves[place]
+        before, spectrum = latest.get(where, (key, []))
+        if key not in same:
+            run = common.frequency[common.runs == common.runs[place]].tolist()
+            same[key] = same[before] if before in same and continues(spectrum, run) else key
+        if same[key] != before:
+            spectrum = []
+        spectrum.append(float(common.frequency[place]))
+        latest[where] = same[key], spectrum
+        found.append(same[key])
+    return found
+
+
+def _is_segment(
+    sweep: ImportedSweep, interface: str, place: int, common: CommonFrequencies
+) -> bool:
+    """True if the run of a line goes on beyond the frequencies of a sweep at the interface."""
+    run = common.frequency[common.runs == common.runs[place]].tolist()
+    further = set(run[1:])
+    return continues([f for name, f in sweep.lines if name == interface and f not in further], run)
 
 
 def _refuse_turns(
@@ -85,18 +126,20 @@ def _refuse_turns(
         by_run: dict[tuple[str, int], list[int]] = {}
         for (interface, _), place in sweep.lines.items():
             by_run.setdefault((interface, int(common.runs[place])), []).append(place)
-        starts: dict[str, int] = {}
+        latest: dict[str, list[int]] = {}
         for (interface, _), places in by_run.items():
             if len(places) < LONG_RUN:
                 continue
-            if interface in starts:
-                line, first = (table.rows[place][0] for place in (places[0], starts[interface]))
+            before = latest.get(interface, places)
+            runs = (common.frequency[each].tolist() for each in (before, places))
+            if before is not places and not continues(*runs):
+                line, first = table.rows[places[0]][0], table.rows[before[0]][0]
                 raise table.error(
                     line,
                     "the frequency turns back here, to others than those of the sweep from line "
                     f"{first} on; a column `sweep` would label sweeps",
                 )
-            starts[interface] = places[0]
+            latest[interface] = places
 
 
 def _without_failed(
@@ -121,13 +164,13 @@ def _without_failed(
 
 
 def reading_places(
-    table: ImportedTable, sweeps: list[ImportedSweep]
+    table: ImportedTable, sweeps: list[ImportedSweep], hint: str = ""
 ) -> tuple[list[str], Real, Mask, NDArray[np.intp]]:
     """Interfaces, ascending frequencies in Hz, mask of readings taken, and row numbers of readings.
 
     The mask has the shape (interface, frequency). The row numbers have the shape (sweep, interface,
     frequency) and are 0 where nothing was read.
-    Raises InputError naming file and line of the first sweep with other readings.
+    Raises InputError naming file and line of the first sweep with other readings, and the hint.
     """
     first = sweeps[0]
     interfaces = list(dict.fromkeys(name for name, _ in first.lines))
@@ -139,7 +182,7 @@ def reading_places(
         for f in frequency[read].tolist()
     ]
     found = np.zeros((len(sweeps), *taken.shape), dtype=np.intp)
-    found[:, taken] = [_matching(table, first, each, wanted) for each in sweeps]
+    found[:, taken] = [_matching(table, first, each, wanted, hint) for each in sweeps]
     return interfaces, frequency, taken, found
 
 
@@ -148,6 +191,7 @@ def _matching(
     first: ImportedSweep,
     sweep: ImportedSweep,
     wanted: list[tuple[str, float]],
+    hint: str,
 ) -> list[int]:
     if sweep.lines.keys() == set(wanted):
         return [sweep.lines[reading] for reading in wanted]
@@ -155,4 +199,6 @@ def _matching(
     missing = [f"{f:g} Hz" for name, f in wanted if (name, f) not in sweep.lines][:1]
     without = f" ({missing[0]} is missing)" if missing else ""
     whose = f"as the sweep from line {first.line} on"
-    raise table.error(sweep.line, f"the sweep from here on {readings}frequencies {whose}{without}")
+    raise table.error(
+        sweep.line, f"the sweep from here on {readings}frequencies {whose}{without}{hint}"
+    )

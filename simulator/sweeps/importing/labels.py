@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -36,7 +37,8 @@ class LineLabels:
     """Labels of every line.
 
     keys: what distinguishes sweeps. presses: press, row, column, session. by_sweep: a column counts
-    the sweeps. columns: those that were used. counting: columns that only count the lines.
+    the sweeps. columns: those that were used. counting: columns that only count the lines. curves:
+    number of the curve.
     """
 
     keys: list[tuple[str, ...]]
@@ -45,6 +47,7 @@ class LineLabels:
     by_sweep: bool
     columns: list[Column]
     counting: list[Column]
+    curves: list[int]
 
 
 def line_labels(table: ImportedTable, frequency: Real, defaults: Defaults) -> LineLabels:
@@ -59,17 +62,41 @@ def line_labels(table: ImportedTable, frequency: Real, defaults: Defaults) -> Li
         for holds in ("sweep", *KEYS, "interface", "session")
         if (column := table.label(holds)) is not None and column not in counting
     }
+    if defaults.interface is not None and _is_constant_channel(table, used.get("interface")):
+        del used["interface"]
     names = ["sweep"] if "sweep" in used else list(KEYS)
     texts = [table.text(used[name]) for name in [*names, "session"] if name in used]
     keys = list(zip(*texts, strict=True)) if texts else [()] * len(table.rows)
     interfaces = _column(table, used, "interface", defaults.interface, UNNAMED)
     presses = _line_presses(table, used, defaults)
-    return LineLabels(keys, interfaces, presses, "sweep" in used, list(used.values()), counting)
+    return LineLabels(
+        keys, interfaces, presses, "sweep" in used, list(used.values()), counting, [0] * len(keys)
+    )
+
+
+def _is_constant_channel(table: ImportedTable, column: Column | None) -> bool:
+    """True for a channel of an instrument that is the same in all lines."""
+    named = column is None or column.name.strip().casefold() == "interface"
+    return column is not None and not named and len(set(table.text(column))) == 1
+
+
+def joined_labels(parts: Sequence[LineLabels]) -> LineLabels:
+    """The labels of several curves of a table, one after the other; each curve is a sweep."""
+    first = parts[0]
+    return LineLabels(
+        [(str(n), *key) for n, each in enumerate(parts) for key in each.keys],
+        [name for each in parts for name in each.interfaces],
+        [press for each in parts for press in each.presses],
+        first.by_sweep,
+        first.columns,
+        first.counting,
+        [n for n, each in enumerate(parts) for _ in each.keys],
+    )
 
 
 def _counting(table: ImportedTable, frequency: Real) -> list[Column]:
     """Columns named like labels that only count the lines, as 1, 2, 3 and so on."""
-    found = [table.label(holds) for holds in ("sweep", "row", "column", "repetition", "cycle")]
+    found = [table.label(holds) for holds in ("sweep", *KEYS[1:], "interface")]
     count = len(table.rows)
     if count < 3 or len(np.unique(frequency)) < count:
         return []

@@ -15,6 +15,8 @@ import numpy as np
 from ...arrays import Complex, Mask, Real
 from ..errors import ToleranceError
 
+INDUCTANCE = 1
+"""Place of L among the terms of a network."""
 PER_DECADE = 20
 MARGIN = 100.0
 """Factor by which the time constants extend beyond those of the lowest and highest frequency."""
@@ -65,12 +67,23 @@ def fit_passive(Z: Complex, frequency: Real) -> MeasurementModel:
     return _fit_on(_refined(coarse, poles), Z, frequency)
 
 
-def _fit_on(tau: Real, Z: Complex, frequency: Real) -> MeasurementModel:
+def distance_from_rc(Z: Complex, frequency: Real) -> float:
+    """Root mean square relative distance of Z from the nearest passive RC network, to about 1e-4.
+
+    Inductance is left out, which would hide that a spectrum is not causal. Z, frequency, errors: as
+    for `fit_passive`.
+    """
+    network = _fit_on(_time_constants(frequency), Z, frequency, inductive=False)
+    return float(np.sqrt(np.mean(np.abs(network.residual(Z, frequency)) ** 2)))
+
+
+def _fit_on(tau: Real, Z: Complex, frequency: Real, *, inductive: bool = True) -> MeasurementModel:
     from scipy.optimize import nnls
 
     relative = _basis(frequency, tau) / np.abs(Z)[:, None]
+    relative[:, INDUCTANCE] *= inductive
     columns, wanted = _stacked(relative), _stacked(Z / np.abs(Z))
-    lengths = np.linalg.norm(columns, axis=0)
+    lengths = np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
     try:
         scaled, _ = nnls(columns / lengths, wanted)
     except RuntimeError as error:

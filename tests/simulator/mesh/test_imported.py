@@ -250,7 +250,7 @@ NODES = "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n*ELEMENT, TYPE=CPS3\n1, 1, 2
         ("it.msh", GMSH.format("9" * 5000), "has the number 99999999999999999999; nodes"),
         ("it.vtk", VTK.format("UNSTRUCTURED_GRID\nPOINTS 4000000000 double"), "4000000000; nodes"),
         *(
-            ("it.vtk", VTK.format(f"{kind}\n{start}DIMENSIONS 30000 30000 1"), "of memory")
+            ("it.vtk", VTK.format(f"{kind}\n{start}DIMENSIONS 30000 30000 1"), "GiB of numbers")
             for kind in ("STRUCTURED_POINTS", "STRUCTURED_GRID", "RECTILINEAR_GRID")
             for start in ("", " ")
         ),

@@ -1,4 +1,4 @@
-"""Rs and Cp leave two reactances open: a sweep is followed past -45 degrees, or a side taken."""
+"""Rs and Cp leave two reactances open: that of a network is followed, or a side is taken."""
 
 import numpy as np
 import pytest
@@ -20,10 +20,67 @@ def line(RC, resistance=0.0, stray=0.0):
     return 1 / (1 / (resistance + 1e5 / (q * np.tanh(q))) + S * stray)
 
 
-def from_pair(Z, branch="followed", noise=0.0, seed=0):
+def from_pair(Z, branch="followed", noise=0.0, seed=0, f=FREQUENCY):
     factors = 1 + noise * np.random.default_rng(seed).standard_normal((2, *Z.shape))
-    Rs, Cp = Z.real * factors[0], parallel_capacitance(Z, FREQUENCY) * factors[1]
-    return choose_branch(Rs + 1j * branch_reactance(Rs, Cp, FREQUENCY), FREQUENCY, branch)
+    Rs, Cp = Z.real * factors[0], parallel_capacitance(Z, f) * factors[1]
+    return choose_branch(Rs + 1j * branch_reactance(Rs, Cp, f), f, branch)
+
+
+def leaky_line(s, corner):
+    """A line of 300 kohm whose foam leaks with 100 kohm in all; corner in Hz."""
+    y = (1 + s / (2 * np.pi * corner)) / 1e5
+    q = np.sqrt(3e5 * y)
+    return np.sqrt(3e5 / y) / np.tanh(q)
+
+
+NETWORKS = {
+    "leaky foam": lambda s, c: 1e5 / (1 + s / c),
+    "leaky foam behind a lead": lambda s, c: 3e3 + 1e5 / (1 + s / c),
+    "network behind a series resistance": lambda s, c: 1e5 + 1e5 / (1 + s / c),
+    "leaky line": lambda s, c: leaky_line(s, c / (2 * np.pi)),
+    "capacitor and resistor": lambda s, c: 1e5 * (1 + c / s),
+    "open line": lambda s, c: line_of(s, 1 / c),
+    "open line behind a lead": lambda s, c: 1e5 + line_of(s, 1 / c),
+}
+"""Z of networks by s and by their corner in rad/s."""
+
+
+def line_of(s, RC):
+    q = np.sqrt(s * RC)
+    return 1e5 / (q * np.tanh(q))
+
+
+@pytest.mark.parametrize("corner", [3e3, 2e4, 1e5])
+@pytest.mark.parametrize("noise", [0.0, 3e-3])
+@pytest.mark.parametrize("points", [6, 20])
+@pytest.mark.parametrize("name", NETWORKS)
+def test_the_branch_is_that_of_a_network(name, corner, noise, points):
+    f = np.geomspace(1e3, 2e5, points)
+    Z = NETWORKS[name](2j * np.pi * f, 2 * np.pi * corner)
+    found = from_pair(Z, noise=noise, f=f)
+    assert np.abs(found.Z / Z - 1)[~found.doubtful].max() < 1e-6 + 10 * noise
+    assert found.doubtful.mean() < 0.8
+    begins_capacitive = np.angle(Z[0]) < -np.pi / 4
+    assert (abs(found.Z.imag) > found.Z.real)[0] == begins_capacitive
+
+
+@pytest.mark.parametrize("corner", [100.0, 1e3, 1e4, 1e5, 1e6])
+@pytest.mark.parametrize("points", [1, 2, 3, 5, 10])
+@pytest.mark.parametrize("noise", [0.0, 3e-3])
+@pytest.mark.parametrize("name", NETWORKS)
+def test_where_nothing_decides_all_readings_are_in_doubt(name, corner, points, noise):
+    f = np.geomspace(1e3, 1e5, points)
+    Z = NETWORKS[name](2j * np.pi * f, 2 * np.pi * corner)
+    found = from_pair(Z, noise=noise, f=f)
+    assert np.abs(found.Z / Z - 1)[~found.doubtful].max(initial=0) < 0.05
+    assert points > 2 or found.doubtful.all()
+
+
+def test_what_is_no_network_is_in_doubt_and_followed():
+    Z = np.array([1e3 - 8e3j, 1e3 - 3e3j, 1e3 - 1e3j, 1e3 - 300j, 1e3 - 100j])
+    found = from_pair(Z, f=np.array([1e3, 2e3, 4e3, 8e3, 16e3]))
+    np.testing.assert_allclose(found.Z, Z, rtol=1e-6)
+    assert found.doubtful.all()
 
 
 @given(RC=st.floats(1e-6, 1e-4), lead=st.floats(0, 1e5))
@@ -95,20 +152,27 @@ def test_readings_in_doubt_are_named_by_sweep_and_frequency(pair_file):
     beyond, below = line(1e-5, 1e4), line(1e-7)
     sweeps = import_file(pair_file(beyond, below, beyond))
     np.testing.assert_allclose(impedance(sweeps)[[0, 1, 2], 0], [beyond, below, beyond], rtol=1e-6)
-    s = (beyond.imag**2 - beyond.real**2) / np.abs(beyond) ** 2
-    first = FREQUENCY[np.argmax(s < 0.3)]
-    count = 2 * np.sum(FREQUENCY >= first)
-    assert sweeps.attrs["branch_doubt"].startswith(f"{count} of 60 readings may be on the wrong")
-    told = f"interface unnamed from {first:.6g} Hz on in sweeps 0, 2"
-    assert sweeps.attrs["branch_doubt"].endswith(told)
+    near = np.abs((beyond.imag**2 - beyond.real**2) / np.abs(beyond) ** 2) < 0.3
+    low, high = FREQUENCY[near][[0, -1]]
+    doubt = sweeps.attrs["branch_doubt"]
+    assert doubt.startswith(f"{2 * near.sum()} of 60 readings may be on the wrong branch")
+    assert f": interface unnamed from {low:.6g} to {high:.6g} Hz in sweeps 0, 2; their" in doubt
     forced = import_file(pair_file(beyond), branch="capacitive")
     assert "branch_doubt" not in forced.attrs and (abs(forced["X"]) >= forced["Rs"]).all()
 
 
 def test_doubts_of_several_files_name_theirs(pair_file):
     paths = [pair_file(line(1e-5, 1e4), name="a.csv"), pair_file(line(1e-7), name="b.csv")]
-    told = import_files(paths, [Defaults()] * 2).attrs["branch_doubt"]
-    assert told.startswith("a.csv: ") and "b.csv" not in told
+    doubt = import_files(paths, [Defaults()] * 2).attrs["branch_doubt"]
+    assert doubt.startswith("a.csv: ") and "b.csv" not in doubt
+
+
+def test_the_branch_at_the_lowest_frequency_is_reported(pair_file):
+    leaky, capacitive = 1e5 / (1 + S * 1e-5), 1e5 + 1 / (S * 1e-9)
+    rule = import_file(pair_file(leaky)).attrs["branch_rule"]
+    assert rule.endswith("past -45 degrees: |X| <= Rs at the lowest frequency")
+    rule = import_file(pair_file(capacitive, leaky, leaky)).attrs["branch_rule"]
+    assert "|X| >= Rs, and in sweeps 1-2 |X| <= Rs at" in rule
 
 
 def test_the_own_format_without_X_is_followed_too(pair_file):

@@ -67,7 +67,7 @@ def test_Rs_and_Cp_are_read_on_the_stated_branch(table):
     sweeps = table("f/Hz,Rs,Cp", f"1e3,100,{Cp!r}")
     assert impedance(sweeps).item() == pytest.approx(100 - 400j)
     assert "|X| >= Rs at the lowest frequency" in sweeps.attrs["branch_rule"]
-    assert "branch_doubt" not in sweeps.attrs
+    assert "1 of 1 readings may be on the wrong branch" in sweeps.attrs["branch_doubt"]
 
 
 @pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "latin-1"])
@@ -80,6 +80,98 @@ def test_units_may_stand_in_a_line_of_their_own(table):
     sweeps = table("Pt\tFreq\tZmod\tZphz", "#\tkHz\tkohm\t\u00b0", "0\t1\t2\t-90")
     assert sweeps["frequency"].item() == 1000
     assert impedance(sweeps).item() == pytest.approx(-2000j)
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        ["kHz,kohm,deg,", "Frequency,|Z|,Phase,remark"],
+        ["(kHz),[kohm],(deg),", "made by a tool", "", "Frequency,|Z|,Phase,remark"],
+        ["# kHz,kohm,deg,x", "# Frequency,|Z|,Phase,remark"],
+        ["kHz,kohm,,", "Frequency,|Z|,Phase (deg),remark"],
+    ],
+)
+def test_units_may_stand_above_the_names(table, lines):
+    sweeps = table(*lines, "1,2,-90,x", "3,2,-90,y", *lines, "1,2,-90,x", "3,2,-90,y")
+    assert sweeps["frequency"].values.tolist() == [1000, 3000]
+    np.testing.assert_allclose(impedance(sweeps).ravel(), [-2000j] * 4, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("above", "names", "remark"),
+    [
+        ("kHz,left,right", "f,Rs,X", "a line above the names may hold units (kHz): not used"),
+        ("kHz,kohm,kohm", "f (Hz),Rs (ohm),X", "may hold units (kHz, kohm, kohm): not used"),
+        ("Hz,ohm,ohm", "f (Hz),Rs (ohm),X", None),
+        ("F,S,H", "f,Rs,X", None),
+    ],
+)
+def test_a_line_that_only_looks_like_units_is_not_used(table, above, names, remark):
+    sweeps = table(above, names, "1,2,-3")
+    assert sweeps["frequency"].item() == 1 and impedance(sweeps).item() == 2 - 3j
+    assert (remark or "") in sweeps.attrs.get("warnings", "")
+    assert remark or "warnings" not in sweeps.attrs
+
+
+def test_a_unit_above_the_names_that_is_missing_is_not_guessed(table):
+    with pytest.raises(InputError, match=r"`X \[no unit\]` must be in ohm"):
+        table("kHz,kohm,", "f,Rs,X", "1,2,-3")
+
+
+def test_names_may_have_line_breaks_in_quotes(table):
+    sweeps = table("made by a tool", '"f', '(Hz)","Rs', '(ohm)","-X', '(ohm)"', "1,2,3", "2,2,3")
+    assert impedance(sweeps).ravel().tolist() == [2 - 3j] * 2
+    with pytest.raises(InputError, match="line 2: cannot be split into cells"):
+        table("f,Rs,X", '1,"2,3', '2,2,3"')
+
+
+def test_a_line_break_in_the_last_name_does_not_lose_its_unit(table):
+    assert impedance(table('f,Rs (kohm),"-X', '(kohm)"', "1,2,3")).item() == 2e3 - 3e3j
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "Frequency (Hz) Rs (ohm) X (ohm)",
+        '"Frequency (Hz)" "Rs (ohm)" "X (ohm)"',
+        "Frequency (Hz), Rs (ohm), X (ohm)",
+        "Frequency (Hz)\tRs (ohm)\tX (ohm)",
+    ],
+)
+@pytest.mark.parametrize("row", ["1.5 2.5 -3.5", "1,5;2,5;-3,5", "1,5\t2,5\t-3,5", "1.5,2.5,-3.5"])
+def test_header_and_readings_may_be_split_in_two_ways(table, header, row):
+    assert impedance(table(header, row)).item() == 2.5 - 3.5j
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16", "utf-16-le", "cp1252"])
+def test_a_byte_order_mark_may_stand_inside(tmp_path, encoding):
+    mark = "\ufeff" if "utf" in encoding else "\u00ef\u00bb\u00bf"
+    part = f"{mark}Frequency (Hz),Phase (\u00b0),|Z|\n1,-90,2\n2,-90,2\n"
+    (tmp_path / "joined.csv").write_bytes((part + part).encode(encoding))
+    assert import_file(tmp_path / "joined.csv").sizes["sweep"] == 2
+
+
+@pytest.mark.parametrize("end", ["", ",", ";;"])
+def test_lines_may_be_quoted_as_a_whole(table, end):
+    quoted = [f'"{line}"{end}' for line in ('""f"",""Rs"",X,', "1,2,-3,", "2,2,-3,")]
+    sweeps = table("made by a tool", quoted[0], "1,2,-3,", quoted[2])
+    assert impedance(sweeps).ravel().tolist() == [2 - 3j] * 2
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        (["f / Hz,Rs / ohm,X / ohm", "1,2,-3,4"], "line 2: has 4 cells where the header in line 1"),
+        (["f / Hz;Rs / ohm;X / ohm", "1,5;2,5;-3,5;4"], "has 4 cells where .* line 1 has 3"),
+        (["f\tRs\tX", "1\t2"], "line 2: has 2 cells where the header in line 1 has 3"),
+        (["f\tRs\tX", "1\t2\t-3\ta, b"], "line 2: has 4 cells where the header in line 1 has 3"),
+        (["title", '"f,Rs,X,D,"', '"1,2,-3"'], "line 3: has 3 cells where .* line 2 has 4"),
+    ],
+)
+def test_cells_are_counted_as_the_header_is_split(tmp_path, lines, message):
+    with pytest.raises(InputError, match=message):
+        (tmp_path / "bad.csv").write_text("\n".join(lines))
+        import_file(tmp_path / "bad.csv")
 
 
 def test_angular_frequency(table):
@@ -470,3 +562,61 @@ def test_encodings_of_chinese_instruments(table):
 def test_encodings_of_japanese_instruments(table, encoding):
     sweeps = table("周波数[Hz],Z[Ω],θ[°]", "1,1,-90", encoding=encoding)
     assert impedance(sweeps).item() == pytest.approx(-1j)
+
+
+SPECTRUM = [(1e5, "1,-5"), (3e4, "5,-14"), (1e4, "25,-23"), (3e3, "44,-12"), (1e3, "47,-4")]
+
+
+@pytest.mark.parametrize("ends", [[2], [3], [2, 3]])
+@pytest.mark.parametrize("overlap", [0, 1])
+@pytest.mark.parametrize("direction", [1, -1])
+@pytest.mark.parametrize("label", [None, "Loop", "Sweep Number", "Cycle"])
+def test_segments_of_one_spectrum_may_overlap(table, ends, overlap, direction, label):
+    readings = SPECTRUM[::direction]
+    starts = [0, *(end - overlap for end in ends)]
+    parts = [
+        [f"{f:.9g},{z}" for f, z in readings[start : end + 1]]
+        for start, end in zip(starts, [*ends, len(readings)], strict=True)
+    ]
+    parts = [*parts, *parts]
+    marked = [[f"{n},{row}" if label else row for row in part] for n, part in enumerate(parts, 1)]
+    header = f"{label},f,R,X" if label else "f,R,X"
+    sweeps = table(header, *(row for part in marked for row in part))
+    assert sweeps.sizes["sweep"] == 2 and sweeps["frequency"].values.tolist() == sorted(
+        f for f, _ in SPECTRUM
+    )
+    assert sweeps["Rs"].values[:, 0].tolist() == [[47, 44, 25, 5, 1]] * 2
+    assert "which is kept: segments of one spectrum" in sweeps.attrs["left_out"]
+    assert ("though" in sweeps.attrs.get("warnings", "")) == (label in ("Sweep Number", "Cycle"))
+
+
+def test_the_first_reading_of_two_segments_is_kept_and_the_difference_named(table):
+    sweeps = table("f,R,X", "1,4,-3", "2,3,-4", "2,3.03,-4.04", "3,2,-4")
+    assert sweeps["Rs"].values.ravel().tolist() == [4, 3, 2]
+    assert sweeps.attrs["left_out"] == (
+        "line 4 (once more 2 Hz of line 3, which is kept: segments of one spectrum, 1 % apart)"
+    )
+    failed = table("f,R,X", "1,4,-3", "2,OL,-4", "2,3,-4", "3,2,-4")
+    assert failed["Rs"].values.ravel().tolist() == [4, 3, 2]
+
+
+def test_segments_without_a_common_frequency_are_one_spectrum(table):
+    sweeps = table("f,R,X", *(f"{f},1,-1" for f in (8, 6, 4, 2, 3, 1.5, 1)))
+    assert sweeps["frequency"].values.tolist() == [1, 1.5, 2, 3, 4, 6, 8]
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        (["1,4,-3", "2,3,-4", "2,6,-8", "3,2,-4"], "line 4: goes on with a spectrum from 2 Hz"),
+        (["1,4,-3", "2,3,-4", "1,4,-3", "2,3,-4", "3,2,-4"], "line 4: the sweep from here on has"),
+        (["1,4,-3", "2,3,-4", "3,1,-1", "2,3,-4", "1,2,-4"], "line 5: the sweep from here on has"),
+    ],
+)
+def test_other_repeated_frequencies_begin_a_sweep(tmp_path, rows, message):
+    assert message in refusal(tmp_path / "bad.csv", ["f,R,X", *rows])
+
+
+def test_segments_that_label_other_presses_are_not_joined(tmp_path):
+    rows = ["press,f,R,X", "a,1,4,-3", "a,2,3,-4", "b,2,3,-4", "b,3,2,-4"]
+    assert "line 4: the sweep from here on has 2" in refusal(tmp_path / "bad.csv", rows)

@@ -64,6 +64,27 @@ def test_what_contradicts_itself_is_refused_with_its_line(name, message):
     assert message in str(error.value) and "\n" not in str(error.value)
 
 
+ONE_SPECTRUM = {
+    "26_segments_that_overlap/loops.csv": 1,
+    "26_segments_that_overlap/plain.csv": 1,
+    "28_units_above_the_names/in.csv": 1,
+    "30_header_cells_of_two_lines/in.csv": 1,
+    "30_header_cells_of_two_lines/joined.csv": 2,
+    "31_lines_quoted_as_a_whole/in.csv": 1,
+}
+"""Files of a skin at 100 Hz to 100 kHz, and how many sweeps of it they hold."""
+
+
+@pytest.mark.parametrize("name", ONE_SPECTRUM)
+def test_whole_spectra_from_files_in_unusual_forms(name):
+    sweeps = import_file(shared("cases", name))
+    assert sweeps["frequency"].values.tolist() == [100, 300, 1e3, 3e3, 1e4, 3e4, 1e5]
+    assert sweeps.sizes["sweep"] == ONE_SPECTRUM[name]
+    for first, *_, last in impedance(sweeps)[:, 0]:
+        assert abs(first / (47795.5 - 457.982j) - 1) < 1e-4
+        assert abs(last / (1289.74 - 4772.62j) - 1) < 1e-4
+
+
 def test_sweeps_begin_where_the_frequency_turns_back():
     sweeps = import_file(shared("cases", "01_frequencies_jitter", "in.csv"))
     assert dict(sweeps.sizes) == {"sweep": 2, "interface": 1, "frequency": 10}

@@ -7,45 +7,104 @@ import re
 import numpy as np
 
 from ....arrays import Complex, Mask, Real
+from ...errors import InputError
 from ...impedance import UNRELATED
 from ..tables.columns import UNITS, Column
+from ..tables.number_format import failed
 from ..tables.table import ImportedTable
-from .quantities import GAINS, derived, deviation
+from .quantities import GAINS, PAIRS, derived, deviation
 
 SAME_COLUMN = 0.01
 """Largest relative difference between two columns of frequencies."""
+SAME_QUANTITY = 1e-3
+"""Largest deviation between two columns of one quantity beyond their last digits; a curve of a
+pressed skin may be as near as 5 % to one of the unpressed skin."""
 
 
 def agreeing_columns(
-    table: ImportedTable, pair: tuple[Column, ...], by: Column, Z: Complex, f: Real
-) -> list[Column]:
-    """The other columns that depend on frequency and Z, all of which agree.
+    table: ImportedTable,
+    pair: tuple[Column, ...],
+    by: Column,
+    letters: list[Column],
+    Z: Complex,
+    f: Real,
+) -> tuple[list[Column], list[str]]:
+    """The other columns that depend on frequency and Z and agree, and remarks on further ones.
 
-    Raises InputError naming the columns and the first line where one does not. Columns of zeros,
-    of unknown units, of the other kind of reading, and cells without a number are not compared.
-    Z: ohm, or the gain.
+    Raises InputError naming the columns and the first line where one does not agree; one of
+    `letters` then holds something else. Columns of zeros, of unknown units and of the other kind of
+    reading are not compared; cells that are no numbers get a remark. Z: ohm, or the gain.
     """
-    agreeing = []
+    agreeing, remarks = [], []
     holds = [each.holds for each in pair]
-    branches = holds == ["Rs", "Cp"]
-    comparable = _comparable(holds)
-    for column in table.columns:
+    comparable = {"frequency", "Rs"} if holds == ["Rs", "Cp"] else _comparable(holds)
+    for column in [*table.columns, *letters]:
         used = column in (by, *pair)
         if column.holds not in comparable or column.problem or used or all_zeros(table, column):
             continue
-        values = table.readable(column)
-        if column.holds == "frequency":
-            off = np.abs(values / f - 1) > SAME_COLUMN
-            refuse(table, off, f"`{column.name}` is not the frequency `{by.name}`")
-        elif branches and column.holds != "Rs":
+        values = _most_agreeing(table, column, pair, Z, f)
+        remarks += _unreadable(table, column, values)
+        if not np.isfinite(values).any():
             continue
-        elif not np.isfinite(values).any():
-            continue
+        try:
+            _check_agreement(table, column, by, pair, values, Z, f)
+        except InputError:
+            if column not in letters:
+                raise
+            remarks.append(f"`{column.name}` does not follow from the others and is not used")
         else:
-            beside = _holds_beside(table, column)
-            _check_agreement(table, column, beside, pair, values, Z, f)
-        agreeing.append(column)
-    return agreeing
+            agreeing.append(column)
+    return agreeing, remarks
+
+
+def bare_letters(table: ImportedTable) -> list[Column]:
+    """Columns named r, x or y that need not hold R, X or Y, as other names give the reading.
+
+    They may if no other name holds the same, and if R stands beside X: as a capital or with a unit.
+    """
+    plain = [each for each in table.columns if not each.letter and not each.problem]
+    held = {each.holds for each in plain}
+    if not any(held.issuperset(pair) for pair in PAIRS if pair != ("Rs", "Cp")):
+        return []
+    certain = {
+        each.holds
+        for each in table.columns
+        if each.letter and each.holds not in held and each.name.strip() not in "rxy"
+    }
+    partner = {"Rs": "X", "X": "Rs"}
+    certain = {holds for holds in certain if partner.get(holds) in certain | held}
+    return [each for each in table.columns if each.letter and each.holds not in certain]
+
+
+def _most_agreeing(
+    table: ImportedTable, column: Column, pair: tuple[Column, ...], Z: Complex, f: Real
+) -> Real:
+    """One column in SI units, in the number format by which it agrees with most readings."""
+
+    def off(values: Real) -> int:
+        known = np.isfinite(values)
+        if column.holds == "frequency":
+            return int((np.abs(values / f - 1)[known] > SAME_COLUMN).sum())
+        return int((deviation(column.holds, values[known], Z[known], f[known]) > UNRELATED).sum())
+
+    readings = [table.readable(column, form) for form in table.forms(column)]
+    return readings[0] if len(readings) == 1 else min(readings, key=off)
+
+
+def _unreadable(table: ImportedTable, column: Column, values: Real) -> list[str]:
+    """A remark on cells that are no numbers, and say nothing of a reading that failed."""
+    cells = [
+        (line, text)
+        for (line, _), text, value in zip(table.rows, table.text(column), values, strict=True)
+        if text and np.isnan(value) and not failed(text)
+    ]
+    if not cells:
+        return []
+    line, text = cells[0]
+    return [
+        f"`{column.name}` cannot be compared in {len(cells)} of {len(values)} lines: {text[:20]!r} "
+        f"in line {line} is no number"
+    ]
 
 
 def _comparable(holds: list[str]) -> set[str]:
@@ -69,23 +128,29 @@ def _holds_beside(table: ImportedTable, column: Column) -> str:
 def _check_agreement(
     table: ImportedTable,
     column: Column,
-    holds: str,
+    by: Column,
     pair: tuple[Column, ...],
     values: Real,
     Z: Complex,
     f: Real,
 ) -> None:
+    if column.holds == "frequency":
+        off = np.abs(values / f - 1) > SAME_COLUMN
+        return refuse(table, off, f"`{column.name}` is not the frequency `{by.name}`")
+    holds = _holds_beside(table, column)
+    twin = next((each for each in pair if each.holds == holds), None)
+    limit = UNRELATED if twin is None else SAME_QUANTITY
     known = np.isfinite(values)
     if holds in ("Cs", "Lp", "Rp", "Q"):
         known &= values != 0
     suspect = np.flatnonzero(known)
-    suspect = suspect[deviation(holds, values[suspect], Z[suspect], f[suspect]) > UNRELATED]
+    suspect = suspect[deviation(holds, values[suspect], Z[suspect], f[suspect]) > limit]
     texts, sources = table.text(column), " and ".join(f"`{each.name}`" for each in pair)
     for place in suspect:
-        rounding = abs(column.factor) * _last_digit(table.form.plain(texts[place]) or "0") / 2
+        rounding = max(_rounding(table, each, place) for each in (column, twin) if each)
         one = slice(place, place + 1)
         off = deviation(holds, values[one], Z[one], f[one], rounding).item()
-        if off > UNRELATED:
+        if off > limit:
             given = derived(holds, Z[one], f[one]).item() / column.factor
             hint = _hint(float(values[place]) / column.factor, given)
             raise table.error(
@@ -107,6 +172,13 @@ def _hint(value: float, given: float) -> str:
     if abs(power) > 1 and abs(power - round(power)) < 0.02:
         return f" (1e{round(power):d} times as much: is its unit right?)"
     return ""
+
+
+def _rounding(table: ImportedTable, column: Column, place: int) -> float:
+    """Half of the last digit of a cell, in SI units."""
+    text = table.text(column)[place]
+    plain = next(filter(None, (form.plain(text) for form in table.forms(column))), "0")
+    return abs(column.factor) * _last_digit(plain) / 2
 
 
 def _last_digit(plain: str) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,7 +14,7 @@ from ...reading_quantities import IMPEDANCE, ReadingKind
 from ..failures import failure_reasons, status_reasons
 from ..tables.columns import ANGLES, UNITS, Column
 from ..tables.table import ImportedTable
-from .agreement import agreeing_columns, all_zeros, refuse
+from .agreement import agreeing_columns, all_zeros, bare_letters, refuse
 from .gain_columns import gain_columns, gain_kind, shown_gains
 from .quantities import PAIRS, gain_of, impedance_of
 
@@ -21,6 +22,10 @@ DIGITS = 12
 """Digits to which frequencies are rounded, so that 0.1 kHz equals 100 Hz."""
 ROUNDING = 1.01
 """Factor by which a phase may exceed 180 degrees."""
+MEGA = 1e9
+"""Mega over milli."""
+PLAUSIBLE = {True: (1e-3, 1e9), False: (1e-3, 1e12)}
+"""Frequencies of readings in Hz, and the largest impedance of a table in ohm."""
 
 
 @dataclass(frozen=True)
@@ -32,6 +37,7 @@ class ImportedReadings:
     file has them, and Cp in F in any case; NaN where a reading failed. pair: the columns that gave
     Z, one for magnitudes of gains alone. compared: columns that agree with it. failed: True for
     lines whose frequency is known and whose reading failed; Z is NaN there. kind: of the readings.
+    beside: readings of other curves of the table, which the arrays hold too.
     """
 
     table: ImportedTable
@@ -43,6 +49,7 @@ class ImportedReadings:
     compared: list[Column]
     failed: Mask
     kind: ReadingKind = IMPEDANCE
+    beside: tuple[ImportedReadings, ...] = ()
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -58,7 +65,11 @@ def imported_readings(table: ImportedTable) -> ImportedReadings:
     phase beyond 180 degrees, a pair (Rs, Cp) without a solution for the reactance, a column that
     contradicts the reading.
     """
-    by, gains = table.holding("frequency")[0], gain_columns(table)
+    table = _with_prefixes(table)
+    letters = bare_letters(table)
+    kept = [each for each in table.columns if each not in letters]
+    table = replace(table, columns=kept)
+    by, gains = _frequency(table), gain_columns(table)
     pair = gains or _pair(table)
     table = table.written([by, *pair])
     f = _frequencies(table, by)
@@ -80,7 +91,7 @@ def imported_readings(table: ImportedTable) -> ImportedReadings:
     zero, letter = ("the gain is 0", "the gain") if gains else ("Z is 0 ohm", "Z")
     refuse(checked, Z == 0, f"{zero}, which no reading is")
     refuse(checked, ~np.isfinite(Z), f"{letter} is infinite, which no reading is")
-    compared = agreeing_columns(checked, pair, by, Z, f[good])
+    compared, remarks = agreeing_columns(checked, pair, by, letters, Z, f[good])
     filled = np.full(len(f), np.nan, dtype=np.complex128)
     filled[good] = Z
     if kind is IMPEDANCE:
@@ -90,8 +101,86 @@ def imported_readings(table: ImportedTable) -> ImportedReadings:
     every = {name: np.full(len(f), np.nan) for name in shown}
     for name, values in shown.items():
         every[name][good] = values
-    whole = replace(table, left_out=checked.left_out)
+    whole = replace(table, left_out=checked.left_out, remarks=[*table.remarks, *remarks])
     return ImportedReadings(whole, f, filled, every, by, pair, compared, ~good, kind)
+
+
+def joined_readings(parts: Sequence[ImportedReadings]) -> ImportedReadings:
+    """Readings of several curves of a table, one after the other.
+
+    Raises InputError if not all have the same quantities.
+    """
+    first, *others = parts
+    for other in others:
+        if other.quantities != first.quantities:
+            one, two = (" and ".join(each.quantities) for each in (first, other))
+            raise InputError(
+                f"{first.table.path}: holds curves of {one} and of {two}; name the columns of one "
+                "with --columns, - for the others"
+            )
+    tables = [each.table for each in parts]
+    table = replace(
+        first.table,
+        rows=[row for each in tables for row in each.rows],
+        left_out=list(dict.fromkeys(line for each in tables for line in each.left_out)),
+        remarks=list(dict.fromkeys(text for each in tables for text in each.remarks)),
+    )
+    shown = {name: np.concatenate([each.shown[name] for each in parts]) for name in first.shown}
+    frequency, Z, failed = (
+        np.concatenate([getattr(each, name) for each in parts])
+        for name in ("frequency", "Z", "failed")
+    )
+    return replace(
+        first, table=table, frequency=frequency, Z=Z, failed=failed, shown=shown,
+        beside=tuple(others),
+    )  # fmt: skip
+
+
+def _with_prefixes(table: ImportedTable) -> ImportedTable:
+    """The table with m taken as milli or mega in names without case: by what is plausible.
+
+    Columns of one unit are of one prefix. A column of which both or neither is plausible has a
+    problem.
+    """
+    units = {(column.holds == "frequency", column.unit.casefold()) for column in table.columns}
+    columns = {column.place: column for column in table.columns}
+    for of_frequency, unit in units:
+        group = [
+            each for each in table.columns
+            if unit and (each.holds == "frequency", each.unit.casefold()) == (of_frequency, unit)
+        ]  # fmt: skip
+        if not group:
+            continue
+        sizes = np.abs([table.readable(each, table.forms(each)[0]) for each in group])
+        sizes = sizes[np.isfinite(sizes) & (sizes > 0)]
+        smallest, largest = np.min(sizes, initial=np.inf), np.max(sizes, initial=0.0)
+        low, high = PLAUSIBLE[of_frequency]
+        lowest = smallest if of_frequency else largest
+        fits = [low <= factor * lowest and factor * largest <= high for factor in (1.0, MEGA)]
+        for each in group:
+            columns[each.place] = _with_prefix(each, *fits)
+    return replace(table, columns=list(columns.values()))
+
+
+def _with_prefix(column: Column, milli: bool, mega: bool) -> Column:
+    """The column with the plausible prefix. milli, mega: whether each of them is plausible."""
+    base = column.unit[1:].lower().replace("hz", "Hz")
+    if milli == mega:
+        problem = (
+            f"column `{column.name}` may be in m{base} or in M{base}, as its name has no capitals "
+            f"beside small letters; name the columns with --columns, in m{base} or M{base}"
+        )
+        return replace(column, problem=problem)
+    unit = f"{'M' if mega else 'm'}{base}"
+    return replace(column, unit=unit, factor=column.factor * (MEGA if mega else 1.0))
+
+
+def _frequency(table: ImportedTable) -> Column:
+    """The first column of frequencies with an understood unit. Raises InputError if none has."""
+    column = table.holding("frequency")[0]
+    if column.problem:
+        raise InputError(f"{table.path}: {column.problem}")
+    return column
 
 
 def _frequencies(table: ImportedTable, column: Column) -> Real:

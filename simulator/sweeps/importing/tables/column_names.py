@@ -71,7 +71,8 @@ LABELS = {
     "press": "press",
     "row": "row",
     "column": "column col",
-    "interface": "interface",
+    "interface": "interface channel channelno channelnumber channel# ch chno chnumber ch# chan "
+    "chan# port portno port# mux muxchannel muxch mux#",
     "session": "session",
     "repetition": "repetition rep repeat",
     "status": "status stat err error errorcode statuscode errcode measstatus "

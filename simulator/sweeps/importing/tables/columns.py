@@ -7,7 +7,7 @@ import math
 import re
 import unicodedata
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from .column_names import LABEL_OF, NAMES, QUANTITY_OF, WITHOUT_USUAL_UNIT
 
@@ -30,6 +30,8 @@ UNITS = {
     "gain level": {"db": 1.0},
 }
 """Spellings of units in lower case, and the factor to SI without a prefix."""
+WITH_MEGA = ("hz", "hertz", *OHM)
+"""Units that M may stand before; nobody measures MF, MH or MS."""
 USUAL = {
     **dict.fromkeys(("Rs", "X", "magnitude", "Rp"), "ohm"),
     **dict.fromkeys(("G", "B", "admittance"), "S"),
@@ -58,9 +60,22 @@ SPELLINGS = str.maketrans(
     }
 )
 BOUND = re.compile(r"(?P<name>.+?)\s*(?:\(\s*(?P<a>[^()]*)\)|\[\s*(?P<b>[^\[\]]*)\]|/(?P<c>.+))")
-LOOSE = re.compile(r"(?P<name>.+?)(?:\s+in\s+|\s+|_)(?P<unit>[^\s_]+)")
-TRACE = re.compile(r"(?:measured\s|(?:trace|channel|ch)\s*\d*\s*:?\s*(?=\S))", re.IGNORECASE)
-"""Words before a name that say where a quantity was shown."""
+LOOSE = re.compile(r"(?P<name>.+?)(?:\s+in\s+|\s+|_)(?P<unit>[^\s_\d][^\s_]*)")
+CURVE = (
+    r"(?:trace|channel|chan|ch|run|curve|scan|sweep|series|sample|measurement|meas|set|loop|cycle|"
+    r"port|mux|repeat|rep|test|file|no|nr|duplicated)[\s_.#]*"
+)
+MARKS = [
+    re.compile(pattern, re.IGNORECASE)
+    for pattern in (
+        rf"^(?P<mark>{CURVE}\d+|(?:{CURVE})?[a-z](?=\s*:)|\d+(?=\s*:))[\s:._]*(?=\S)",
+        r"^(?P<mark>)(?:measured\s|(?:trace|channel|ch)\s*:?\s*)(?=\S)",
+        rf"(?P<mark>[\s_.#]+\d+|\s*[(\[]\s*(?:{CURVE})?#?\d+\s*[)\]]|[\s_.-]+{CURVE}\d+)"
+        r"(?=$|[\s(\[/_])",
+    )
+]
+"""Marks of one of several curves before and behind a name; words before it that mark none."""
+LETTER = re.compile(r"[-\s]*(?P<letter>[rxy])(?![a-z\d'|])", re.IGNORECASE)
 PART = re.compile(
     r"(?:impedance|admittance)\s*:\s*(?=(?:[rxcl][sp]|q|d|tan)\b)|gain\s*:\s*(?=mag)", re.IGNORECASE
 )
@@ -81,7 +96,8 @@ class Column:
 
     name: as in the file. holds: a key of UNITS or of LABELS. factor: from the file's numbers to SI,
     negative if the file holds the negative quantity. problem: why the numbers cannot be used.
-    place: position in a line.
+    place: position in a line. curve: mark of one of several curves. unit: one that begins with m
+    or M in a name without case; the factor is that of m.
     """
 
     name: str
@@ -89,6 +105,14 @@ class Column:
     factor: float = 1.0
     problem: str = ""
     place: int = 0
+    curve: str = ""
+    unit: str = ""
+
+    @property
+    def letter(self) -> str:
+        """The bare r, x or y that names the quantity, as written; empty for other names."""
+        match = LETTER.match(self.name)
+        return match["letter"] if match else ""
 
 
 @functools.lru_cache(4096)
@@ -97,7 +121,24 @@ def recognised(name: str, place: int = 0) -> Column | None:
     text = spelled(name)
     if _key(text) in LABEL_OF:
         return Column(name, LABEL_OF[_key(text)], place=place)
-    sign, text = _without_sign(SHOWN.sub("", PART.sub("", TRACE.sub("", text, count=1))))
+    found: list[Column] = []
+    for mark, bare in [("", text), *_marked(text)]:
+        column = _of_quantity(name, bare)
+        if column is not None:
+            found.append(replace(column, place=place, curve=mark))
+    return next((each for each in found if not each.problem), found[0] if found else None)
+
+
+def _marked(text: str) -> Iterator[tuple[str, str]]:
+    """The mark of a curve and the name without it, for each mark that the name may have."""
+    for pattern in MARKS:
+        for match in pattern.finditer(text):
+            yield re.sub(r"[\W_]", "", match["mark"]).casefold(), text.replace(match[0], "", 1)
+
+
+def _of_quantity(name: str, text: str) -> Column | None:
+    """The column of a quantity. text: its spelled name without the mark of a curve."""
+    sign, text = _without_sign(SHOWN.sub("", PART.sub("", text)))
     for stem, unit, marked in _splits(text):
         quantity = QUANTITY_OF.get(_key(stem))
         if quantity is None or (stem in AMBIGUOUS and not unit):
@@ -105,10 +146,15 @@ def recognised(name: str, place: int = 0) -> Column | None:
         if quantity in DECIBELS and unit.casefold() == "db":
             quantity = "gain level"
         factor = unit_factor(quantity, unit, _key(stem))
+        caseless = factor is None or _without_case(name, unit)
+        if caseless and (other := unit_factor(quantity, unit.swapcase(), _key(stem))) is not None:
+            milli = min(factor or other, other)
+            undecided = unit if factor not in (None, other) else ""
+            return Column(name, quantity, sign * milli, unit=undecided)
         if factor is not None:
-            return Column(name, quantity, sign * factor, place=place)
+            return Column(name, quantity, sign * factor)
         if marked:
-            return Column(name, quantity, problem=_unit_problem(name, quantity, unit), place=place)
+            return Column(name, quantity, problem=_unit_problem(name, quantity, unit))
     return None
 
 
@@ -146,9 +192,17 @@ def unit_factor(quantity: str, unit: str, key: str = "") -> float | None:
         return None if quantity in ANGLES or key in WITHOUT_USUAL_UNIT else 1.0
     for spelling, factor in UNITS[quantity].items():
         prefix = unit[: len(unit) - len(spelling)]
-        if unit.casefold() == prefix.casefold() + spelling and prefix in PREFIXES:
+        known = prefix in PREFIXES and (prefix != "M" or spelling in WITH_MEGA)
+        if known and unit.casefold() == prefix.casefold() + spelling:
             return factor * 10.0 ** PREFIXES[prefix]
     return None
+
+
+def _without_case(name: str, unit: str) -> bool:
+    """True if a program may have written all letters of a unit small, or all as capitals."""
+    unit = unit.strip(" ()[]")
+    written = name.islower() or name.isupper() or unit[1:] in ("hz", "HZ", "OHM", "OHMS")
+    return written and (unit.islower() or unit.isupper())
 
 
 def _unit_problem(name: str, quantity: str, unit: str) -> str:

@@ -21,7 +21,7 @@ def no_table(path: Path, lines: Lines, scans: list[Scan], given: list[str] | Non
         scan = scans[-1]
         return InputError(
             f"{path}: no line of readings below the header in line {scan.line}, whose columns are "
-            f"{listed(scan.readings[0])}"
+            f"{listed(scan.readings[0][0])}"
         )
     return InputError(
         f"{path}: no line names a frequency column (as `Frequency (kHz)`, `f/Hz`) and a column of "

@@ -15,6 +15,7 @@ from .header import (
     header_readings,
     misfit_text,
     recognised_all,
+    take_units_above,
     unit_row,
 )
 from .no_table import listed, no_table
@@ -30,6 +31,9 @@ from .text_lines import (
     trimmed,
 )
 
+MAX_ABOVE = 4
+"""Number of lines above a header among which one may hold its units."""
+
 
 def scanned(path: Path, lines: Lines, given: list[str] | None) -> tuple[Scan, str]:
     """The table of a file, and the text above it.
@@ -38,9 +42,11 @@ def scanned(path: Path, lines: Lines, given: list[str] | None) -> tuple[Scan, st
     Raises InputError naming file and line: no header, no readings, two tables with different
     headers, a line of readings with another number of cells than the header.
     """
-    scans = [] if given is None else [Scan(0, [given])]
+    scans = [] if given is None else [Scan(0, [(given, "")])]
+    above: tuple[str, ...] = ()
     for number, text in lines:
-        _take(path, scans, number, text, named=given is not None)
+        _take(path, scans, number, text, above, named=given is not None)
+        above = (*above, text)[-MAX_ABOVE:] if text.strip() else above
     return _only(path, lines, scans, given)
 
 
@@ -49,7 +55,7 @@ def first_header(path: Path, lines: Lines) -> int:
     scans: list[Scan] = []
     for number, text in lines:
         try:
-            _take(path, scans, number, text, named=False)
+            _take(path, scans, number, text, (), named=False)
         except InputError:
             return 0
         if scans and scans[-1].rows:
@@ -57,15 +63,17 @@ def first_header(path: Path, lines: Lines) -> int:
     return 0
 
 
-def _take(path: Path, scans: list[Scan], number: int, text: str, *, named: bool) -> None:
-    """Takes one line; named: the user named the columns, so that no line is a header."""
+def _take(
+    path: Path, scans: list[Scan], number: int, text: str, above: tuple[str, ...], *, named: bool
+) -> None:
+    """Takes one line. above: last texts above it. named: by the user, so no line is a header."""
     current = scans[-1] if scans else None
     if not text.strip() or (current is not None and _add(path, current, number, text)):
         return
     readings = [] if named else header_readings(text)
     commented = is_comment(text)
     if readings and not (commented and current and current.rows and not current.commented):
-        _open(scans, Scan(number, readings, commented))
+        _open(scans, Scan(number, readings, commented, above))
     elif current is not None:
         _leave_out(path, current, number, text)
 
@@ -73,7 +81,11 @@ def _take(path: Path, scans: list[Scan], number: int, text: str, *, named: bool)
 def _open(scans: list[Scan], new: Scan) -> None:
     """Begins a table; the same header once more goes on with the table before it."""
     current = scans[-1] if scans else None
-    if current is not None and current.rows and current.header in new.readings:
+    if (
+        current is not None
+        and current.rows
+        and any(current.header == names for names, _ in new.readings)
+    ):
         current.fresh, current.foreign = True, 0
     else:
         scans.append(new)
@@ -142,7 +154,8 @@ def _begin(path: Path, scan: Scan, number: int, text: str) -> bool:
         if len(cells) != len(names):
             continue
         if not scan.units and (with_units := unit_row(names, cells)):
-            scan.header, scan.units, scan.readings = names, cells, [with_units]
+            scan.header, scan.units = names, cells
+            scan.readings = [(with_units, scan.readings[0][1])]
             return True
         if not is_comment(text, separator) and has_number(recognised_all(names), cells):
             found.append((names, separator, cells))
@@ -156,15 +169,18 @@ def _begin(path: Path, scan: Scan, number: int, text: str) -> bool:
         raise InputError(f"{path}: {scan.misfit}")
     names, separator, cells = found[0]
     _check_unambiguous(path, number, found)
-    scan.names, scan.separator, scan.columns = names, separator, recognised_all(names)
     scan.header = scan.header or names
+    if not scan.units:
+        own = dict((tuple(way), each) for way, each in scan.readings)[tuple(names)]
+        names = take_units_above(scan, names, own)
+    scan.names, scan.separator, scan.columns = names, separator, recognised_all(names)
     scan.rows.append((number, cells))
     scan.fresh = False
     return True
 
 
 def _splits(scan: Scan, text: str) -> Iterator[tuple[list[str], str, list[str]]]:
-    for names in scan.readings:
+    for names, _ in scan.readings:
         for separator in ALL_SEPARATORS:
             try:
                 yield names, separator, trimmed(line_cells(text, separator), len(names))

@@ -11,8 +11,8 @@ import numpy as np
 from ....arrays import Real
 from ...errors import InputError
 from .columns import Column
-from .header import MAX_SHOWN
-from .number_format import POINT, NumberNotation, failed, possible_formats
+from .header import MAX_SHOWN, with_whole_headers
+from .number_format import NUMBERISH, POINT, NumberNotation, failed, possible_formats
 from .scanning import first_header, scanned
 from .sources import WORKBOOKS, sources
 from .text_lines import Lines
@@ -33,7 +33,8 @@ class ImportedTable:
 
     header: number of the header's line, 0 if the user named the columns. names: of all columns.
     columns: those that are recognized. rows: line number and cells, one cell for each of `names`.
-    preamble: the text above the header. form: how its numbers are written.
+    preamble: the text above the header. form: how its numbers are written. remarks:
+    what is unusual about it.
     """
 
     path: Path
@@ -44,6 +45,8 @@ class ImportedTable:
     preamble: str
     form: NumberNotation = POINT
     left_out: list[LeftOut] = field(default_factory=list)
+    separator: str = ","
+    remarks: list[str] = field(default_factory=list)
 
     def holding(self, holds: str) -> list[Column]:
         """The columns of one quantity, those with an understood unit first."""
@@ -51,8 +54,13 @@ class ImportedTable:
         return sorted(found, key=lambda column: bool(column.problem))
 
     def label(self, holds: str) -> Column | None:
-        """The only column of a label. Raises InputError if there are two."""
+        """The only column of a label that is not the same in all lines, or the only one.
+
+        Raises InputError if there are two.
+        """
         found = self.holding(holds)
+        if len(found) > 1:
+            found = [each for each in found if len(set(self.text(each))) > 1] or found
         if len(found) > 1:
             raise InputError(
                 f"{self.path}: line {self.header}: `{found[0].name}` and `{found[1].name}` both "
@@ -75,13 +83,20 @@ class ImportedTable:
         values = [self._number(line, column, text) for (line, _), text in pairs]
         return column.factor * np.array(values)
 
-    def readable(self, column: Column) -> Real:
-        """One column in SI units; NaN where a cell is no number."""
-        plain = [self.form.plain(text) for text in self.text(column)]
+    def readable(self, column: Column, form: NumberNotation | None = None) -> Real:
+        """One column in SI units; NaN where a cell is no number. form: other than the table's."""
+        plain = [(form or self.form).plain(text) for text in self.text(column)]
         values = np.array(
             [np.nan if text is None or failed(text) else float(text) for text in plain]
         )
         return column.factor * values
+
+    def forms(self, column: Column) -> list[NumberNotation]:
+        """The table's number format if it reads all numbers of a column, else those that may."""
+        numbers = [text for text in self.text(column) if NUMBERISH.fullmatch(text)]
+        if all(self.form.plain(text) is not None for text in numbers):
+            return [self.form]
+        return possible_formats(numbers)
 
     def _number(self, line: int, column: Column, text: str) -> float:
         if failed(text):
@@ -123,8 +138,6 @@ class ImportedTable:
         if len(forms) > 1:
             raise self._ambiguous(forms, columns)
         return replace(self, form=forms[0])
-
-    separator: str = ","
 
     def _monotone(self, forms: Sequence[NumberNotation], column: Column) -> list[NumberNotation]:
         """The formats with which the frequency turns back least often."""
@@ -174,6 +187,7 @@ def read_table(path: Path, names: list[str] | None = None) -> ImportedTable:
 
 
 def _table(path: Path, lines: Lines, names: list[str] | None) -> ImportedTable:
+    lines = with_whole_headers(lines)
     layout, other = (None, None) if names else rewritten(path, lines)
     if other is not None and (line := first_header(path, lines)):
         raise InputError(
@@ -189,5 +203,5 @@ def _table(path: Path, lines: Lines, names: list[str] | None) -> ImportedTable:
     ]
     return ImportedTable(
         path, scan.line, scan.names, scan.columns, scan.rows, preamble, POINT, left_out,
-        scan.separator,
+        scan.separator, [scan.remark] if scan.remark else [],
     )  # fmt: skip

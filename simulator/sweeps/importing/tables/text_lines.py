@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import csv
 import re
 from collections.abc import Iterator
@@ -18,6 +19,10 @@ WIDE, SPACE = "  ", " "
 """Separators of at least two spaces, and of any space."""
 ALL_SEPARATORS = (*SEPARATORS, WIDE, SPACE)
 COMMENTS = "#%;!"
+BYTE_ORDER_MARK = "\N{ZERO WIDTH NO-BREAK SPACE}"
+"""Stands at the start of a file, and inside where files were joined; it is no text."""
+QUOTED_LINE = re.compile(r'\s*"((?:[^"]|"")*)"[\s;,]*')
+"""A line that another program wrote as one cell."""
 GLUED = re.compile(r"(?<!\s)\s+(?=[(\[/])|(?<=/)\s+")
 """Space between a name and its unit."""
 
@@ -33,8 +38,15 @@ def text_lines(path: Path) -> Iterator[Lines]:
         if "\0" in text:
             line = text[: text.index("\0")].count("\n") + 1
             raise InputError(f"{path}: line {line}: not text")
-        plain = text.replace("\r\r\n", "\n").replace("\r\n", "\n").replace("\r", "\n")
-        yield list(enumerate(plain.split("\n"), 1))
+        plain = text.replace(BYTE_ORDER_MARK, "").replace("\r\r\n", "\n")
+        plain = plain.replace("\r\n", "\n").replace("\r", "\n")
+        yield list(enumerate(map(_unquoted, plain.split("\n")), 1))
+
+
+def _unquoted(line: str) -> str:
+    """The line without the quotes around the whole of it."""
+    match = QUOTED_LINE.fullmatch(line)
+    return line if match is None else match[1].replace('""', '"')
 
 
 def _decoded(content: bytes) -> Iterator[str]:
@@ -43,8 +55,9 @@ def _decoded(content: bytes) -> Iterator[str]:
     elif (wide := _utf_16(content)) is not None:
         yield content.decode(wide, errors="replace")
     else:
+        content = content.replace(codecs.BOM_UTF8, b"")
         try:
-            yield content.decode("utf-8-sig")
+            yield content.decode("utf-8")
         except UnicodeDecodeError:
             yield from _legacy(content)
 
@@ -85,15 +98,12 @@ def is_comment(text: str, separator: str | None = None) -> bool:
 def header_cells(text: str, separator: str) -> list[str]:
     """The cells of a line as column names, without leading comment signs."""
     bare = text.strip(" ").lstrip(COMMENTS if separator != ";" else "#%!").strip(" ")
-    if separator in (WIDE, SPACE):
-        bare = bare.strip()
-        if bare[:1] == '"' == bare[-1:] and bare.count('"') == 2:
-            bare = bare[1:-1]
+    if separator in (WIDE, SPACE) and '" "' not in bare:
         pattern = r"\s{2,}|\t" if separator == WIDE else r"\s+"
-        names = re.split(pattern, GLUED.sub("\x1f", bare.strip()))
-        return _named([name.replace("\x1f", " ") for name in names])
+        names = re.split(pattern, GLUED.sub("\0", bare.strip()))
+        return _named([name.replace("\0", " ") for name in names])
     try:
-        cells = next(csv.reader([bare], delimiter=separator, skipinitialspace=True), [])
+        cells = next(csv.reader([bare], delimiter=separator[0], skipinitialspace=True), [])
     except csv.Error:
         return []
     return _named([cell.strip() for cell in cells])
