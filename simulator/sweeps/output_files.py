@@ -18,8 +18,7 @@ from .formats.netcdf import write_dataset, write_table
 from .input_files import ENDINGS, check_zarr
 from .schema import check
 from .sweep_table import SweepTable
-from .writing import check_replaceable, named_failures, whole_file
-from .writing.replacing import check_all_replaceable
+from .writing import check_all_replaceable, check_replaceable, named_failures, present, whole_file
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -88,7 +87,7 @@ def checked_data_folder(path: Path, marker: str) -> Path:
     if path.exists() and not path.is_dir():
         raise InputError(f"{path}: is a file, not a folder")
     _check_parent(path)
-    if path.exists() and not (path / marker).is_file():
+    if present(path) and not (path / marker).is_file():
         raise InputError(
             f"{path}: is a folder without {marker}, so it holds other files than such a data set; "
             "give a new name"
@@ -107,7 +106,7 @@ def made_folder(path: Path) -> Path:
     return path
 
 
-DERIVED_NAME_LENGTH = 16
+DERIVED_NAME_LENGTH = 32
 """Extra characters of names that are derived from an output's name, such as journals."""
 
 

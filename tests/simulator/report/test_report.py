@@ -10,7 +10,6 @@ from rcskin.simulator.report.files import files_in, filled_at_once, write_json, 
 from rcskin.simulator.report.from_above import draw_foils, draw_outline, draw_pixels
 from rcskin.simulator.report.page import Cell, Items, Picture, ReportSection, TableGrid, write_page
 from rcskin.simulator.scene.scene_files import load_scene
-from rcskin.simulator.sweeps.writing.register import made_by
 
 HOSTILE = "<script>alert(1)</script>"
 
@@ -28,7 +27,6 @@ def test_files_of_a_folder_appear_together_or_not_at_all(tmp_path):
     assert files_in(tmp_path / "report") == ["a.csv", "b.json"]
     assert (tmp_path / "report" / "a.csv").read_text() == "name,number\n'=1+1,2.5\n"
     assert json.loads((tmp_path / "report" / "b.json").read_text()) == {"share": 0.5}
-    assert made_by(tmp_path / "report" / "a.csv") is not None
 
 
 def test_numbers_that_are_none_are_no_json(tmp_path):
