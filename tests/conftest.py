@@ -163,7 +163,7 @@ def presses(draw, scene):
 
 @pytest.fixture(scope="session", autouse=True)
 def own_state(tmp_path_factory):
-    """What rcskin remembers of outputs and virtual meters stays out of the user's own folder."""
+    """What rcskin keeps of virtual meters stays out of the user's own folder."""
     with pytest.MonkeyPatch.context() as patch:
         for name in ("XDG_STATE_HOME", "LOCALAPPDATA"):
             patch.setenv(name, str(tmp_path_factory.mktemp("state")))

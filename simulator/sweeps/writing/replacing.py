@@ -99,7 +99,7 @@ def _measured(path: Path) -> str | None:
     try:
         names, attributes = MARKS[path.suffix](path)
     except Exception:  # of whatever library
-        return "already exists, and is damaged: it may hold measured sweeps"
+        return "already exists, and cannot be read whole: it may hold measured sweeps"
     recorded = attributes.get("model") in (MEASURED, VIRTUAL)
     if not recorded and ("rtol" in attributes or not names & {"Rs", "Cp", "gain"}):
         return None

@@ -107,7 +107,9 @@ def unfinished(record, tmp_path, monkeypatch):
 
 def test_it_goes_on_soon_without_a_question(unfinished, record, tmp_path):
     unfinished(1, "--session", "monday")
+    (tmp_path / "a.nc.sweeps" / ".rcskin-0123456789abcdef.json").write_text("half")
     assert record().exit_code == 0
+    assert not (tmp_path / "a.nc.sweeps").exists()
     assert json.loads(read(tmp_path / "a.nc").attrs["sessions"]) == {"0": "monday"}
 
 
