@@ -18,8 +18,14 @@ from .formats.netcdf import write_dataset, write_table
 from .input_files import ENDINGS, check_zarr
 from .schema import check
 from .sweep_table import SweepTable
-from .writing import check_all_replaceable, check_replaceable, named_failures, present, whole_file
-from .writing.whole import PREFIX
+from .writing import (
+    PREFIX,
+    check_all_replaceable,
+    check_replaceable,
+    named_failures,
+    present,
+    whole_file,
+)
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -1,6 +1,6 @@
 """Writing of files: whole or not at all, with one rule for what may be replaced."""
 
-from .failures import named_failures, of_disk
+from .failures import named_failures
 from .replacing import (
     WriteContext,
     check_all_replaceable,
@@ -9,9 +9,10 @@ from .replacing import (
     whole_file,
     write_context,
 )
-from .whole import keep_beside, kept_file, present, put, sync
+from .whole import PREFIX, keep_beside, kept_file, present, put, sync
 
 __all__ = [
+    "PREFIX",
     "WriteContext",
     "check_all_replaceable",
     "check_replaceable",
@@ -19,7 +20,6 @@ __all__ = [
     "keep_beside",
     "kept_file",
     "named_failures",
-    "of_disk",
     "present",
     "put",
     "sync",

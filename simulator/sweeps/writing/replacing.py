@@ -13,14 +13,17 @@ from itertools import chain
 from pathlib import Path
 from typing import Any
 
+from ..digests import check_binary, check_store
 from ..errors import InputError
+from ..formats.csv import quantities_and_attributes
+from ..formats.netcdf import LOCK
 from ..schema import MEASURED, VIRTUAL
 from .whole import keep_beside, kept_file, present
 
 
 @dataclass(frozen=True)
 class WriteContext:
-    """What may be replaced: files and folders (`overwrite`), even measured sweeps (both)."""
+    """What may be replaced: files and folders, or even measured sweeps."""
 
     overwrite: bool = False
     overwrite_measured: bool = False
@@ -114,9 +117,6 @@ Marks = tuple[set[str], dict[str, Any]]
 def _netcdf_marks(path: Path) -> Marks:
     from netCDF4 import Dataset
 
-    from ..digests import check_binary
-    from ..formats.netcdf import LOCK
-
     check_binary(path)
     if _is_text(path):
         return set(), {}
@@ -139,18 +139,10 @@ def _zarr_marks(path: Path) -> Marks:
         return set(), {}
     import zarr
 
-    from ..digests import check_store
-
     check_store(path)
     group = zarr.open_group(path, mode="r")
     return {*group.keys()}, group.attrs.asdict()
 
 
-def _csv_marks(path: Path) -> Marks:
-    from ..formats.csv import quantities_and_attributes
-
-    return quantities_and_attributes(path)
-
-
-MARKS = {".nc": _netcdf_marks, ".zarr": _zarr_marks, ".csv": _csv_marks}
+MARKS = {".nc": _netcdf_marks, ".zarr": _zarr_marks, ".csv": quantities_and_attributes}
 """Functions that read what shows whether a file holds sweeps; they raise if it is damaged."""

@@ -131,7 +131,7 @@ def _moved_aside(place: Path) -> list[Path]:
 def _discard(aside: Path) -> None:
     """Deletes a folder under another name, so that half of it is never put back."""
     unfinished = aside.with_name(f"{PREFIX}{secrets.token_hex(8)}")
-    with suppress(FileNotFoundError):  # it was put back, and replaced again
+    with suppress(OSError):  # it was put back, and replaced again
         os.rename(aside, unfinished)
         delete(unfinished)
 
