@@ -14,7 +14,7 @@ SERIES = 1e3 + 1 / (2j * np.pi * FREQUENCY * 1e-9)
 
 
 @pytest.fixture
-def two_sweeps(make_sweeps, tmp_path):
+def two_sweeps(make_sweeps, tmp_path, replacing):
     """A function that writes a file of two sweeps, one of them times a factor."""
 
     def two_sweeps(factor, ending="nc"):
@@ -53,6 +53,7 @@ def test_a_broken_law_ends_with_code_1_and_names_sweep_and_frequencies(run, two_
     assert "1 of 2 spectra break a law" in out
 
 
+@pytest.mark.usefixtures("replacing")
 def test_laws_of_passive_networks_do_not_apply_to_a_virtual_earth(run, make_scene, tmp_path):
     """A finger on a line makes Rs rise with frequency: some of the current goes to earth."""
     line = make_scene(columns=3, frequencies=FREQUENCY.tolist(), top=5e5, bottom=5e5)
@@ -71,6 +72,7 @@ def test_laws_of_passive_networks_do_not_apply_to_a_virtual_earth(run, make_scen
         assert "a body or a finger that takes current to earth also breaks these laws" in out
 
 
+@pytest.mark.usefixtures("replacing")
 def test_creep_during_a_sweep_is_noted(run, make_scene, tmp_path):
     """More and more pressed from one frequency to the next, so that Cp rises."""
     line = make_scene(columns=3, frequencies=FREQUENCY.tolist())
