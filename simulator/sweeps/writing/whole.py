@@ -96,7 +96,8 @@ def present(path: Path) -> bool:
     with suppress(OSError, ValueError):
         if not path.exists():
             place = Path(os.path.realpath(path))
-            os.rename(max(_moved_aside(place), key=lambda each: each.lstat().st_mtime), place)
+            aside = place.parent.glob(f"{ASIDE}{8 * '?'}-{escape(place.name)}")
+            os.rename(max(aside, key=lambda each: each.lstat().st_mtime), place)
     return path.exists()
 
 
@@ -106,7 +107,7 @@ def _swap(unfinished: Path, place: Path) -> None:
     Other writers may take or free the name at any moment. What was moved aside is deleted once this
     folder has had the name, and is put back if it never gets it.
     """
-    aside = _moved_aside(place)
+    aside: list[Path] = []
     for attempt in range(SWAPS):
         before = place.with_name(f"{ASIDE}{secrets.token_hex(4)}-{place.name}")
         with suppress(FileNotFoundError):
@@ -121,11 +122,6 @@ def _swap(unfinished: Path, place: Path) -> None:
                 raise
     for each in aside:
         _discard(each)
-
-
-def _moved_aside(place: Path) -> list[Path]:
-    """Folders that had the name `place` and that writers moved aside."""
-    return list(place.parent.glob(f"{ASIDE}{8 * '?'}-{escape(place.name)}"))
 
 
 def _discard(aside: Path) -> None:
@@ -177,12 +173,16 @@ def _new(place: Path, folder: bool) -> Path:
 
 
 def _clear_left_overs(folder: Path) -> None:
-    """Deletes unfinished files that nobody changed for a day, such as those of killed writers.
+    """Deletes what killed writers left: unfinished files, and folders that they replaced.
 
-    Who wrote them cannot be known: another container has its own numbers of processes.
+    Unfinished files must be unchanged for a day. Who wrote them cannot be known: another container
+    has its own numbers of processes.
     """
     for path in folder.glob(f"{PREFIX}*"):
-        if not path.name.startswith(ASIDE) and _is_abandoned(path):
+        if path.name.startswith(ASIDE):
+            if path.with_name(path.name[len(ASIDE) + 9 :]).exists():
+                _discard(path)
+        elif _is_abandoned(path):
             with suppress(OSError):
                 delete(path)
 

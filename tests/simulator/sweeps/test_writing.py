@@ -383,6 +383,19 @@ def test_a_folder_whose_writer_was_killed_between_two_renames_is_put_back(
     assert not path.with_name("a1.zarr").exists()
 
 
+def test_what_a_killed_writer_had_replaced_is_cleared_and_never_the_only_copy(tmp_path):
+    replaced, only = (tmp_path / "here" / name for name in ("a.zarr", "b.zarr"))
+    for path in (replaced, only):
+        put(path, "before")
+        shutil.copytree(path, path.with_name(f".rcskin-replaced-0123abcd-{path.name}"))
+    shutil.rmtree(only)
+    put(tmp_path / "here" / "other.csv", "x")
+    shutil.rmtree(replaced)
+    assert (present(replaced), present(only)) == (False, True)
+    assert content(only).read_text() == "before"
+    assert names(only.parent) == ["b.zarr", "other.csv"]
+
+
 def test_a_writer_that_still_runs_bears_with_one_that_puts_back(make_sweeps, tmp_path, monkeypatch):
     path = tmp_path / "here" / "out.zarr"
     put(path, "before")
