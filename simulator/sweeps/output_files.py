@@ -120,9 +120,8 @@ def _check_parent(path: Path) -> None:
     with named_failures(path):
         if not path.parent.is_dir():
             raise InputError(f"{path}: the folder {path.parent} does not exist")
-        path.with_name(
-            f"{path.name}{DERIVED_NAME_LENGTH * '_'}"
-        ).exists()  # raises where that is too long
+        whole = path.absolute()  # `.` alone has no name
+        whole.with_name(f"{whole.name}{DERIVED_NAME_LENGTH * '_'}").exists()  # raises if too long
         if not os.access(path.parent, os.W_OK | os.X_OK):
             raise PermissionError(errno.EACCES, "", str(path))
 

@@ -83,7 +83,7 @@ def put(unfinished: Path, place: Path) -> None:
 
 def keep_beside(unfinished: Path, place: Path) -> str:
     """Renames a finished file or folder to a new name next to `place`; says so in a sentence."""
-    finished = place.with_name(f"finished-{secrets.token_hex(4)}{place.suffix}")
+    finished = place.absolute().with_name(f"finished-{secrets.token_hex(4)}{place.suffix}")
     shutil.move(unfinished, finished)
     return f"The finished output is in {finished}"
 

@@ -91,11 +91,14 @@ def test_creep_during_a_sweep_is_noted(run, make_scene, tmp_path):
     assert "foam creeps during a sweep" in err
 
 
-def test_the_chart_is_written_to_the_given_path(run, two_sweeps, tmp_path):
+def test_the_chart_is_written_to_the_given_path(run, two_sweeps, tmp_path, monkeypatch):
     for ending, begins in ((".png", b"\x89PNG"), (".svg", b"<?xml")):
         chart = tmp_path / f"chart{ending}"
         assert run("check", two_sweeps(2), "-o", chart)[0] == 0
         assert chart.read_bytes().startswith(begins)
+    monkeypatch.chdir(tmp_path)
+    assert run("check", two_sweeps(2), "-o", ".")[0] == 0
+    assert (tmp_path / "verdicts.csv").exists()
     run("check", two_sweeps(2), "-o", tmp_path / "report")
     assert (tmp_path / "report" / "verdicts.csv").exists()
 
