@@ -20,8 +20,8 @@ app.command(
 )(live)
 app.add_typer(meter, name="meter")
 
-for commands, above in ((app, ""), (meter, "meter")):
-    with_overwrite_options(commands, above)
+for commands in (app, meter):
+    with_overwrite_options(commands)
     with_short_help(commands)
     with_ranges(commands)
 

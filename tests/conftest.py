@@ -15,6 +15,7 @@ from rcskin import __main__ as rcskin
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.sweeps.writing import WriteContext, in_write_context
 
 LEFT_PAIR = {"top-left": {}, "bottom-left": {}}
 EDGES = ("left", "right", "bottom", "top")
@@ -163,10 +164,17 @@ def presses(draw, scene):
 
 @pytest.fixture(scope="session", autouse=True)
 def own_state(tmp_path_factory):
-    """What rcskin remembers of outputs and virtual meters stays out of the user's own folder."""
+    """What rcskin keeps of virtual meters stays out of the user's own folder."""
     with pytest.MonkeyPatch.context() as patch:
         for name in ("XDG_STATE_HOME", "LOCALAPPDATA"):
             patch.setenv(name, str(tmp_path_factory.mktemp("state")))
+        yield
+
+
+@pytest.fixture
+def replacing():
+    """In the test every file may be replaced."""
+    with in_write_context(WriteContext(overwrite_measured=True)):
         yield
 
 

@@ -10,11 +10,12 @@ def share_refused(path, reader, same, flips, cuts=0):
     reader: of the path. same: whether what it reads is what stood there, as it must where a copy
     is not refused.
     """
-    refused = [_refused(path, reader, same) for _ in _spoilt(path, flips, cuts)]
+    refused = [_refused(path, reader, same) for _ in spoilt(path, flips, cuts)]
     return np.mean(refused)
 
 
-def _spoilt(path, flips, cuts):
+def spoilt(path, flips, cuts):
+    """Spoils a file, or those in a folder in turn, in one way after the other."""
     random = np.random.default_rng(0)
     files = [path] if path.is_file() else sorted(each for each in path.rglob("*") if each.is_file())
     for number in range(flips + cuts):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,6 @@ from ...simulator.sweeps.reading_quantities import IMPEDANCE, kind_of
 from ...simulator.sweeps.same_frequency import same_frequencies
 from ...simulator.sweeps.same_skin import check_same_skin
 from ...simulator.sweeps.schema import taken_of
-from ...simulator.sweeps.writing import WriteContext, in_write_context
 from ..record.measured_sweep import InterfaceTrace, MeasuredSweep, now
 from ..record.press_order import UNKNOWN
 from ..record.recording_dataset import measured_mask, sweep_dataset
@@ -159,9 +159,8 @@ class SessionLog:
         warn_if_clock_set_back(self._latest, before)
         self.journal.keep(self._kept, self._latest)
         if not self._kept:  # loads the libraries for writing, so that the session ends quickly
-            again = WriteContext(overwrite_measured=True, noted={self.journal.folder})
-            with in_write_context(again):
-                write_all(self.journal.folder / "first.nc", header, {0: self._latest})
+            with TemporaryDirectory() as folder:
+                write_all(Path(folder, "first.nc"), header, {0: self._latest})
         self._kept += 1
 
     def answered(self, answer: TouchAnswer) -> None:

@@ -51,9 +51,11 @@ def checked(function: Callable[Given, Made]) -> Callable[Given, Made]:
 
 
 def _as_parameter(option: re.Match[str], parameters: Any) -> str:
-    """The option as a parameter, `max_frequency` for --max-frequency, if it is one."""
+    """The option as a parameter, if it is one: `max_frequency`, or `overwrite=True` for a flag."""
     name = option[1].replace("-", "_")
-    return f"`{name}`" if name in parameters else option[0]
+    if name not in parameters:
+        return option[0]
+    return f"`{name}=True`" if parameters[name].default is False else f"`{name}`"
 
 
 def sweeps_of(given: xr.Dataset | str | Path, name: str = "sweeps") -> xr.Dataset:

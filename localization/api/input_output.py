@@ -36,15 +36,14 @@ def write(
 ) -> None:
     """Write sweeps into .nc, .csv or .zarr, a model into .skops, or a scene into .toml.
 
-    The file is written completely or not at all. A file that a script wrote before is replaced,
-    with a note in the log. given: sweeps, a model or a scene. path: file to write. overwrite: True
-    also replaces files of other origin. overwrite_measured: True replaces even measured sweeps.
-    Raises InputError for another ending, an absent folder, or a file that must not be replaced.
+    The file is written completely or not at all. given: sweeps, a model or a scene. path: file to
+    write. overwrite: True replaces a file that exists. overwrite_measured: True replaces even
+    measured sweeps. Raises InputError for another ending, an absent folder, or a file that exists
+    and may not be replaced.
     """
     from ...simulator.sweeps.writing import WriteContext, in_write_context
 
-    now = WriteContext(overwrite=overwrite, overwrite_measured=overwrite_measured)
-    with in_write_context(now):
+    with in_write_context(WriteContext(overwrite, overwrite_measured)):
         _written(given, path_of(path))
 
 
@@ -68,14 +67,23 @@ def _written(given: xr.Dataset | Model | Scene, path: str | Path) -> None:
 
 
 @checked
-def plot(sweeps: xr.Dataset | str | Path, path: str | Path, what: Sequence[Quantity] = ()) -> Path:
+def plot(
+    sweeps: xr.Dataset | str | Path,
+    path: str | Path,
+    what: Sequence[Quantity] = (),
+    *,
+    overwrite: bool = False,
+) -> Path:
     """Plot quantities of each press against frequency, as a picture or as a page to zoom.
 
     sweeps: the sweeps or the path of their file. path: .png, .svg, .pdf or .html; the function
     returns it. what: any of "Rs", "Cp", "change-Rs", "change-Cp" (from the unpressed skin), "phase"
     and "nyquist"; by default Rs and Cp and, if the unpressed skin was measured, their changes.
-    Raises InputError for another ending or an absent folder.
+    overwrite: True replaces a file that exists. Raises InputError for another ending, an absent
+    folder, or a file that exists and may not be replaced.
     """
     from ...simulator.check.curve_page import draw
+    from ...simulator.sweeps.writing import WriteContext, in_write_context
 
-    return draw([sweeps_of(sweeps)], path_of(path), what)
+    with in_write_context(WriteContext(overwrite)):
+        return draw([sweeps_of(sweeps)], path_of(path), what)

@@ -83,18 +83,17 @@ class GapFindings(Tabular):
 
         return summary(self)
 
-    def write(self, folder: str | Path) -> None:
+    def write(self, folder: str | Path, *, overwrite: bool = False) -> None:
         """Write gap.html with charts, and gap.json with all numbers.
 
-        folder: made if absent. Raises InputError if it cannot be made, or if the files there cannot
-        be replaced.
+        folder: made if absent. overwrite: True replaces files that exist. Raises InputError if the
+        folder cannot be made, or if files exist that may not be replaced.
         """
-        from ...simulator.sweeps import checked_folder, made_folder
-        from .report.html_report import HTML, JSON, write_report
+        from ...simulator.sweeps.writing import WriteContext, in_write_context
+        from .report.html_report import write_report
 
-        made = made_folder(Path(folder))
-        checked_folder(made, JSON, HTML)
-        write_report(made, self)
+        with in_write_context(WriteContext(overwrite)):
+            write_report(Path(folder), self)
 
     def _table(self) -> tuple[str, list[tuple[str, ...]]]:
         from .report.sentences import accuracy_table

@@ -32,7 +32,7 @@ def read_first(files: Path | Sequence[Path], max_sweeps: int, *, lazy: bool = Fa
 
 
 def _some_of(path: Path, most: int, in_parts: bool) -> xr.Dataset:
-    if path.suffix != ".zarr" or not path.exists():
+    if path.suffix != ".zarr":
         return read(path)
     stored = open_zarr(path).drop_dims("drawn_session", errors="ignore")
     if "session" not in stored.variables:

@@ -13,10 +13,10 @@ from sklearn import config_context
 from ...simulator.measure.experiment import METER, stream
 from ...simulator.measure.readout import read_out
 from ...simulator.progress import ProgressCallback, tracked
-from ...simulator.report.files import write_frame
+from ...simulator.report.files import filled_at_once, write_frame
 from ...simulator.report.page import Picture, ReportSection
 from ...simulator.scene.scene_files import load_scene
-from ...simulator.sweeps import made_folder, write
+from ...simulator.sweeps import checked_folder, made_folder, write
 from ..evaluation.confusion import Confusion, write_csv
 from ..evaluation.evaluation import UNCHECKED, cross_validate
 from ..inputs.feature_names import PAPER
@@ -49,22 +49,27 @@ if TYPE_CHECKING:
     import pandas as pd
 
 FINER_PIXELS = 6
+WRITTEN = ("report.html", "comparison.csv", "figure-2c.*", "frequencies.*", "noise.*", "contacts.*")
+WRITTEN += tuple(f"{name}[-.]*" for name in EXPERIMENTS)
+"""Name patterns of the files of a reproduction."""
 
 
 @config_context(**UNCHECKED)
 def reproduce(folder: Path, progress: ProgressCallback, ending: str = ".png") -> list[Claim]:
     """Write figures, tables, trained models and `report.html` into `folder`; return the claims.
 
-    The folder is created if it does not exist. ending: format of further figures, besides .png.
-    Tables have the same bytes in every run. Raises InputError if the folder cannot be created.
+    The folder is created if it does not exist; all files appear in it at the end. ending: format of
+    further figures, besides .png. Tables have the same bytes in every run. Raises InputError if the
+    folder cannot be created, or if one of the files exists and may not be replaced.
     """
-    made_folder(folder)
+    checked_folder(made_folder(folder), *WRITTEN)
     results = _experiments(progress)
     claims = all_claims(results)
-    _write_tables(folder, results, claims)
-    pictures = draw(folder, results, progress, ending)
     software = results.experiments["sheet-5x5"].exact.attrs["software"]
-    write_report(folder / "report.html", claims, pictures, software)
+    with filled_at_once(folder) as made:
+        _write_tables(made, results, claims)
+        pictures = draw(made, results, progress, ending)
+        write_report(made / "report.html", claims, pictures, software)
     return claims
 
 

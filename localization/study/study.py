@@ -12,6 +12,7 @@ from ...simulator.notebook_display import Tabular
 from ...simulator.progress import ProgressCallback, silent
 from ...simulator.scene.scene import Scene
 from ...simulator.sweeps import checked_output
+from ...simulator.sweeps.writing import WriteContext, in_write_context
 from . import execution
 from .axis import READY_MADE, Axis, axes_of
 from .point import EvaluationSettings
@@ -50,19 +51,23 @@ class Study(Tabular):
         """Spacing of the values of each key, in one line."""
         return spacing(self.axes)
 
-    def write(self, path: str | Path) -> None:
+    def write(self, path: str | Path, *, overwrite: bool = False) -> None:
         """Write a table.
 
-        path: .csv or .nc. Raises InputError for another ending or an absent folder.
+        path: .csv or .nc. overwrite: True replaces a file that exists. Raises InputError for
+        another ending, an absent folder, or a file that exists and may not be replaced.
         """
-        write_table(self.findings, checked_output(path, ENDINGS))
+        with in_write_context(WriteContext(overwrite)):
+            write_table(self.findings, checked_output(path, ENDINGS))
 
-    def plot(self, path: str | Path) -> None:
+    def plot(self, path: str | Path, *, overwrite: bool = False) -> None:
         """Draw a chart.
 
-        path: .png, .svg or .pdf. Raises InputError for another ending or an absent folder.
+        path: .png, .svg or .pdf. overwrite: True replaces a file that exists. Raises InputError for
+        another ending, an absent folder, or a file that exists and may not be replaced.
         """
-        draw_study(self.findings, self.axes, self.experiment, checked_chart(path))
+        with in_write_context(WriteContext(overwrite)):
+            draw_study(self.findings, self.axes, self.experiment, checked_chart(path))
 
     def _table(self) -> tuple[str, list[tuple[str, ...]]]:
         frame = self.findings.to_dataframe().reset_index()

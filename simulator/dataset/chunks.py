@@ -9,6 +9,7 @@ import os
 from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
+from secrets import token_hex
 from typing import Any
 from zlib import crc32
 
@@ -36,7 +37,7 @@ def put(folder: Path, number: int, values: NDArray, size: int) -> Part:
     that `is_whole` checks.
     """
     place = f"{folder}/{SEPARATOR.join(['c', str(number), *['0'] * (values.ndim - 1)])}"
-    unfinished = f"{place}.{os.getpid()}.partial"
+    unfinished = f"{place}.{token_hex(8)}.partial"
     encoded = _encoded(_filled_up(values, size))
     try:
         _write(unfinished, encoded)

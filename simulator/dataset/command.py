@@ -48,12 +48,14 @@ def dataset(
     from ..sweeps import sizes_text
     from ..sweeps.errors import InterruptedWorkError
     from .dataset_plan import Plan, readings
-    from .generation import generate
+    from .generation import generate, is_complete
     from .layout import readings_along
     from .store import finished_attributes
 
     loaded = requested_scene(scene)
     plan = Plan(foldable(loaded, "a data set", creeps=True), sweeps, seed, rtol)
+    if is_complete(plan, output):
+        return say(f"{output}: is complete, nothing was computed; --overwrite makes it anew")
     note_if_noise_free(scene, loaded)
     processes = workers or _cpu_count()
     seconds = sweeps * readings(plan.scene) / (READINGS_A_SECOND * processes)

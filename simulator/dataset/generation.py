@@ -16,7 +16,7 @@ from ..progress import ProgressCallback, silent
 from ..sweeps import InputError, inputs, kept_file
 from ..sweeps.free_space import check_disk
 from ..sweeps.output_files import checked_place, locked
-from ..sweeps.writing import check_replaceable, named_failures, note_made, put, sync, write_context
+from ..sweeps.writing import check_replaceable, named_failures, present, put, sync, write_context
 from . import store, workers
 from .dataset_plan import Plan, first_difference, readings
 from .faulty_skins import faulty_families, without_faults
@@ -36,15 +36,15 @@ def generate(
     progress: ProgressCallback = silent,
     training: Training = REDUCED,
 ) -> None:
-    """Makes the data set, or resumes an earlier run of the same plan.
+    """Makes the data set, or resumes an earlier run of the same plan; see `is_complete`.
 
     processes: number on this machine, unless `scheduler` is the address of a Dask cluster, whose
     workers must see the output's folder under the same path. progress: counts sweeps. Raises
     InputError if the output holds another plan, or if another process is writing it.
     """
-    output = checked_place(output, (ENDING,)).absolute()
-    with named_failures(output), _locked(output) as folder:
-        if _complete(plan, output):
+    output = output.absolute()
+    with named_failures(output), _locked(checked_place(output, (ENDING,))) as folder:
+        if is_complete(plan, output):
             return progress(plan.scene.name, plan.sweeps, plan.sweeps)
         workshop = WorkFolder(folder, plan.digest, training.load)
         missing = plan.blocks - len(workshop.noted(plan))
@@ -96,23 +96,26 @@ def _locked(output: Path) -> AbstractContextManager[Path]:
     return locked(folder, PLAN_FILE, f"{output}: another process is writing it")
 
 
-def _complete(plan: Plan, output: Path) -> bool:
-    """True if the output of this plan exists already.
+def is_complete(plan: Plan, output: Path) -> bool:
+    """True if the output is this data set already and may not be replaced: nothing is to be done.
 
-    Raises InputError if something else exists: even a data set of this command may be days of work.
+    Raises InputError as `checked_place`, and if something else exists that may not be replaced.
     """
-    if not output.exists():
+    checked_place(output, (ENDING,))
+    if write_context().overwrite or not present(output):
+        check_replaceable(output)
         return False
     existing = store.finished_attributes(output)
-    different = "no data set" if existing is None else first_difference(plan.record, existing)
-    if different is None:
-        return True
-    check_replaceable(output)
-    if not (write_context().overwrite or write_context().overwrite_measured):
+    if existing is None:
+        different = "no data set that can be read"
+    else:
+        different = first_difference(plan.record, existing)
+    if different is not None:
         raise InputError(
-            f"{output}: exists with {different}; --overwrite replaces it, or write elsewhere"
+            f"{output}: already exists with {different}; --overwrite replaces it, or give another "
+            "name"
         )
-    return False
+    return True
 
 
 def _prepared(plan: Plan, workshop: WorkFolder, training: Training) -> SkinFamily:
@@ -176,8 +179,8 @@ def _finish(workshop: WorkFolder, plan: Plan, output: Path) -> None:
         },
     )
     sync(workshop.data)
+    check_replaceable(output)
     put(workshop.data, output)
-    note_made(output, write_context().command)
     workshop.plan_file.unlink()
 
 

@@ -75,17 +75,14 @@ def finish(folder: Path, attributes: Mapping[str, str | int | float]) -> None:
 
 
 def finished_attributes(folder: Path) -> dict[str, Any] | None:
-    """Attributes of a finished data set with its number of `sweeps`; None if it is no data set.
-
-    Raises InputError if its metadata are corrupt.
-    """
+    """Attributes of a finished data set with its number of `sweeps`; None if it cannot be read."""
     import zarr
 
-    check_store(folder)
     try:
+        check_store(folder)
         group = zarr.open_group(str(folder), mode="r")
         return {**group.attrs.asdict(), "sweeps": array(group, "touches").shape[0]}
-    except (OSError, ValueError, KeyError):
+    except (OSError, ValueError, KeyError):  # or a checksum that does not match, InputError
         return None
 
 

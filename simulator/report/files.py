@@ -6,13 +6,14 @@ import json
 import shutil
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from glob import escape
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
-from ..sweeps import made_folder, whole_file
+from ..sweeps import InputError, made_folder, whole_file
 from ..sweeps.csv_cells import CsvWriter
-from ..sweeps.writing.replacing import UNFINISHED, in_write_context
+from ..sweeps.writing import check_all_replaceable, keep_beside
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -47,13 +48,16 @@ def write_frame(path: Path, table: pd.DataFrame) -> None:
 def filled_at_once(folder: Path) -> Iterator[Path]:
     """Folder for a report's files; they appear in `folder` at the end of the block.
 
-    If the block fails, nothing appears. Raises InputError if `folder` cannot be made, and what
-    `whole_file` raises.
+    If the block fails, nothing appears. Raises InputError if `folder` cannot be made or one of the
+    files may not be replaced; then the finished ones are in a folder of their own next to it.
     """
     with TemporaryDirectory() as unfinished:
-        with in_write_context(UNFINISHED):
-            yield Path(unfinished)
+        yield Path(unfinished)
         made_folder(folder)
+        try:
+            check_all_replaceable(folder, map(escape, files_in(unfinished)))
+        except InputError as error:
+            raise InputError(f"{error}. {keep_beside(Path(unfinished), folder)}") from error
         for name in files_in(unfinished):
             with whole_file(folder / name) as file:
                 shutil.copyfile(Path(unfinished) / name, file)

@@ -18,6 +18,7 @@ from .reading_quantities import kind_of
 from .schema import check
 from .stored_units import conventional
 from .sweep_table import DIMENSIONS
+from .writing import present
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -47,10 +48,6 @@ def read(path: str | Path) -> xr.Dataset:
         check_file_kind(path, "sweeps")
         given = f"got {path.suffix!r}" if path.suffix else "got no ending"
         raise InputError(f"{path}: sweeps are read from {', '.join(ENDINGS)}, {given}; {FOREIGN}")
-    if not path.exists():
-        raise InputError(f"{path}: no such file")
-    if path.suffix == ".zarr" and not path.is_dir():
-        raise InputError(f"{path}: is a file; a .zarr is a folder")
     try:
         return check(conventional(readers[path.suffix](path), path))
     except OSError as error:
@@ -71,9 +68,13 @@ def open_zarr(path: Path) -> xr.Dataset:
 
     Raises InputError if it cannot be read or the required extra is not installed.
     """
+    if not present(path):
+        raise InputError(f"{path}: no such file")
+    if not path.is_dir():
+        raise InputError(f"{path}: is a file; a .zarr is a folder")
+    check_zarr(path)
     import xarray as xr
 
-    check_zarr(path)
     try:
         inputs.check_folder(path)
         sealed = check_store(path)

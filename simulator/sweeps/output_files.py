@@ -18,8 +18,14 @@ from .formats.netcdf import write_dataset, write_table
 from .input_files import ENDINGS, check_zarr
 from .schema import check
 from .sweep_table import SweepTable
-from .writing import check_replaceable, named_failures, whole_file
-from .writing.replacing import check_all_replaceable
+from .writing import (
+    PREFIX,
+    check_all_replaceable,
+    check_replaceable,
+    named_failures,
+    present,
+    whole_file,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -42,7 +48,7 @@ def write(sweeps: xr.Dataset | SweepTable, path: str | Path) -> None:
 def checked_output(path: str | Path, endings: Sequence[str] = ENDINGS) -> Path:
     """Returns the path if a file can be written there; call it before any work is done.
 
-    Raises InputError as `checked_place`, and if an existing file may not be overwritten (see
+    Raises InputError as `checked_place`, and if a file exists that may not be replaced (see
     `writing`).
     """
     path = checked_place(path, endings)
@@ -71,7 +77,7 @@ def checked_folder(path: Path, *names: str) -> Path:
     """Returns the path if it is a folder, or can become one in an existing folder.
 
     names: name patterns of the files to be written. Raises InputError, also if an existing file of
-    such a name may not be overwritten.
+    such a name may not be replaced.
     """
     if path.exists() and not path.is_dir():
         raise InputError(f"{path}: is a file, not a folder")
@@ -83,12 +89,11 @@ def checked_folder(path: Path, *names: str) -> Path:
 def checked_data_folder(path: Path, marker: str) -> Path:
     """Returns the path if a folder of data that holds the file `marker` can be written there.
 
-    Raises InputError if it is a file, a folder without that file, or may not be overwritten.
+    Raises InputError as `checked_folder`, and if it is a folder without that file, or exists and
+    may not be replaced.
     """
-    if path.exists() and not path.is_dir():
-        raise InputError(f"{path}: is a file, not a folder")
-    _check_parent(path)
-    if path.exists() and not (path / marker).is_file():
+    checked_folder(path)
+    if present(path) and not (path / marker).is_file():
         raise InputError(
             f"{path}: is a folder without {marker}, so it holds other files than such a data set; "
             "give a new name"
@@ -107,7 +112,7 @@ def made_folder(path: Path) -> Path:
     return path
 
 
-DERIVED_NAME_LENGTH = 16
+DERIVED_NAME_LENGTH = 32
 """Extra characters of names that are derived from an output's name, such as journals."""
 
 
@@ -115,9 +120,8 @@ def _check_parent(path: Path) -> None:
     with named_failures(path):
         if not path.parent.is_dir():
             raise InputError(f"{path}: the folder {path.parent} does not exist")
-        path.with_name(
-            f"{path.name}{DERIVED_NAME_LENGTH * '_'}"
-        ).exists()  # raises where that is too long
+        whole = path.absolute()  # `.` alone has no name
+        whole.with_name(f"{whole.name}{DERIVED_NAME_LENGTH * '_'}").exists()  # raises if too long
         if not os.access(path.parent, os.W_OK | os.X_OK):
             raise PermissionError(errno.EACCES, "", str(path))
 
@@ -126,9 +130,9 @@ def _check_parent(path: Path) -> None:
 def locked(folder: Path, begun: str, busy: str) -> Iterator[Path]:
     """Makes the folder if needed and locks it for this process while the block runs.
 
-    At the end the folder is removed if no file in it matches `begun`; the lock goes last, because
-    Windows removes no open file. The system frees the lock of a killed process. Raises InputError
-    with the message `busy` if another process holds the lock.
+    At the end the folder is removed if no finished file in it matches `begun`; the lock goes last,
+    because Windows removes no open file. The system frees the lock of a killed process. Raises
+    InputError with the message `busy` if another process holds the lock.
     """
     from filelock import FileLock, Timeout
 
@@ -146,7 +150,7 @@ def locked(folder: Path, begun: str, busy: str) -> Iterator[Path]:
     try:
         yield folder
     finally:
-        done = not any(folder.glob(begun))
+        done = all(each.name.startswith(PREFIX) for each in folder.glob(begun))
         if done:
             shutil.rmtree(folder, ignore_errors=True)
         left = done and file.exists()

@@ -4,6 +4,7 @@ import inspect
 import re
 import subprocess
 import sys
+from functools import partial
 from importlib.metadata import version
 
 import numpy as np
@@ -175,6 +176,30 @@ def test_files_come_back_as_they_went(scene, sweeps, tmp_path):
     assert rcskin.load(tmp_path / "own.toml") == scene
     rcskin.write(sweeps, tmp_path / "all.nc")
     assert np.array_equal(rcskin.read(tmp_path / "all.nc")["Cp"], sweeps["Cp"])
+
+
+def test_what_exists_is_replaced_on_demand_only(scene, sweeps, tmp_path):
+    study = rcskin.study("strip-1x3", {"pixels.columns": [2, 3]}, repetitions=5)
+    writers = {
+        "own.toml": partial(rcskin.write, scene),
+        "all.csv": partial(rcskin.write, sweeps),
+        "all.png": partial(rcskin.plot, sweeps),
+        "all.html": partial(rcskin.plot, sweeps),
+        "study.csv": study.write,
+        "study.png": study.plot,
+    }
+    for name, write in writers.items():
+        path = tmp_path / name
+        path.write_text("mine")
+        with pytest.raises(InputError, match=f"{name}: already exists; .*overwrite.* replaces it"):
+            write(path)
+        assert path.read_text() == "mine"
+        write(path, overwrite=True)
+        assert path.stat().st_size > 100, name
+    rcskin.write(sweeps.drop_attrs(), tmp_path / "run.nc")
+    with pytest.raises(InputError, match="measured sweeps; `overwrite_measured=True` replaces it"):
+        rcskin.write(sweeps, tmp_path / "run.nc", overwrite=True)
+    rcskin.write(sweeps, tmp_path / "run.nc", overwrite_measured=True)
 
 
 def test_a_reduced_model_answers_as_the_sweep(scene):

@@ -144,6 +144,25 @@ def run(monkeypatch, line):
         assert ended.code in (0, None), line
 
 
+def test_the_front_page_run_twice_says_how_to_replace_what_is_there(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    quick = r"rcskin (new|describe|sweep|plot|page|dataset|limits) "
+    lines = [line for line in commands("README.md") if re.match(quick, line)]
+    for line in lines:
+        run(monkeypatch, line)
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    for line in lines:
+        capsys.readouterr()
+        monkeypatch.setattr(sys, "argv", shlex.split(line))
+        with pytest.raises(SystemExit) as ended:
+            main()
+        out, err = capsys.readouterr()
+        made = " dataset " in line
+        assert ended.value.code == (0 if made else 2), line
+        assert "--overwrite" in (out if made else err) and (out + err).count("\n") == 1, line
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+
+
 def test_the_skin_of_ones_own_is_a_built_in_scene():
     (scene,) = blocks(OWN_SKIN, "toml")
     assert scene == builtin_text("glove") + AROUND.format(low="virtual earth")

@@ -79,8 +79,6 @@ def export(
     else:
         output = checked_output(output, (chosen.ending,))
     require_packages(output, chosen.extra, *chosen.packages)
-    if not data.exists():
-        raise InputError(f"{data}: no such file")
     opened = open_zarr(data) if data.suffix == ".zarr" else read(data)
     with opened as sweeps:
         exported = Exported(data, sweeps, tuple(images))

@@ -10,7 +10,7 @@ import io
 import json
 import tomllib
 from collections.abc import Mapping, Sequence
-from itertools import takewhile
+from itertools import dropwhile, takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -152,6 +152,22 @@ def read_csv(path: Path) -> xr.Dataset:
         taken=None if taken.all() else taken,
         attributes={**attributes, **names},
     )
+
+
+def quantities_and_attributes(path: Path) -> tuple[set[str], dict[str, Any]]:
+    """Names of the quantities that a CSV has columns of, and its attributes; cells are not read.
+
+    Raises InputError or UnicodeDecodeError if the file is damaged, or cut off above its columns.
+    """
+    content = inputs.table(path)
+    check_text(path, content)
+    text = content.decode("utf-8-sig")
+    columns = next(dropwhile(_is_comment, io.StringIO(text)), "").strip()
+    if "\0" in text or (text and not columns):
+        raise InputError(f"{path}: not a CSV")
+    names = {cell.strip(' "') for cell in columns.split(",")}
+    found = {name for name, column in COLUMN_OF.items() if column in names}
+    return found, _attributes(_comments(content))
 
 
 def _comment_text(attributes: Mapping[Any, Any]) -> str:

@@ -79,9 +79,9 @@ def read_dataset(path: Path) -> xr.Dataset:
 
     Raises InputError if the file does not match its digest or cannot be read.
     """
+    check_binary(inputs.check_input(path, inputs.SWEEPS))
     import xarray as xr
 
-    check_binary(inputs.check_input(path, inputs.SWEEPS))
     try:
         with LOCK:
             inputs.check_memory(path, _declared(path))

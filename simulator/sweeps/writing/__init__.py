@@ -1,22 +1,28 @@
-"""Writing of files: whole or not at all, with one rule for what may be overwritten."""
+"""Writing of files: whole or not at all, with one rule for what may be replaced."""
 
-from .failures import named_failures, of_disk
-from .register import note_made
-from .replacing import PYTHON, WriteContext, check_replaceable, in_write_context, write_context
-from .user_output import whole_file
-from .whole import kept_file, put, sync
+from .failures import named_failures
+from .replacing import (
+    WriteContext,
+    check_all_replaceable,
+    check_replaceable,
+    in_write_context,
+    whole_file,
+    write_context,
+)
+from .whole import PREFIX, keep_beside, kept_file, present, put, sync
 
 __all__ = [
-    "PYTHON",
+    "PREFIX",
     "WriteContext",
+    "check_all_replaceable",
     "check_replaceable",
+    "in_write_context",
+    "keep_beside",
     "kept_file",
     "named_failures",
-    "note_made",
-    "write_context",
-    "of_disk",
-    "in_write_context",
+    "present",
     "put",
     "sync",
     "whole_file",
+    "write_context",
 ]

@@ -47,7 +47,7 @@ def named_failures(path: Path) -> Iterator[None]:
         text = str(error)
         raise OutputError(text if text.startswith(str(path)) else f"{path}: {text}") from error
     except (OSError, RuntimeError) as error:
-        if of_disk(error):
+        if _of_disk(error):
             reason = DISKS.get(getattr(error, "errno", None) or 0, f"{error}; is the disk full?")
             raise OutputError(f"{path}: cannot be written: {reason}") from error
         if isinstance(error, OSError) and error.errno in PATHS and _near(error.filename, path):
@@ -55,7 +55,7 @@ def named_failures(path: Path) -> Iterator[None]:
         raise
 
 
-def of_disk(error: Exception) -> bool:
+def _of_disk(error: Exception) -> bool:
     """True for errors of a disk that did not accept the data."""
     return getattr(error, "errno", None) in DISKS or str(error).startswith(OF_NETCDF)
 

@@ -1,87 +1,87 @@
-"""The rule for overwriting files.
+"""The rule for overwriting: nothing that exists is replaced without an option.
 
-A file that the same command made and nobody changed is overwritten with a note. An option is needed
-to overwrite files that rcskin did not make, results of another command, and inputs of the command
-itself. Measured sweeps need an option of their own.
+Measured sweeps need an option of their own, because nobody can make them again.
 """
 
 from __future__ import annotations
 
-import logging
-import os
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
+from typing import Any
 
+from ..digests import check_binary, check_store
 from ..errors import InputError
-from .measured_files import measured_description
-from .register import made_by
-
-PYTHON = "Python"
-"""Stands for a script in place of a command."""
-
-log = logging.getLogger(__name__)
+from ..formats.csv import quantities_and_attributes
+from ..formats.netcdf import LOCK
+from ..schema import MEASURED, VIRTUAL
+from .whole import keep_beside, kept_file, present
 
 
 @dataclass(frozen=True)
 class WriteContext:
-    """The writing command, its inputs, and its overwrite options.
+    """What may be replaced: files and folders, or even measured sweeps."""
 
-    command: such as `sweep`, `meter record`, or PYTHON. inputs: paths that it reads. overwrite,
-    overwrite_measured: True if any file, and even measured sweeps, may be overwritten. noted:
-    folders for which a note on overwriting was logged.
-    """
-
-    command: str = PYTHON
-    inputs: tuple[Path, ...] = ()
     overwrite: bool = False
     overwrite_measured: bool = False
-    noted: set[Path] = field(default_factory=set, compare=False)
-
-    def option(self, name: str) -> str:
-        """The option's spelling on the command line or in Python."""
-        return f"{name}=True" if self.command == PYTHON else f"--{name.replace('_', '-')}"
 
 
-UNFINISHED = WriteContext("a part of an output")
-"""Context of files that are parts of an output; they are not registered."""
-_context: ContextVar[WriteContext] = ContextVar("occasion", default=WriteContext())  # noqa: B039
+_context: ContextVar[WriteContext] = ContextVar("write_context", default=WriteContext())  # noqa: B039
 
 
 def write_context() -> WriteContext:
-    """The current context of writing."""
+    """The current permissions to replace files."""
     return _context.get()
 
 
 @contextmanager
-def in_write_context(now: WriteContext) -> Iterator[None]:
-    """Sets the context of writing within the block."""
-    token = _context.set(now)
+def in_write_context(more: WriteContext) -> Iterator[None]:
+    """Adds permissions to replace files within the block."""
+    now = write_context()
+    measured = now.overwrite_measured or more.overwrite_measured
+    token = _context.set(WriteContext(now.overwrite or more.overwrite or measured, measured))
     try:
         yield
     finally:
         _context.reset(token)
 
 
+@contextmanager
+def whole_file(path: Path, folder: bool = False) -> Iterator[Path]:
+    """Like `kept_file`, for a user's output, which replaces only what it may.
+
+    Raises InputError if `path` may not be replaced (see `check_replaceable`). If something appeared
+    there while the block ran, the finished output stays next to it, and the error names both.
+    """
+    check_replaceable(path)
+    with kept_file(path, folder) as unfinished:
+        yield unfinished
+        try:
+            check_replaceable(path)
+        except InputError as error:
+            raise InputError(f"{error}. {keep_beside(unfinished, path)}") from error
+
+
 def check_replaceable(path: Path) -> None:
-    """Raises InputError with reason and advice if `path` may not be overwritten."""
+    """Raises InputError with reason and advice if something exists that may not be replaced.
+
+    Without an option the file is not read, so that a command refuses at once.
+    """
     now = write_context()
-    if now.overwrite_measured or not path.exists():
+    if not present(path) or now.overwrite_measured:
         return
-    maker = made_by(path)
-    if readings := measured_description(path, maker == now.command):
-        raise InputError(
-            f"{path}: already exists with {readings}; {now.option('overwrite_measured')} "
-            "replaces it, or give another name"
-        )
-    if now.overwrite:
+    if not now.overwrite:
+        reason, option = "already exists", "--overwrite replaces it"
+        if path.suffix in MARKS:
+            option += " (--overwrite-measured if its sweeps were measured)"
+    elif reason := _measured(path):
+        option = "--overwrite-measured replaces it"
+    else:
         return
-    if reason := _reason(path, maker, now):
-        raise InputError(
-            f"{path}: {reason}; {now.option('overwrite')} replaces it, or give another name"
-        )
+    raise InputError(f"{path}: {reason}; {option}, or give another name")
 
 
 def check_all_replaceable(folder: Path, patterns: Iterable[str]) -> None:
@@ -91,20 +91,58 @@ def check_all_replaceable(folder: Path, patterns: Iterable[str]) -> None:
             check_replaceable(path)
 
 
-def log_replaced(path: Path) -> None:
-    """Logs a note if a file is about to be overwritten; one note for all files of a folder."""
-    noted = write_context().noted
-    if path.exists() and path.parent not in noted:
-        noted.add(path.parent)
-        log.info("%s: replaces the earlier file", path)
+def _measured(path: Path) -> str | None:
+    """Why a file counts as measured sweeps; None if it does not.
+
+    A damaged file with an ending of sweeps counts as measured, so that damage never makes measured
+    sweeps easier to lose. Only a tolerance shows that sweeps were simulated.
+    """
+    if path.suffix not in MARKS:
+        return None
+    try:
+        names, attributes = MARKS[path.suffix](path)
+    except Exception:  # of whatever library
+        return "already exists, and cannot be read whole: it may hold measured sweeps"
+    recorded = attributes.get("model") in (MEASURED, VIRTUAL)
+    if not recorded and ("rtol" in attributes or not names & {"Rs", "Cp", "gain"}):
+        return None
+    begun = attributes.get("begun")
+    return "already exists with measured sweeps" + (f", begun {begun}" if begun else "")
 
 
-def _reason(path: Path, maker: str | None, now: WriteContext) -> str | None:
-    """Why a file may not be overwritten; None if it may."""
-    if any(each.exists() and os.path.samefile(each, path) for each in now.inputs):
-        return "this command also reads it"
-    if maker is None:
-        return "already exists, and was not made by rcskin or was changed since"
-    if maker != now.command:
-        return f"already exists, made by {maker if maker == PYTHON else f'rcskin {maker}'}"
-    return None
+Marks = tuple[set[str], dict[str, Any]]
+"""Names of the variables in a file, and its attributes; both are empty if it is of another kind."""
+
+
+def _netcdf_marks(path: Path) -> Marks:
+    from netCDF4 import Dataset
+
+    check_binary(path)
+    if _is_text(path):
+        return set(), {}
+    with LOCK, Dataset(path) as file:
+        return {*file.variables}, {name: file.getncattr(name) for name in file.ncattrs()}
+
+
+def _is_text(path: Path) -> bool:
+    """True if a file begins with text, as no NetCDF file does, or is empty."""
+    with path.open("rb") as file:
+        beginning = file.read(2**16)
+    try:
+        return "\0" not in beginning.decode()
+    except UnicodeDecodeError:
+        return False
+
+
+def _zarr_marks(path: Path) -> Marks:
+    if not any(chain(path.rglob("zarr.json*"), path.rglob(".z*"))):
+        return set(), {}
+    import zarr
+
+    check_store(path)
+    group = zarr.open_group(path, mode="r")
+    return {*group.keys()}, group.attrs.asdict()
+
+
+MARKS = {".nc": _netcdf_marks, ".zarr": _zarr_marks, ".csv": quantities_and_attributes}
+"""Functions that read what shows whether a file holds sweeps; they raise if it is damaged."""

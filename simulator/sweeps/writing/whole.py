@@ -9,13 +9,19 @@ import shutil
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from functools import partial
+from glob import escape
 from pathlib import Path
-from time import monotonic, sleep
+from time import monotonic, sleep, time
 
 from ..errors import OutputError
 from .failures import named_failures
-from .left_overs import PREFIX, clear_left_overs, own_prefix
 
+PREFIX = ".rcskin-"
+"""Beginning of the names of unfinished files and folders."""
+ASIDE = f"{PREFIX}replaced-"
+"""Beginning of the names of folders that are being replaced; eight digits and their name follow."""
+DAY = 86400.0
+"""Seconds without a change after which an unfinished file is taken for abandoned."""
 FOLDERS = (".zarr",)
 """Endings of outputs that are folders."""
 PATIENCE = 1.0
@@ -37,7 +43,7 @@ def kept_file(path: Path, folder: bool = False) -> Iterator[Path]:
     """
     with named_failures(path):
         place = Path(os.path.realpath(path))
-        clear_left_overs(place.parent)
+        _clear_left_overs(place.parent)
         unfinished = _new(place, folder or place.suffix in FOLDERS)
         remove = partial(delete, unfinished)
         atexit.register(remove)
@@ -68,24 +74,42 @@ def put(unfinished: Path, place: Path) -> None:
     except OSError as error:
         if not unfinished.exists():
             raise
-        finished = place.with_name(f"finished-{secrets.token_hex(4)}{place.suffix}")
-        os.rename(unfinished, finished)
         raise OutputError(
             f"{place}: cannot be replaced ({error.strerror}); close it in other programs. "
-            f"The finished output is in {finished}"
+            f"{keep_beside(unfinished, place)}"
         ) from error
     _sync_folder(place.parent)
+
+
+def keep_beside(unfinished: Path, place: Path) -> str:
+    """Renames a finished file or folder to a new name next to `place`; says so in a sentence."""
+    finished = place.absolute().with_name(f"finished-{secrets.token_hex(4)}{place.suffix}")
+    shutil.move(unfinished, finished)
+    return f"The finished output is in {finished}"
+
+
+def present(path: Path) -> bool:
+    """True if `path` exists. A folder that a killed writer moved aside is put back first.
+
+    A writer that still runs moves it aside again.
+    """
+    with suppress(OSError, ValueError):
+        if not path.exists():
+            place = Path(os.path.realpath(path))
+            aside = place.parent.glob(f"{ASIDE}{8 * '?'}-{escape(place.name)}")
+            os.rename(max(aside, key=lambda each: each.lstat().st_mtime), place)
+    return path.exists()
 
 
 def _swap(unfinished: Path, place: Path) -> None:
     """Renames a folder to a name that another folder may have; that one is deleted afterwards.
 
-    Other writers may take or free the name at any moment. The folder moved aside is deleted once
-    this one has had the name, and is moved back if this one never gets it.
+    Other writers may take or free the name at any moment. What was moved aside is deleted once this
+    folder has had the name, and is put back if it never gets it.
     """
     aside: list[Path] = []
     for attempt in range(SWAPS):
-        before = place.with_name(f"{PREFIX}replaced-{secrets.token_hex(8)}{place.suffix}")
+        before = place.with_name(f"{ASIDE}{secrets.token_hex(4)}-{place.name}")
         with suppress(FileNotFoundError):
             _patiently(os.rename, place, before)
             aside.append(before)
@@ -94,10 +118,18 @@ def _swap(unfinished: Path, place: Path) -> None:
             break
         except OSError:
             if attempt == SWAPS - 1:
-                _put_back(aside, place)
+                present(place)
                 raise
     for each in aside:
-        delete(each)
+        _discard(each)
+
+
+def _discard(aside: Path) -> None:
+    """Deletes a folder under another name, so that half of it is never put back."""
+    unfinished = aside.with_name(f"{PREFIX}{secrets.token_hex(8)}")
+    with suppress(OSError):  # it was put back, and replaced again
+        os.rename(aside, unfinished)
+        delete(unfinished)
 
 
 def _patiently(rename: Callable[[Path, Path], None], source: Path, target: Path) -> None:
@@ -110,15 +142,6 @@ def _patiently(rename: Callable[[Path, Path], None], source: Path, target: Path)
             if os.name != "nt" or monotonic() > last:
                 raise
         sleep(PATIENCE / 50)
-
-
-def _put_back(aside: list[Path], place: Path) -> None:
-    """Renames the newest folder moved aside back, unless another folder has the name."""
-    with suppress(OSError, IndexError):
-        os.rename(aside[-1], place)
-    if place.exists():
-        for each in aside:
-            delete(each)
 
 
 def sync(path: Path) -> None:
@@ -141,12 +164,35 @@ def delete(path: Path) -> None:
 
 
 def _new(place: Path, folder: bool) -> Path:
-    unfinished = place.with_name(f"{own_prefix()}{secrets.token_hex(8)}{place.suffix}")
+    unfinished = place.with_name(f"{PREFIX}{secrets.token_hex(8)}{place.suffix}")
     if folder:
         unfinished.mkdir()
     else:
         os.close(os.open(unfinished, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
     return unfinished
+
+
+def _clear_left_overs(folder: Path) -> None:
+    """Deletes what killed writers left: unfinished files, and folders that they replaced.
+
+    Unfinished files must be unchanged for a day. Who wrote them cannot be known: another container
+    has its own numbers of processes.
+    """
+    for path in folder.glob(f"{PREFIX}*"):
+        if path.name.startswith(ASIDE):
+            if path.with_name(path.name[len(ASIDE) + 9 :]).exists():
+                _discard(path)
+        elif _is_abandoned(path):
+            with suppress(OSError):
+                delete(path)
+
+
+def _is_abandoned(path: Path) -> bool:
+    try:
+        changed = max(each.lstat().st_mtime for each in (path, *path.rglob("*")))
+    except OSError:  # its writer renamed it just now
+        return False
+    return time() - changed > DAY
 
 
 def _check_written(unfinished: Path) -> None:

@@ -60,7 +60,7 @@ def test_the_meter_is_put_back_by_the_next_session_of_that_log(
 def test_a_log_is_not_written_over_another_file(live, tmp_path):
     log = tmp_path / "run.nc"
     live("--sweeps", 1, "--log", log)
-    with pytest.raises(InputError, match="run.nc: already exists with 4 sweeps"):
+    with pytest.raises(InputError, match="run.nc: already exists; .*--overwrite-measured"):
         raise live("--sweeps", 1, "--log", log).exception
     assert read(log).sizes["sweep"] == 4
     assert live("--sweeps", 2, "--log", log, "--overwrite-measured").exit_code == 0

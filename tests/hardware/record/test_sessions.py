@@ -55,15 +55,18 @@ def test_a_csv_of_a_recording_holds_what_its_netcdf_does(record, command, tmp_pa
 def test_a_finished_recording_is_reported_and_stays(record, tmp_path):
     record()
     before = (tmp_path / "a.nc").read_bytes()
-    told = "a.nc: already exists with 3 sweeps x 3 .* measured, begun 20.*--overwrite-measured"
-    with pytest.raises(InputError, match=told):
-        raise record().exception
+    for more, told in (
+        ((), "a.nc: already exists; --overwrite replaces it .*--overwrite-measured if"),
+        (("--overwrite",), "exists with measured sweeps, begun 20.*--overwrite-measured replaces"),
+    ):
+        with pytest.raises(InputError, match=told):
+            raise record(*more).exception
     assert (tmp_path / "a.nc").read_bytes() == before
 
 
 def test_any_other_file_is_reported_and_stays(record, tmp_path):
     (tmp_path / "a.nc").write_text("diary")
-    with pytest.raises(InputError, match="a.nc: already exists, and was not made by rcskin"):
+    with pytest.raises(InputError, match="a.nc: already exists; --overwrite replaces it"):
         raise record().exception
     assert (tmp_path / "a.nc").read_text() == "diary"
 
@@ -104,7 +107,9 @@ def unfinished(record, tmp_path, monkeypatch):
 
 def test_it_goes_on_soon_without_a_question(unfinished, record, tmp_path):
     unfinished(1, "--session", "monday")
+    (tmp_path / "a.nc.sweeps" / ".rcskin-0123456789abcdef.json").write_text("half")
     assert record().exit_code == 0
+    assert not (tmp_path / "a.nc.sweeps").exists()
     assert json.loads(read(tmp_path / "a.nc").attrs["sessions"]) == {"0": "monday"}
 
 
@@ -153,7 +158,7 @@ def test_what_there_is_can_be_gathered_and_the_recording_goes_on(
     result = command("gather", tmp_path / "a.nc", "-o", part)
     assert result.output == f"2 of 3 sweeps: 2 sweeps x 3 frequencies -> {part}\n"
     assert list(read(part)["press"].values) == ["none", "1,1"]
-    with pytest.raises(InputError, match="part.csv: already exists with 2 sweeps"):
+    with pytest.raises(InputError, match="part.csv: already exists; .*--overwrite-measured"):
         raise command("gather", tmp_path / "a.nc", "-o", part).exception
     assert record().exit_code == 0
 

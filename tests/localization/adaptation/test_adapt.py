@@ -163,8 +163,8 @@ def test_sweeps_that_a_model_was_adapted_on_are_not_taken_for_others(run, folder
     assert run("adapt", folder / "m.skops", folder / "touches.nc", "-o", out)[0] == 0
     _, _, err = run(command, out, folder / "touches.nc")
     assert f"note: {out}: was trained or adapted on 38 of these 40 sweeps" in err
-    write(other(4).isel(sweep=slice(40, None)), folder / "unseen.nc")
-    assert "was trained" not in run(command, out, folder / "unseen.nc")[2]
+    write(other(4).isel(sweep=slice(40, None)), folder / f"unseen-{command}.nc")
+    assert "was trained" not in run(command, out, folder / f"unseen-{command}.nc")[2]
 
 
 def test_figures_of_places_before_and_after_are_reported_and_the_model_is_read_back(run, folder):

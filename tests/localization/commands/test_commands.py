@@ -106,7 +106,7 @@ def test_three_touches_at_once_are_left_out_and_counted(run, make_sweeps, tmp_pa
     three = sweeps.assign_coords(press=("sweep", press)).assign_attrs(scene=SCENE)
     write(three, tmp_path / "three.nc")
     for target in ("touches", "pair", "position"):
-        asked = ("--target", target, "--features", "Rs,Cp", "-o", tmp_path / "m.skops")
+        asked = ("--target", target, "--features", "Rs,Cp", "-o", tmp_path / f"{target}.skops")
         code, out, _ = run("train", tmp_path / "three.nc", *asked)
         named = "count of touches" if target == "touches" else target
         number = 7 if target == "position" else 1

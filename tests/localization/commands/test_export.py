@@ -37,7 +37,8 @@ def test_a_model_becomes_a_graph_that_was_compared(run, model, tmp_path):
     assert (code, err) == (0, "")
     assert first.startswith(f"{output}: takes Rs, X, baseline_Rs, baseline_X; compared with the ")
     assert "on simulated sweeps: 0 of " in first and last.startswith("column by ksvm-ovo: ")
-    code, out, err = run("export", model, "-o", output, "--single", "--unguarded")
+    words = "--single", "--unguarded", "--overwrite"
+    code, out, err = run("export", model, "-o", output, *words)
     assert code == 0 and "no guard: sweeps unlike the training are answered too" in out
     made = onnx.load(output)
     assert {each.name for each in made.graph.output} == {"probabilities", "label"}
@@ -64,7 +65,9 @@ def test_a_model_becomes_c_code(run, model, tmp_path):
         last,
     )
     assert '#include "columns.h"' in output.read_text()
-    assert run("export", model, "-o", output, "--unguarded")[0] == 0
+    output.unlink()
+    assert run("export", model, "-o", output)[0] == 2  # the header is still there
+    assert run("export", model, "-o", output, "--unguarded", "--overwrite")[0] == 0
 
 
 @pytest.mark.parametrize(

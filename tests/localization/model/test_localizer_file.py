@@ -172,6 +172,7 @@ def test_a_path_that_cannot_be_written_is_refused(model, tmp_path, name, message
         save(tmp_path / name, model)
 
 
+@pytest.mark.usefixtures("replacing")
 def test_a_save_that_fails_leaves_the_old_file_as_it_was(model, tmp_path):
     path = tmp_path / "model.skops"
     save(path, model)

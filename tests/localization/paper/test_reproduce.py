@@ -146,6 +146,16 @@ def test_the_saved_model_knows_the_sweeps_it_was_trained_on(results, name):
     assert np.mean(load(results / f"{name}.skops").predict(measured) == labels(measured)) > 0.97
 
 
+@pytest.mark.parametrize("name", ["sheet-5x5-sweeps.csv", "figure-2c.svg", "report.html"])
+def test_what_is_there_is_refused_before_anything_is_computed(refused, tmp_path, monkeypatch, name):
+    monkeypatch.setattr("rcskin.localization.paper.reproduce._experiments", None)
+    (tmp_path / name).write_text("mine")
+    assert f"{name}: already exists; --overwrite replaces it" in refused(
+        "reproduce", "-o", tmp_path
+    )
+    assert [path.read_text() for path in tmp_path.iterdir()] == ["mine"]
+
+
 def test_a_folder_that_cannot_be_made_is_bad_input(refused, tmp_path):
     occupied = tmp_path / "file"
     occupied.touch()

@@ -82,6 +82,13 @@ def test_too_few_sweeps_are_one_line(capsys):
     assert capsys.readouterr().err.count("\n") == 1
 
 
+def test_a_film_that_exists_is_refused_before_anything_is_trained(tmp_path, capsys):
+    (tmp_path / "a.gif").write_text("mine")
+    assert run(STROKE, ["-o", str(tmp_path / "a.gif")]) == 2
+    out, err = capsys.readouterr()
+    assert out == "" and "a.gif: already exists; --overwrite replaces it" in err
+
+
 def test_a_camera_takes_pictures_at_the_rate_of_films():
     camera = FilmCamera()
     picture = np.zeros((2, 2, 3), np.uint8)

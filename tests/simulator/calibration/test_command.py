@@ -45,7 +45,7 @@ def test_a_matrix_too_wide_for_the_terminal_is_left_to_its_file(run, files, monk
     scene, measured, folder = files
     assert "correlation    " in run("calibrate", scene, measured, "-o", folder)[1]
     monkeypatch.setenv("COLUMNS", "60")
-    out = run("calibrate", scene, measured, "-o", folder)[1]
+    out = run("calibrate", scene, measured, "--overwrite", "-o", folder)[1]
     assert (
         "correlations of 8 parameters are in correlation.csv" in out and "correlation  " not in out
     )

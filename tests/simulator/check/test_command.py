@@ -14,7 +14,7 @@ SERIES = 1e3 + 1 / (2j * np.pi * FREQUENCY * 1e-9)
 
 
 @pytest.fixture
-def two_sweeps(make_sweeps, tmp_path):
+def two_sweeps(make_sweeps, tmp_path, replacing):
     """A function that writes a file of two sweeps, one of them times a factor."""
 
     def two_sweeps(factor, ending="nc"):
@@ -53,6 +53,7 @@ def test_a_broken_law_ends_with_code_1_and_names_sweep_and_frequencies(run, two_
     assert "1 of 2 spectra break a law" in out
 
 
+@pytest.mark.usefixtures("replacing")
 def test_laws_of_passive_networks_do_not_apply_to_a_virtual_earth(run, make_scene, tmp_path):
     """A finger on a line makes Rs rise with frequency: some of the current goes to earth."""
     line = make_scene(columns=3, frequencies=FREQUENCY.tolist(), top=5e5, bottom=5e5)
@@ -71,6 +72,7 @@ def test_laws_of_passive_networks_do_not_apply_to_a_virtual_earth(run, make_scen
         assert "a body or a finger that takes current to earth also breaks these laws" in out
 
 
+@pytest.mark.usefixtures("replacing")
 def test_creep_during_a_sweep_is_noted(run, make_scene, tmp_path):
     """More and more pressed from one frequency to the next, so that Cp rises."""
     line = make_scene(columns=3, frequencies=FREQUENCY.tolist())
@@ -89,11 +91,14 @@ def test_creep_during_a_sweep_is_noted(run, make_scene, tmp_path):
     assert "foam creeps during a sweep" in err
 
 
-def test_the_chart_is_written_to_the_given_path(run, two_sweeps, tmp_path):
+def test_the_chart_is_written_to_the_given_path(run, two_sweeps, tmp_path, monkeypatch):
     for ending, begins in ((".png", b"\x89PNG"), (".svg", b"<?xml")):
         chart = tmp_path / f"chart{ending}"
         assert run("check", two_sweeps(2), "-o", chart)[0] == 0
         assert chart.read_bytes().startswith(begins)
+    monkeypatch.chdir(tmp_path)
+    assert run("check", two_sweeps(2), "-o", ".")[0] == 0
+    assert (tmp_path / "verdicts.csv").exists()
     run("check", two_sweeps(2), "-o", tmp_path / "report")
     assert (tmp_path / "report" / "verdicts.csv").exists()
 

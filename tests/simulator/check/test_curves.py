@@ -44,6 +44,7 @@ def test_gains_are_drawn(run, refused, make_sweeps, file, tmp_path, magnitude_on
     output = tmp_path / "gains.svg"
     assert run("plot", tmp_path / "gains.nc", "-o", output)[0] == 0
     assert ("phase (°)" in output.read_text(encoding="utf-8")) != magnitude_only
+    output = tmp_path / "refused.svg"
     wrong = refused("plot", tmp_path / "gains.nc", "-o", output, "--what", "Rs")
     assert f"--what of {kind.name} must be of gain, " in wrong and "got 'Rs'" in wrong
     mixed = refused("plot", tmp_path / "gains.nc", file, "-o", output)

@@ -62,7 +62,7 @@ def test_readings_near_45_degrees_are_named_and_a_branch_can_be_forced(run, refu
     assert (code, err) == (0, "")
     assert read(tmp_path / "forced.nc")["X"].values.ravel()[-1] == pytest.approx(-1e4)
     assert "`branch` must be one of followed, capacitive, resistive" in refused(
-        "import", table, "--branch", "up", "-o", path
+        "import", table, "--branch", "up", "-o", tmp_path / "other.nc"
     )
 
 

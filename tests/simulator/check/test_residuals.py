@@ -33,7 +33,7 @@ def test_the_chart_is_a_whole_PNG(judge, tmp_path):
 
 
 @pytest.fixture
-def figures(monkeypatch, tmp_path):
+def figures(monkeypatch, tmp_path, replacing):
     """A function that draws the chart of judgements and gives the figure."""
     from rcskin.simulator import chart_style
     from rcskin.simulator.check import residuals

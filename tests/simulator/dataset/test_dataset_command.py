@@ -61,6 +61,23 @@ def test_sweeps_are_those_of_the_full_model_within_the_tolerance(run, scene_file
         np.testing.assert_allclose(sweeps["Cp"][k], Cp, rtol=1e-4)
 
 
+def test_a_complete_data_set_is_made_anew_on_demand_only(run, scene_file, tmp_path):
+    output = tmp_path / "few.zarr"
+    words = ("dataset", scene_file, "--sweeps", 10, "--workers", 1, "-o", output)
+    assert run(*words)[0] == 0
+    begun = (output / "zarr.json").stat()
+    code, out, _ = run(*words)
+    assert (code, out) == (
+        0,
+        f"{output}: is complete, nothing was computed; --overwrite makes it anew\n",
+    )
+    assert os.path.samestat((output / "zarr.json").stat(), begun)
+    code, out, _ = run(*words, "--overwrite")
+    assert code == 0 and "10 sweeps x 3 frequencies" in out
+    assert not os.path.samestat((output / "zarr.json").stat(), begun)
+    assert sorted(each.name for each in tmp_path.iterdir()) == [scene_file.name, output.name]
+
+
 def test_the_audit_states_its_sample_and_sweeps(run, scene_file, tmp_path):
     code, out, _ = run("dataset", scene_file, "--sweeps", 10, "-o", tmp_path / "few.zarr")
     assert code == 0 and "certified 20 of the 20 sweeps of whole sessions" in out

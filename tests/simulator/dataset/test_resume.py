@@ -12,6 +12,7 @@ import pytest
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.models.reduced.model_file import load
 from rcskin.simulator.sweeps import InputError, read
+from rcskin.simulator.sweeps.writing import WriteContext, in_write_context
 
 RUN = [sys.executable, "-c", "import toy_family; toy_family.main()"]
 SWEEPS = 400
@@ -102,15 +103,18 @@ def test_another_plan_is_refused_unfinished_or_whole(make, toy, tmp_path, other,
         make("out", changed)
 
 
-def test_a_whole_data_set_is_left_alone(make, toy):
+def test_a_whole_data_set_is_left_alone_unless_it_is_to_be_replaced(make, toy):
     before = os.stat(make("out", toy.small_plan(50))).st_mtime_ns
     assert os.stat(make("out", toy.small_plan(50))).st_mtime_ns == before
+    with in_write_context(WriteContext(overwrite=True)):
+        assert os.stat(make("out", toy.small_plan(50))).st_mtime_ns > before
+        assert read(make("out", toy.small_plan(60))).sizes["sweep"] == 60
 
 
 def test_other_files_are_never_replaced(make, toy, tmp_path):
     (tmp_path / "out.zarr").mkdir()
     (tmp_path / "out.zarr" / "kept.txt").write_text("mine")
-    with pytest.raises(InputError, match="was not made by rcskin"):
+    with pytest.raises(InputError, match="already exists with no data set .*; --overwrite repl"):
         make("out", toy.small_plan(10))
     assert (tmp_path / "out.zarr" / "kept.txt").read_text() == "mine"
     assert [path.name for path in tmp_path.iterdir()] == ["out.zarr"]

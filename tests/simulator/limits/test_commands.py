@@ -95,7 +95,7 @@ def test_each_figure_states_its_assumptions(run, tmp_path, scene_file, undrawn):
     assert "unknown: x, y and strength" in out and "with a spread of 10 % of the rise" in out
     told = json.loads((tmp_path / "found" / "limits.json").read_text())
     assert told["position_asked"] in out and told["accuracy"]["asked"] in out
-    out = run("limits", scene_file(), *QUICK, "--unknown-skin", "-o", tmp_path / "found")[1]
+    out = run("limits", scene_file(), *QUICK, "--unknown-skin", "-o", tmp_path / "other")[1]
     assert "unknown: x, y and strength, without prior, and the skin within dataset" in out
 
 

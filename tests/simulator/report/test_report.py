@@ -10,7 +10,7 @@ from rcskin.simulator.report.files import files_in, filled_at_once, write_json, 
 from rcskin.simulator.report.from_above import draw_foils, draw_outline, draw_pixels
 from rcskin.simulator.report.page import Cell, Items, Picture, ReportSection, TableGrid, write_page
 from rcskin.simulator.scene.scene_files import load_scene
-from rcskin.simulator.sweeps.writing.register import made_by
+from rcskin.simulator.sweeps import InputError
 
 HOSTILE = "<script>alert(1)</script>"
 
@@ -28,7 +28,19 @@ def test_files_of_a_folder_appear_together_or_not_at_all(tmp_path):
     assert files_in(tmp_path / "report") == ["a.csv", "b.json"]
     assert (tmp_path / "report" / "a.csv").read_text() == "name,number\n'=1+1,2.5\n"
     assert json.loads((tmp_path / "report" / "b.json").read_text()) == {"share": 0.5}
-    assert made_by(tmp_path / "report" / "a.csv") is not None
+
+
+def test_a_report_that_appears_meanwhile_is_kept_and_so_is_the_finished_one(tmp_path):
+    (tmp_path / "report").mkdir()
+    with pytest.raises(InputError, match=r"b\.json: already exists; .*output is in .*finished-"):
+        with filled_at_once(tmp_path / "report") as folder:
+            for name in ("a.json", "b.json"):
+                write_json(folder / name, {"share": 0.5})
+            (tmp_path / "report" / "b.json").write_text("mine")
+    assert files_in(tmp_path / "report") == ["b.json"]
+    assert (tmp_path / "report" / "b.json").read_text() == "mine"
+    (beside,) = tmp_path.glob("finished-*")
+    assert files_in(beside) == ["a.json", "b.json"]
 
 
 def test_numbers_that_are_none_are_no_json(tmp_path):

@@ -30,6 +30,7 @@ def same_bits(first, second):
         assert first[name].dims == second[name].dims
 
 
+@pytest.mark.usefixtures("replacing")
 @settings(max_examples=5)
 @given(
     parts=st.lists(st.tuples(finite, finite, finite), min_size=12, max_size=12),
@@ -44,6 +45,7 @@ def test_numbers_are_read_back_to_the_same_bits(make_sweeps, folder, ending, par
     same_bits(read(folder / f"all{ending}"), sweeps)
 
 
+@pytest.mark.usefixtures("replacing")
 @pytest.mark.parametrize("name", ["all.nc", "all.zarr"])
 def test_netcdf_and_zarr_keep_everything(make_sweeps, tmp_path, name):
     errors = {"Rs_error": np.full((2, 2, 3), 1e-9), "Cp_error": np.full((2, 2, 3), 1e-20)}

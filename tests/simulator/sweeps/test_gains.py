@@ -42,6 +42,7 @@ def test_magnitudes_have_no_phase():
     np.testing.assert_allclose(complex_readings(sweeps), np.abs(G))
 
 
+@pytest.mark.usefixtures("replacing")
 @pytest.mark.parametrize("kind", [GAIN, MAGNITUDE])
 @pytest.mark.parametrize("ending", [".nc", ".csv", ".zarr"])
 def test_gains_are_read_back_to_the_same_bits(tmp_path, kind, ending):

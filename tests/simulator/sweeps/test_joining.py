@@ -157,5 +157,5 @@ def test_the_command_joins_and_counts(run, tmp_path):
     files, out = [tmp_path / "0.nc", tmp_path / "1.nc"], tmp_path / "all.nc"
     code, told, _ = run("join", *files, "-o", out)
     assert (code, told) == (0, f"4 sweeps x 2 interfaces x 3 frequencies, 2 sessions -> {out}\n")
-    run("join", *files, "-o", out, "--session", "one")
+    run("join", *files, "--overwrite-measured", "-o", out, "--session", "one")
     assert set(read(out)["session"].values) == {0}

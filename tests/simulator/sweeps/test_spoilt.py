@@ -110,9 +110,9 @@ def test_threads_read_and_write_netcdf_in_turn(make_sweeps, tmp_path):
     sweeps = make_sweeps(sweeps=20)
 
     def work(number):
-        for _ in range(3):
-            write(sweeps, tmp_path / f"{number}.nc")
-            found.append(read(tmp_path / f"{number}.nc").equals(sweeps))
+        for k in range(3):
+            write(sweeps, tmp_path / f"{number}-{k}.nc")
+            found.append(read(tmp_path / f"{number}-{k}.nc").equals(sweeps))
 
     found = []
     threads = [threading.Thread(target=work, args=(number,)) for number in range(8)]

@@ -1,18 +1,23 @@
 """What is written appears whole, stays on the disk, and replaces only what it may."""
 
 import os
+import shutil
 import subprocess
 import sys
 import threading
 import time
+from glob import escape
 from types import SimpleNamespace
 
 import pytest
-from rcskin.simulator.sweeps import InputError, OutputError, checked_output, whole_file, write
-from rcskin.simulator.sweeps.schema import MEASURED
-from rcskin.simulator.sweeps.writing import WriteContext, in_write_context, whole
+import xarray as xr
+from rcskin.simulator.sweeps import InputError, OutputError, checked_output, read, whole_file, write
+from rcskin.simulator.sweeps.schema import MEASURED, VIRTUAL
+from rcskin.simulator.sweeps.writing import WriteContext, in_write_context, present, whole
+from rcskin.tests.spoiling import spoilt
 
 DIARY = "dear diary"
+OVERWRITE, MEASURED_TOO = WriteContext(overwrite=True), WriteContext(overwrite_measured=True)
 posix = pytest.mark.posix("Windows has no such call")
 
 
@@ -26,9 +31,9 @@ def here(tmp_path):
     (tmp_path / "here").mkdir()
 
 
-def put(path, text):
+def put(path, text, allowed=WriteContext()):  # noqa: B008
     """Writes a file, or a folder with a file in it."""
-    with whole_file(path) as unfinished:
+    with in_write_context(allowed), whole_file(path) as unfinished:
         content(unfinished).write_text(text)
 
 
@@ -44,19 +49,19 @@ def names(folder):
 def test_it_appears_whole_or_not_at_all(path, before):
     if before:
         put(path, "before")
-    with pytest.raises(RuntimeError), whole_file(path) as unfinished:
+    with pytest.raises(RuntimeError), in_write_context(OVERWRITE), whole_file(path) as unfinished:
         content(unfinished).write_text("half")
         raise RuntimeError
     assert names(path.parent) == ([path.name] if before else [])
     assert not before or content(path).read_text() == "before"
-    put(path, "whole")
+    put(path, "whole", OVERWRITE)
     assert content(path).read_text() == "whole" and names(path.parent) == [path.name]
 
 
 def test_its_temporary_name_is_new_each_time_and_taken_from_nobody(path):
     seen = set()
     for _ in range(3):
-        with whole_file(path) as unfinished:
+        with in_write_context(OVERWRITE), whole_file(path) as unfinished:
             seen.add(unfinished.name)
             content(unfinished).write_text("x")
     assert len(seen) == 3 and all(len(name) < 64 for name in seen)
@@ -67,8 +72,7 @@ def test_a_symbolic_link_stays_and_its_target_is_replaced(path, tmp_path):
     target = tmp_path / f"target{path.suffix}"
     put(target, "before")
     path.symlink_to(target)
-    with in_write_context(WriteContext(overwrite=True)):
-        put(path, "whole")
+    put(path, "whole", OVERWRITE)
     assert path.is_symlink() and content(target).read_text() == "whole"
     assert names(path.parent) == [path.name]
 
@@ -94,13 +98,11 @@ def test_what_is_renamed_is_on_the_disk_first_and_its_name_after(path, monkeypat
 
 
 def test_writers_at_once_leave_one_whole_result(path):
-    with in_write_context(WriteContext(overwrite=True)):
-        put(path, "0")
+    put(path, "0")
 
     def often(text):
-        with in_write_context(WriteContext(overwrite=True)):
-            for _ in range(20):
-                put(path, text)
+        for _ in range(20):
+            put(path, text, OVERWRITE)
 
     threads = [threading.Thread(target=often, args=(str(k) * 1000,)) for k in range(3)]
     for each in threads:
@@ -113,54 +115,48 @@ def test_writers_at_once_leave_one_whole_result(path):
 
 def test_a_writer_leaves_nothing_where_another_frees_the_name_just_then(tmp_path, monkeypatch):
     path = tmp_path / "here" / "out.zarr"
-    with in_write_context(WriteContext(overwrite=True)):
-        put(path, "before")
-        rename = os.rename
+    put(path, "before")
+    rename = os.rename
 
-        def freed(source, target):
-            rename(source, target)
-            if target == path:
-                rename(path, tmp_path / "taken-away")
+    def freed(source, target):
+        rename(source, target)
+        if target == path:
+            rename(path, tmp_path / "taken-away")
 
-        monkeypatch.setattr(whole.os, "rename", freed)
-        put(path, "after")
+    monkeypatch.setattr(whole.os, "rename", freed)
+    put(path, "after", OVERWRITE)
     assert names(path.parent) == []
 
 
 KILLED = """
-import sys
+import os, signal, sys
 from pathlib import Path
 from rcskin.simulator.sweeps import whole_file
 with whole_file(Path(sys.argv[1])) as unfinished:
     (unfinished / "file" if unfinished.is_dir() else unfinished).write_text("half")
-    print("at work", flush=True)
-    sys.stdin.read()
+    os.kill(os.getpid(), signal.SIGKILL)
 """
 
 
+def grown_old(*paths):
+    for path in paths:
+        os.utime(path, (time.time() - 1e5,) * 2)
+
+
 @posix
-def test_what_a_killed_writer_left_is_cleared_and_a_living_one_kept(path):
-    words = [sys.executable, "-c", KILLED, str(path)]
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-    dead, alive = (subprocess.Popen(words, **pipes) for _ in range(2))
-    for each in (dead, alive):
-        assert each.stdout.readline() == b"at work\n"
-    dead.kill()
-    dead.communicate()
+def test_what_nobody_changed_for_a_day_is_cleared_and_nothing_else(path):
+    """A writer that has the number of a process here, or none, may run in another container."""
+    subprocess.run([sys.executable, "-c", KILLED, str(path)])
+    (left,) = path.parent.glob(".rcskin-*")
     put(path.with_name("other.csv"), "x")
-    kept = [name for name in names(path.parent) if name.startswith(".")]
-    assert len(kept) == 1 and f"-{alive.pid}-" in kept[0]
-    alive.communicate()
-    assert names(path.parent) == sorted(["other.csv", path.name])
-
-
-def test_an_old_left_over_of_another_machine_is_cleared(tmp_path):
-    old, new = (tmp_path / f".rcskin-elsewhere-7-{age}.csv" for age in ("old", "new"))
-    for each in (old, new):
-        each.write_text("half")
-    os.utime(old, (time.time() - 1e6,) * 2)
-    put(tmp_path / "out.csv", "x")
-    assert not old.exists() and new.exists()
+    assert left.exists()
+    if left.is_dir():
+        grown_old(left)  # what is in it was changed today
+        put(path.with_name("another.csv"), "x")
+        assert left.exists()
+    grown_old(*left.glob("*"), left)
+    put(path, "x")
+    assert not left.exists()
 
 
 LIMITED = """
@@ -254,48 +250,167 @@ def test_a_folder_that_goes_away_meanwhile_is_reported(tmp_path):
     assert not path.parent.exists()
 
 
-def by(command, path, demand=None, inputs=()):
-    with in_write_context(
-        WriteContext(command, inputs, demand == "overwrite", demand == "measured")
-    ):
-        put(path, command)
+FOUND = {"a file": "out.csv", "a text": "out.nc", "a folder": "out.zarr", "another": "out.png"}
 
 
-def test_the_same_command_replaces_what_it_made_with_a_note(path, caplog):
-    by("sweep", path)
-    with caplog.at_level("INFO", logger="rcskin"):
-        by("sweep", path)
-    assert f"{path}: replaces the earlier file" in caplog.text
+@pytest.mark.parametrize("name", FOUND.values(), ids=FOUND)
+def test_what_exists_is_replaced_on_demand_only(tmp_path, name):
+    path = tmp_path / name
+    put(path, DIARY)
+    with pytest.raises(InputError, match=r"--overwrite replaces it.*, or give another name"):
+        put(path, "new")
+    assert content(path).read_text() == DIARY
+    for k, allowed in enumerate((OVERWRITE, MEASURED_TOO)):
+        put(path, str(k), allowed)
+        assert content(path).read_text() == str(k)
+    assert names(tmp_path) == sorted(["here", name])
 
 
-@pytest.mark.parametrize("demand", [None, "overwrite"])
-@pytest.mark.parametrize("found", ["theirs", "changed", "of another command", "own input"])
-def test_else_it_replaces_on_demand_only(path, found, demand):
-    by("plot" if found == "of another command" else "sweep", path)
-    if found in ("theirs", "changed"):
-        content(path).write_text(DIARY)
-    before = content(path).read_text()
-    inputs = (path,) if found == "own input" else ()
-    if demand:
-        by("sweep", path, demand, inputs)
-        assert content(path).read_text() == "sweep"
-    else:
-        with pytest.raises(InputError, match="--overwrite replaces it, or give another name"):
-            by("sweep", path, demand, inputs)
-        assert content(path).read_text() == before
+@pytest.mark.parametrize("name", ["out.csv", "out.zarr"])
+def test_what_appears_meanwhile_is_kept_and_so_is_what_is_finished(tmp_path, name):
+    path = tmp_path / "here" / name
+    with pytest.raises(InputError, match="--overwrite.*The finished output is in .*finished-"):
+        with whole_file(path) as unfinished:
+            content(unfinished).write_text("hours of work")
+            put(path, DIARY)
+    (beside,) = path.parent.glob("finished-*")
+    assert content(path).read_text() == DIARY and content(beside).read_text() == "hours of work"
+
+
+def refused_measured(path):
+    with in_write_context(OVERWRITE):
+        with pytest.raises(InputError, match="measured.*--overwrite-measured replaces it") as error:
+            checked_output(path)
+    assert "\n" not in str(error.value)
 
 
 @pytest.mark.parametrize("ending", ["nc", "csv", "zarr"])
-@pytest.mark.parametrize("attributes", [{"model": MEASURED, "rtol": 1e-4}, {}])
+@pytest.mark.parametrize("attributes", [{"model": MEASURED, "rtol": 1e-4}, {"model": VIRTUAL}, {}])
 def test_measured_sweeps_need_a_demand_of_their_own(make_sweeps, tmp_path, ending, attributes):
     path = tmp_path / f"run.{ending}"
-    with in_write_context(WriteContext("meter record")):
-        write(make_sweeps(attributes=attributes), path)
-    for demand in (None, "overwrite"):
-        with pytest.raises(InputError, match="measured.*--overwrite-measured replaces it"):
-            by("sweep", path, demand)
-    by("sweep", path, "measured")
+    write(make_sweeps(attributes=attributes), path)
+    with pytest.raises(InputError, match="--overwrite.*--overwrite-measured"):
+        put(path, "sweep")
+    refused_measured(path)
+    put(path, "sweep", MEASURED_TOO)
     assert content(path).read_text() == "sweep"
+
+
+@pytest.mark.parametrize("ending", ["nc", "csv", "zarr"])
+def test_damage_makes_measured_sweeps_no_easier_to_lose(make_sweeps, tmp_path, ending):
+    path = tmp_path / f"run.{ending}"
+    write(make_sweeps(attributes={"model": MEASURED}), path)
+    for _ in spoilt(path, flips=40, cuts=40):
+        refused_measured(path)
+    if ending == "zarr":
+        (path / "zarr.json").unlink()
+    else:
+        whole = path.read_bytes()
+        path.write_bytes(bytes(100) + whole[100:])
+    refused_measured(path)
+
+
+@pytest.mark.parametrize("ending", ["nc", "csv", "zarr"])
+def test_simulated_sweeps_do_not_unless_they_are_damaged(make_sweeps, tmp_path, ending):
+    path = tmp_path / f"run.{ending}"
+    write(make_sweeps(attributes={"model": "sheet", "rtol": 1e-4}), path)
+    with in_write_context(OVERWRITE):
+        assert checked_output(path) == path
+    damaged = path / "zarr.json" if ending == "zarr" else path
+    damaged.write_bytes(damaged.read_bytes()[:-200])
+    refused_measured(path)
+
+
+def test_what_holds_no_sweeps_is_not_taken_for_measured(tmp_path):
+    """Tables and other data of the same endings, and what is empty."""
+    (tmp_path / "a.csv").write_text("pixels.columns,accuracy\n2,0.9\n")
+    (tmp_path / "b.csv").write_text("")
+    (tmp_path / "c.nc").write_text("")
+    xr.Dataset({"accuracy": ("columns", [0.9])}).to_netcdf(tmp_path / "d.nc", engine="netcdf4")
+    xr.Dataset({"images": ("n", [0.9])}).to_zarr(tmp_path / "e.zarr", consolidated=False)
+    (tmp_path / "f.zarr").mkdir()
+    with in_write_context(OVERWRITE):
+        for path in tmp_path.glob("*.*"):
+            assert checked_output(path) == path
+
+
+LOOKS = ["read", "check", "join", "export", "train", "sweep", "overwrite", "link"]
+BETWEEN = """
+import os, signal, sys
+import rcskin
+from rcskin.simulator.sweeps.writing import whole
+def rename(source, target, rename=os.rename):
+    rename(source, target)
+    if ".rcskin-replaced-" in str(target):
+        os.kill(os.getpid(), signal.SIGKILL)
+whole.os.rename = rename
+rcskin.write(rcskin.read(sys.argv[1]).isel(sweep=[0]), sys.argv[1], overwrite=True)
+"""
+
+
+@posix
+@pytest.mark.parametrize("look", LOOKS)
+def test_a_folder_whose_writer_was_killed_between_two_renames_is_put_back(
+    make_sweeps, tmp_path, run, look
+):
+    """Also next to one that another killed writer left, and at the end of a link."""
+    path = shown = tmp_path / "here" / "a[1].zarr"
+    write(make_sweeps(2, attributes={"rtol": 1e-4}), path)
+    if look == "read":
+        subprocess.run([sys.executable, "-c", BETWEEN, str(path)])
+    else:
+        path.rename(path.with_name(f".rcskin-replaced-0123abcd-{path.name}"))
+    assert not path.exists()
+    other = next(path.parent.glob(".rcskin-replaced-*"))
+    shutil.copytree(other, path.with_name(other.name.replace("a[1]", "a1")))
+    if look == "link":
+        shown = tmp_path / "link.zarr"
+        shown.symlink_to(path)
+    out = tmp_path / "out.nc"
+    words = {
+        "check": ("check", path),
+        "train": ("train", path, "-o", tmp_path / "m.skops"),
+        "join": ("join", path, "-o", out),
+        "export": ("export", path, "-o", out),
+        "sweep": ("sweep", "sheet-3x3", "--press", "none", "-o", path),
+        "overwrite": ("sweep", "sheet-3x3", "--press", "none", "--overwrite", "-o", path),
+    }
+    if look in words:
+        code, _, err = run(*words[look])
+        assert "no such file" not in err and (code == 2 or look != "sweep")
+    assert read(shown).sizes["sweep"] == (1 if look == "overwrite" else 2)
+    assert not [*path.parent.glob(f".rcskin-replaced-*-{escape(path.name)}")]
+    assert not path.with_name("a1.zarr").exists()
+
+
+def test_what_a_killed_writer_had_replaced_is_cleared_and_never_the_only_copy(tmp_path):
+    replaced, only = (tmp_path / "here" / name for name in ("a.zarr", "b.zarr"))
+    for path in (replaced, only):
+        put(path, "before")
+        shutil.copytree(path, path.with_name(f".rcskin-replaced-0123abcd-{path.name}"))
+    shutil.rmtree(only)
+    put(tmp_path / "here" / "other.csv", "x")
+    shutil.rmtree(replaced)
+    assert (present(replaced), present(only)) == (False, True)
+    assert content(only).read_text() == "before"
+    assert names(only.parent) == ["b.zarr", "other.csv"]
+
+
+def test_a_writer_that_still_runs_bears_with_one_that_puts_back(make_sweeps, tmp_path, monkeypatch):
+    path = tmp_path / "here" / "out.zarr"
+    put(path, "before")
+    rename = os.rename
+
+    def put_back(source, target):
+        rename(source, target)
+        if ".rcskin-replaced-" in str(target) and len(calls) < 3:
+            calls.append(present(path))
+
+    calls = []
+    monkeypatch.setattr(whole.os, "rename", put_back)
+    put(path, "after", OVERWRITE)
+    assert calls == [True] * 3 and content(path).read_text() == "after"
+    assert names(path.parent) == [path.name]
 
 
 def test_every_command_that_writes_has_the_options(run):
@@ -308,8 +423,8 @@ def test_every_command_that_writes_has_the_options(run):
         assert ({*OUTPUTS} & {*given} != set()) == ("overwrite_measured" in given), command.name
 
 
-def test_commands_keep_what_is_not_theirs(run, tmp_path, monkeypatch):
-    """One line, code 2, and nothing changed: for a folder, an input, another command's result."""
+def test_commands_keep_what_exists(run, tmp_path, monkeypatch):
+    """One line, code 2, and nothing changed: for a folder, an input, their own result."""
     monkeypatch.chdir(tmp_path)
     assert run("sweep", "sheet-3x3", "--press", "1,1", "-o", "a.nc")[0] == 0
     (tmp_path / "mine.zarr").mkdir()
@@ -321,10 +436,33 @@ def test_commands_keep_what_is_not_theirs(run, tmp_path, monkeypatch):
         ("join", "a.nc", "-o", "a.nc"),
         ("import", "a.nc", "-o", "a.nc"),
         ("export", "a.nc", "-o", "a.nc"),
+        ("sweep", "sheet-3x3", "--press", "1,1", "-o", "a.nc"),
     ):
         code, out, err = run(*words)
-        assert (code, out, err.count("\n")) == (2, "", 1), words
+        assert (code, out, err.count("\n")) == (2, "", 1) and "--overwrite" in err, words
     assert (tmp_path / "a.nc").read_bytes() == before
     assert (tmp_path / "mine.zarr" / "diary").read_text() == DIARY
-    code, _, err = run("sweep", "sheet-3x3", "--press", "2,2", "-o", "a.nc")
-    assert code == 0 and "note: a.nc: replaces the earlier file" in err
+    assert run("sweep", "sheet-3x3", "--press", "2,2", "--overwrite", "-o", "a.nc")[0] == 0
+    assert (tmp_path / "a.nc").read_bytes() != before
+
+
+@pytest.mark.parametrize("name", ["a.nc", "a.csv", "a.zarr"])
+def test_a_refusal_does_not_look_into_the_file(make_sweeps, tmp_path, name):
+    write(make_sweeps(), tmp_path / name)
+    words = ["sweep", "sheet-3x3", "-o", str(tmp_path / name)]
+    heavy = {"xarray", "netCDF4", "zarr", "pandas"}
+    done = subprocess.run(
+        [sys.executable, "-c", LOADED, *words], capture_output=True, text=True, check=True
+    )
+    code, _, loaded = done.stdout.strip().partition(" ")
+    assert code == "2" and not heavy & {*loaded.split()}
+
+
+LOADED = """
+import sys
+from rcskin.__main__ import main
+try:
+    main()
+except SystemExit as end:
+    print(end.code, *sys.modules)
+"""

@@ -76,12 +76,15 @@ def test_times_before_1970_fit_no_stamp(make_sweeps, tmp_path):
         export(tmp_path / "data.nc", tmp_path / "out.mcap")
 
 
-def test_an_export_replaces_itself_only(folder):
-    export(folder / "data.nc", folder / "out", "hugging-face")
+def test_an_export_replaces_another_one_on_demand_only(folder):
     export(folder / "data.nc", folder / "out", "hugging-face")
     (folder / "out/mine.txt").write_text("my own")
-    with pytest.raises(InputError, match="was changed since"):
+    with pytest.raises(InputError, match="out: already exists; --overwrite replaces it"):
         export(folder / "data.nc", folder / "out", "hugging-face")
+    assert (folder / "out/mine.txt").exists()
+    with in_write_context(WriteContext(overwrite=True)):
+        export(folder / "data.nc", folder / "out", "hugging-face")
+    assert not (folder / "out/mine.txt").exists()
 
 
 def test_no_option_replaces_a_folder_of_other_files(folder):
