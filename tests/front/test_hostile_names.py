@@ -136,7 +136,6 @@ QUICK = """
 SLOW = """
     sweep it.toml -o it.nc
     sweep it.toml -o it.csv
-    view it.toml -o view.html
     view it.toml -o view.png
     view it.toml -o view.vtu
     page it.toml -o page.html
