@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -84,7 +85,7 @@ def export(
         _export_sweeps(data, output, format_)
 
 
-def _refuse_options(data: Path, given: dict[str, object], meant_for: str) -> None:
+def _refuse_options(data: Path, given: Mapping[str, object], meant_for: str) -> None:
     """Raises InputError if an option is given that applies to the other kind of file."""
     from ...simulator.sweeps import InputError
 
