@@ -15,7 +15,6 @@ from .check.join_command import join
 from .dataset.command import dataset
 from .describe.command import describe
 from .design.command import design
-from .limits.amplitudes_command import amplitudes
 from .limits.command import limits
 from .limits.frequencies_command import frequencies
 from .page.command import page
@@ -200,7 +199,6 @@ app.command(epilog="Example: rcskin dataset sheet-5x5 --sweeps 2000 -o skins.zar
 app.command(epilog="Example: rcskin calibrate sheet-5x5 run.nc -o found")(calibrate)
 app.command(epilog="Example: rcskin limits sheet-5x5 -o limits")(limits)
 app.command(epilog="Example: rcskin frequencies sheet-5x5 -n 8")(frequencies)
-app.command(epilog="Example: rcskin amplitudes skin.toml -o shared.toml")(amplitudes)
 app.command(epilog="Example: rcskin design sheet-5x5-two-interfaces --want 0.9 -o designed")(design)
 app.command(epilog="Example: rcskin view sheet-5x5 --press 2,3 --frequency 1e4 -o field.png")(view)
 app.command(epilog="Example: rcskin page sheet-5x5 -o skin.html")(page)

@@ -2,8 +2,8 @@
 
 Columns of 5x5 with one interface and pixels with two. The meter has the noise of the scene. The
 multisine reader has a source of 1 V or 10 mV peak, the amplifier and the converter of 14 bits that
-are the defaults of `readout.multisine`, and equal amplitudes or those of `rcskin amplitudes` for
-positions. It takes one frame, or the mean of as many as fit into the meter's time. All readers have
+are the defaults of `readout.multisine`, and the feedback resistance that `rcskin describe` states.
+It takes one frame, or the mean of as many as fit into the meter's time. All readers have
 the same errors of the session. Accuracies: the limits of a known skin, and two localizers trained
 and tested on simulated skins that vary. No amplifier was built: none of this is a measurement.
 
@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -23,11 +22,10 @@ from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.localization.twin_parts.training import simulated
 from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inversion.estimators import chosen
-from rcskin.simulator.bounds.position_bound import chosen_touch
 from rcskin.simulator.chart_style import COLOURS, LINE_STYLES, chart, logarithmic_axis
 from rcskin.simulator.dataset.skin_model import reduced
+from rcskin.simulator.describe.multisine_reader import fitted_resistance
 from rcskin.simulator.limits import bayes_accuracy, position_bound
-from rcskin.simulator.limits.amplitude_shares import fitted, shared_amplitudes
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.meters.reading_time import SETTLE
@@ -69,13 +67,12 @@ class Reader:
     name: str
     scene: Scene
     seconds: float
-    amplitudes: str = ""
     voltage: str = ""
     frames: str = ""
 
 
 def readers(scene: Scene, voltages: Sequence[float]) -> Iterator[Reader]:
-    """The meter, then multisine readers of each voltage, amplitudes and number of frames."""
+    """The meter, then multisine readers of each voltage and number of frames."""
     interfaces = len(scene.interfaces)
     settled = SETTLE * interfaces * (interfaces > 1)
     yield Reader("meter", scene, METER * interfaces + settled)
@@ -83,19 +80,19 @@ def readers(scene: Scene, voltages: Sequence[float]) -> Iterator[Reader]:
         f"interface.{each.name}.reader": "multisine" for each in scene.interfaces
     }
     quiet = {"readout.magnitude_noise": 0.0, "readout.phase_noise": 0.0}
-    electronics = {"feedback_resistance": 1e4, "peak_voltage": min(VOLTAGES), "frame": FRAME}
-    made = scene.with_({**changes, **quiet, "readout.multisine": electronics})
-    found = shared_amplitudes(made, chosen_touch(made), against_rest=RESTS)
-    for voltage, (amplitudes, own) in product(
-        voltages, {"equal": found.equal, "shared": found.shared}.items()
-    ):
-        at_voltage = own.with_({"readout.multisine.peak_voltage": voltage})
+    for voltage in voltages:
+        electronics = {"feedback_resistance": 1e4, "peak_voltage": voltage, "frame": FRAME}
+        made = scene.with_({**changes, **quiet, "readout.multisine": electronics})
+        reader, Z = made.readout.multisine, Solver(made).solve(Press()).Z
+        assert reader is not None
+        fitted = {
+            "readout.multisine.feedback_resistance": fitted_resistance(reader, Z, made.frequencies)
+        }
         for frames in FRAMES:
             yield Reader(
                 "multisine",
-                fitted(at_voltage, found.unpressed).with_({"readout.multisine.frames": frames}),
+                made.with_({**fitted, "readout.multisine.frames": frames}),
                 frames * FRAME * interfaces + settled,
-                amplitudes,
                 f"{voltage:g} V",
                 str(frames),
             )
@@ -141,7 +138,6 @@ def row(reader: Reader, target: str, draws: int, sweeps: int, skins: Reduced) ->
         "target": target,
         "reader": reader.name,
         "peak voltage": reader.voltage,
-        "amplitudes": reader.amplitudes,
         "frames": reader.frames,
         "sweep (ms)": f"{1e3 * reader.seconds:.0f}",
         "noise of ln Z (%)": f"{100 * deviation.min():.2g} to {100 * deviation.max():.2g}",
@@ -162,7 +158,7 @@ def draw(table: pd.DataFrame, path: Path) -> None:
         panels = figure.subplots(1, len(CASES))
         for axes, (name, target) in zip(panels, CASES.items(), strict=True):
             own = table[table["skin"] == name]
-            by = ["reader", "peak voltage", "amplitudes"]
+            by = ["reader", "peak voltage"]
             for k, (label, part) in enumerate(own.groupby(by, sort=False)):
                 time = part["sweep (ms)"].astype(float)
                 for column in shown:
@@ -201,7 +197,7 @@ def main(run: Run) -> int:
 def worse_with_more_frames(table: pd.DataFrame) -> bool:
     """True if the mean of many frames has a lower limit than one, beyond three errors."""
     some = table[table["reader"] == "multisine"]
-    by = ["skin", "peak voltage", "amplitudes"]
+    by = ["skin", "peak voltage"]
     for _, part in some.groupby(by, sort=False):
         limits = [list(map(float, each.split(" ± "))) for each in part["limit (%)"]]
         (one, _), (mean, error) = limits[0], limits[-1]

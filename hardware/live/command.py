@@ -96,10 +96,6 @@ def live(
     port: Annotated[
         int | None, typer.Option(help="TCP port of the page; default: any free one.")
     ] = None,
-    ros: Annotated[
-        str | None,
-        typer.Option(metavar="NAMESPACE", help="Publish in ROS 2, in a namespace such as /skin."),
-    ] = None,
 ) -> None:
     """Localize touches live. A pipe gets time, answer, probability and latency in ms."""
     from ...localization.filtering.touch_dynamics import TouchDynamics
@@ -148,7 +144,7 @@ def live(
     )
     baseline = _baseline(localizer, rest, rest_file, force)
     kept = SessionLog(journal)
-    others = other_displays(localizer, port or 0 if page else None, ros)
+    others = other_displays(localizer, port or 0 if page else None)
     try:
         with orderly_termination() as report, journal.lock() if journal else nullcontext():
             link = connect(report=report)

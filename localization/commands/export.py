@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -9,7 +10,7 @@ import typer
 
 from . import options
 
-FORMATS = "netcdf, csv, parquet, mcap, tactile-zarr, lerobot or hugging-face"
+FORMATS = "netcdf, csv, parquet, mcap or lerobot"
 
 
 @options.with_option_names
@@ -25,8 +26,8 @@ def export(
         typer.Option(
             "--output",
             "-o",
-            help="OUT.nc, OUT.csv, OUT.parquet, OUT.mcap, OUT.zarr, or a folder; of a model "
-            "OUT.onnx or OUT.c.",
+            help="OUT.nc, OUT.csv, OUT.parquet, OUT.mcap, or a folder; of a model OUT.onnx or "
+            "OUT.c.",
         ),
     ],
     format_: Annotated[
@@ -35,13 +36,6 @@ def export(
             "--format",
             help=f"{FORMATS}; default: by the ending of OUT.",
             autocompletion=lambda: FORMATS.replace(" or ", ", ").split(", "),
-        ),
-    ] = None,
-    images: Annotated[
-        list[Path] | None,
-        typer.Option(
-            help="Folder of a camera: CAMERA/episode-000000/*.png, an image for each sweep. May be "
-            "repeated.",
         ),
     ] = None,
     single: Annotated[
@@ -71,9 +65,8 @@ def export(
     frequency. Parquet has one row a sweep: labels, touches, and columns
     Rs_INTERFACE_HERTZ, X_INTERFACE_HERTZ and Cp_INTERFACE_HERTZ.
 
-    mcap has messages of ROS 2. tactile-zarr (OUT.zarr) is the layout of
-    Open-X-Tactile. lerobot is a folder in LeRobot's format v3.0, hugging-face
-    a folder for `datasets`. Episodes are runs of sweeps of one session.
+    mcap has messages of ROS 2. lerobot is a folder in LeRobot's format v3.0,
+    which `datasets` reads too. Episodes are runs of sweeps of one session.
 
     A model becomes an ONNX graph from raw readings to probabilities, which is
     compared with the model if onnxruntime is installed, or C code, OUT.c and
@@ -82,17 +75,17 @@ def export(
     """
     from .export_model import export_model
 
-    of_sweeps = {"--format": format_, "--images": images}
+    of_sweeps = {"--format": format_}
     of_models = {"--single": single, "--unguarded": unguarded, "--compare": compare}
     if data.suffix == ".skops":
         _refuse_options(data, of_sweeps, "sweeps, and this is a model")
         export_model(data, output, single=single, guarded=not unguarded, compare=compare)
     else:
         _refuse_options(data, of_models, "a model, MODEL.skops, and these are sweeps")
-        _export_sweeps(data, output, format_, images or [])
+        _export_sweeps(data, output, format_)
 
 
-def _refuse_options(data: Path, given: dict[str, object], meant_for: str) -> None:
+def _refuse_options(data: Path, given: Mapping[str, object], meant_for: str) -> None:
     """Raises InputError if an option is given that applies to the other kind of file."""
     from ...simulator.sweeps import InputError
 
@@ -100,9 +93,9 @@ def _refuse_options(data: Path, given: dict[str, object], meant_for: str) -> Non
         raise InputError(f"{data}: {name} applies to {meant_for}")
 
 
-def _export_sweeps(data: Path, output: Path, name: str | None, images: list[Path]) -> None:
+def _export_sweeps(data: Path, output: Path, name: str | None) -> None:
     from ...simulator.dataset.exports.export import export as write_as
     from ...simulator.requests.console import report_written
     from ...simulator.sweeps import sizes_text
 
-    report_written(sizes_text(write_as(data, output, name, images)), output)
+    report_written(sizes_text(write_as(data, output, name)), output)

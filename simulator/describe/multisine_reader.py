@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..arrays import Complex, Real
 from ..models.solver import Solver
 from ..press.press import Press
 from ..scene.multisine.excitation import crest_factor, output_peak
@@ -11,6 +12,26 @@ from ..scene.multisine.noise import multisine_deviation
 from ..scene.multisine.reader import Multisine
 from ..scene.scene import Scene
 from ..sweeps.units import prefixed
+
+FILLED = 0.7
+"""Peak of the output for the unpressed skin over the ADC's range; presses raise the current."""
+STEPS = 20
+"""Repetitions of the fit of the resistance, which has converged long before."""
+MAX_RESISTANCE = 1e9
+"""Largest feedback resistance, ohm; beyond it a feedback capacitance has all the current."""
+
+
+def fitted_resistance(reader: Multisine, Z: Complex, frequency: Real) -> float:
+    """Feedback resistance whose output peaks at FILLED of the ADC's range, ohm, three digits.
+
+    Z: reading of the unpressed skin, ohm, shape (interface, frequency). frequency: Hz.
+    """
+    for _ in range(STEPS):
+        peak = float(output_peak(reader, Z, frequency).max())
+        R = reader.feedback_resistance * FILLED * reader.full_scale / peak
+        R = min(max(R, 1.0), MAX_RESISTANCE)
+        reader = reader.model_copy(update={"feedback_resistance": R})
+    return float(f"{reader.feedback_resistance:.3g}")
 
 
 def describe_multisine(scene: Scene, reader: Multisine) -> str:
@@ -21,10 +42,11 @@ def describe_multisine(scene: Scene, reader: Multisine) -> str:
         f"{len(frequency)} tones in {reader.frames} frame{'s' * (reader.frames > 1)} of "
         f"{prefixed(reader.frame, 's')}, at multiples of {prefixed(reader.grid, 'Hz')}; crest "
         f"factor {crest_factor(reader, frequency):.3g}; unpressed, the amplifier's output peaks at "
-        f"{100 * peak:.3g} % of the converter's range"
+        f"{100 * peak:.3g} % of the converter's range; feedback_resistance = "
+        f"{fitted_resistance(reader, Z, frequency):g} fills {100 * FILLED:g} % of it"
     )
     if peak > 1:
-        return f"{read}: too high, lower readout.multisine.feedback_resistance"
+        return f"{read}: too high now, lower readout.multisine.feedback_resistance"
     noise = multisine_deviation(reader, Z, frequency)
     low, high = np.min(noise), np.max(noise)
     return f"{read}, and noise is from {100 * low:.2g} to {100 * high:.2g} % of |Z|"

@@ -70,13 +70,7 @@ class Criterion:
     @property
     def of_all(self) -> float:
         """Figure of all candidates together."""
-        return float(self.weighted(np.ones((1, len(self.frequency))))[0])
-
-    def weighted(self, weights: Real) -> Real:
-        """Figures of all candidates with weights of their information, (choice, candidate) to
-        (choice,)."""
-        total = np.einsum("wk,ckab->wcab", weights, self.information, optimize=True)
-        return self.merit(variances(total + self.prior, self.wanted))
+        return float(self._score(np.arange(len(self.frequency))[None])[0])
 
     def _score(self, choices: Integer) -> Real:
         total = self.information[:, choices].sum(axis=2).swapaxes(0, 1)

@@ -45,7 +45,6 @@ def page(
             f"{scene}: a page shows impedances, and the readings of this scene are gains; use "
             "rcskin sweep or rcskin view"
         )
-    requested.require_impedance("a page")
     skin = uniformly_pressed(requested, "a page")
     note_if_noise_free(scene, skin)
     if scene_spreads_presses(requested):

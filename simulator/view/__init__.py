@@ -1,1 +1,1 @@
-"""Pictures of a skin's fields: maps, movies, files for ParaView, turnable pages."""
+"""Pictures of a skin's fields: maps, movies, files for ParaView."""

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..requests.options import SceneName
-from ..safe_text import say
 
 if TYPE_CHECKING:
     from ..progress import ProgressCallback
@@ -19,9 +18,8 @@ if TYPE_CHECKING:
 def view(
     scene: SceneName,
     output: Annotated[
-        Path | None,
-        typer.Option("--output", "-o", help="OUT.png .svg .pdf .gif .mp4 .vtu .xdmf or .html."),
-    ] = None,
+        Path, typer.Option("--output", "-o", help="OUT.png .svg .pdf .gif .mp4 .vtu or .xdmf.")
+    ],
     press: Annotated[
         str, typer.Option(help="A press as for `rcskin sweep`; default: the unpressed skin.")
     ] = "none",
@@ -52,25 +50,18 @@ def view(
     animate: Annotated[
         str | None, typer.Option(help="frequency or phase, for OUT.gif and OUT.mp4.")
     ] = None,
-    interactive: Annotated[
-        bool,
-        typer.Option(
-            "--interactive", help="Open a window, or without a display a page in the browser."
-        ),
-    ] = False,
 ) -> None:
     """Show the fields of a skin: pictures, movies, files for ParaView.
 
     For several frequencies a picture has one panel each, a movie one frame each;
-    VTU holds all fields at all frequencies, XDMF has frequency for time, and
-    HTML is a page on which the skin can be turned, offline. In SVG and
-    PDF the fields are pixels, axes and words are lines.
+    VTU holds all fields at all frequencies, and XDMF has frequency for time.
+    In SVG and PDF the fields are pixels, axes and words are lines.
 
     Potentials, currents and power are those for 1 V at the terminals.
     """
 
-    _check(output, what, animate, exaggerate, interactive)
-    every = animate == "frequency" or (output is not None and output.suffix in ALL_FREQUENCIES)
+    _check(output, what, animate, exaggerate)
+    every = animate == "frequency" or output.suffix in ALL_FREQUENCIES
     from dataclasses import replace
 
     from ..progress import on_terminal
@@ -81,40 +72,26 @@ def view(
     with on_terminal() as progress:
         stage = _viewed_press(scene, press, frequency, interface, rtol, every, progress)
     stage = replace(stage, wrapped=wrapped, exaggeration=exaggerate)
-    if output is not None:
-        with on_terminal() as progress:
-            write_output(output, stage, what, animate, progress, note)
-        shown = what if output.suffix not in ALL_FIELDS else "all fields"
-        report_written(f"{shown} of press {stage.press_text} at {_frequencies_text(stage)}", output)
-    if interactive:
-        _interact(stage, what, output)
+    with on_terminal() as progress:
+        write_output(output, stage, what, animate, progress, note)
+    shown = what if output.suffix not in ALL_FIELDS else "all fields"
+    report_written(f"{shown} of press {stage.press_text} at {_frequencies_text(stage)}", output)
 
 
 ALL_FIELDS = (".vtu", ".xdmf")
 ALL_FREQUENCIES = (".gif", ".mp4", ".vtu", ".xdmf")
 
 
-def _check(
-    output: Path | None,
-    what: str,
-    animate: str | None,
-    exaggerate: float | None,
-    interactive: bool,
-) -> None:
+def _check(output: Path, what: str, animate: str | None, exaggerate: float | None) -> None:
     from ..sweeps import InputError, checked_output
-    from .outputs import ANIMATIONS, ENDINGS, MOVIES, check_output, check_shown
+    from .outputs import ANIMATIONS, ENDINGS, MOVIES, check_output
     from .quantities import checked_name
 
     checked_name(what)
-    if output is None and not interactive:
-        raise InputError("give -o OUT or --interactive")
-    if output is not None:
-        check_output(checked_output(output, ENDINGS))
-    if interactive:
-        check_shown()
+    check_output(checked_output(output, ENDINGS))
     if animate is not None and animate not in ANIMATIONS:
         raise InputError(f"--animate must be {' or '.join(ANIMATIONS)}, got {animate!r}")
-    if animate is not None and (output is None or output.suffix not in MOVIES):
+    if animate is not None and output.suffix not in MOVIES:
         raise InputError(f"--animate needs -o OUT{' or OUT'.join(MOVIES)}")
     if exaggerate is not None and not (math.isfinite(exaggerate) and exaggerate >= 0):
         raise InputError(f"--exaggerate must be finite and >= 0, got {exaggerate:g}")
@@ -149,8 +126,6 @@ def _viewed_press(
     if interface is None and len(scene.interfaces) > 1:
         names = ", ".join(each.name for each in scene.interfaces)
         note(f"{name}: shows interface {chosen} of {names}; --interface selects another")
-    if any(each.driven_with for each in scene.interfaces if each.name == chosen):
-        note(f"{name}: shows the fields of the source of {chosen} alone, all other nodes at low")
     frequencies = _frequencies(frequency, scene.reading.frequency_at(chosen).tolist(), every)
     for one_terminal in scene.driven_by_touch:
         if one_terminal.interface == chosen:
@@ -180,33 +155,3 @@ def _frequencies(requested: list[float] | None, known: list[float], every: bool)
 def _frequencies_text(stage: ViewedPress) -> str:
     frequencies = stage.fields.frequency
     return f"{frequencies[0]:g} Hz" if len(frequencies) == 1 else f"{len(frequencies)} frequencies"
-
-
-def _interact(stage: ViewedPress, what: str, output: Path | None) -> None:
-    from .outputs import show, write_turnable
-    from .painting import has_display
-
-    if has_display():
-        show(stage, what)
-        return
-    page = output if output is not None and output.suffix == ".html" else _temporary_page()
-    if page != output:
-        write_turnable(page, stage, what)
-    _open(page)
-    say(page.resolve())
-
-
-def _temporary_page() -> Path:
-    from tempfile import mkdtemp
-
-    return Path(mkdtemp(prefix="rcskin-")) / "skin.html"
-
-
-def _open(page: Path) -> None:
-    """Opens a page in the browser, if there is one."""
-    import webbrowser
-
-    try:
-        webbrowser.open(page.resolve().as_uri())
-    except webbrowser.Error:
-        return

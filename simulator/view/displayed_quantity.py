@@ -34,7 +34,7 @@ class DisplayedQuantity:
     """Values of a quantity and how they are displayed.
 
     values: (point,) in `unit`. contours: lines (3, n) on the skin. moment: frequency and Z, as
-    text. frequency: alone, as text; empty where the values are those of all frequencies.
+    text; empty where the values are those of all frequencies.
     """
 
     title: str
@@ -47,7 +47,6 @@ class DisplayedQuantity:
     arrows: Arrows | None = None
     contours: tuple[Real, ...] = ()
     note: str = ""
-    frequency: str = ""
 
     @property
     def beyond(self) -> Literal["neither", "min", "max", "both"]:
@@ -66,11 +65,10 @@ def at_frequencies(
     fields: SolutionFields,
     skin: SkinSurface,
     numbers: Sequence[int],
-    own: bool = False,
 ) -> list[DisplayedQuantity]:
-    """Quantity at frequencies by number; `own` as for `scales`."""
+    """Quantity at frequencies by number, on the scales of `scales`."""
     values = [quantity.values(fields, at) for at in numbers]
-    ends = scales(quantity, values, point_areas(fields), own)
+    ends = scales(quantity, values, point_areas(fields))
     drawn = [
         _displayed(quantity, fields, skin, at, each, scale)
         for at, each, scale in zip(numbers, values, ends, strict=True)
@@ -104,7 +102,6 @@ def _displayed(
         cyclic=closed,
         values=factor * values,
         limits=(factor * scale[0], factor * scale[1]),
-        frequency="" if quantity.everywhere else frequency_text(fields.frequency[at]),
     )
     if skin.exaggeration and quantity.everywhere:
         return replace(shown, note=f"heights drawn {skin.exaggeration:g} times")

@@ -1,11 +1,11 @@
-"""Output of fields by the kind of file: picture, movie, file for ParaView, page."""
+"""Output of fields by the kind of file: picture, movie, file for ParaView."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from time import monotonic
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from ..chart_style import ENDINGS as STILLS
 from ..progress import ProgressCallback, silent, tracked
@@ -14,17 +14,14 @@ from .displayed_quantity import at_frequencies, over_one_period
 from .quantities import ViewedQuantity, chosen
 
 if TYPE_CHECKING:
-    import pyvista as pv
-
     from .figure import Panel
-    from .foils import Foil
     from .scenery import ViewedPress
 
 MOVIES = (".gif", ".mp4")
 PICTURES = (*STILLS, *MOVIES)
 DATA = (".vtu", ".xdmf")
-ENDINGS = (*PICTURES, *DATA, ".html")
-WRITTEN_BY = {".mp4": "imageio_ffmpeg", ".xdmf": "meshio", ".html": "plotly"}
+ENDINGS = (*PICTURES, *DATA)
+WRITTEN_BY = {".mp4": "imageio_ffmpeg", ".xdmf": "meshio"}
 """Libraries that endings need in addition to the one for all surfaces."""
 SURFACES = "pyvista"
 EXTRA = "view"
@@ -37,10 +34,6 @@ MOVIE_DPI = 100
 LONG_DRAWING = 60.0
 """Drawing time in seconds above which a movie is announced by a note."""
 MAX_PRESS_TEXT = 60
-LEGEND_LINE = 0.05
-"""Height of a legend's line over the window's."""
-TEXT_MARGIN = 1.35
-"""Factor on what a window shows, for its title and colour bar."""
 
 
 def check_output(path: Path) -> None:
@@ -51,11 +44,6 @@ def check_output(path: Path) -> None:
         from .painting import check_drawing
 
         check_drawing()
-
-
-def check_shown() -> None:
-    """Raises InputError if a library for a window, or for a page, is missing."""
-    require_packages("--interactive", EXTRA, SURFACES, WRITTEN_BY[".html"])
 
 
 def write_output(
@@ -78,8 +66,7 @@ def write_output(
         )
         _write_frames(path, stage, frames, progress, report)
         return
-    stills = dict.fromkeys(STILLS, _write_picture)
-    write = {**stills, ".html": write_turnable}.get(path.suffix, _write_data)
+    write = _write_picture if path.suffix in STILLS else _write_data
     write(path, stage, what)
 
 
@@ -106,29 +93,17 @@ def rows_of_panels(stage: ViewedPress, what: str) -> list[list[Panel]]:
     ]
 
 
-def panels_of(stage: ViewedPress, quantity: ViewedQuantity, own: bool = False) -> list[Panel]:
-    """Panels of a quantity, one for each frequency, or the only one.
-
-    own: True if each has its own colour scale.
-    """
+def panels_of(stage: ViewedPress, quantity: ViewedQuantity) -> list[Panel]:
+    """Panels of a quantity, one for each frequency, or the only one."""
     skin = stage.skin(quantity)
     numbers = [0] if quantity.everywhere else range(len(stage.fields.frequency))
-    return stage.panels(skin, at_frequencies(quantity, stage.fields, skin, numbers, own))
+    return stage.panels(skin, at_frequencies(quantity, stage.fields, skin, numbers))
 
 
 def _write_picture(path: Path, stage: ViewedPress, what: str) -> None:
     from .figure import draw
 
     draw(path, rows_of_panels(stage, what), title(stage))
-
-
-def write_turnable(path: Path, stage: ViewedPress, what: str) -> None:
-    """Writes a page on which the skin can be turned in a browser."""
-    from .turnable import write_page
-
-    quantities = chosen(what, stage.fields)
-    panels = [panel for quantity in quantities for panel in panels_of(stage, quantity, own=True)]
-    write_page(path, panels, title(stage))
 
 
 def _frequency_panels(stage: ViewedPress, what: str) -> list[list[Panel]]:
@@ -191,34 +166,3 @@ def _write_data(path: Path, stage: ViewedPress, what: str) -> None:
         "interface": stage.interface.name,
     }
     write_dataset(path, stage.fields, stage.plain_skin(), about)
-
-
-def show(stage: ViewedPress, what: str) -> None:
-    """Opens a window with each quantity at its first frequency, until it is closed."""
-    from .painting import add_all, window
-
-    panels = [panels_of(stage, quantity)[0] for quantity in chosen(what, stage.fields)]
-    plotter = window(title(stage), len(panels))
-    for number, panel in enumerate(panels):
-        plotter.subplot(0, number)
-        add_all(plotter, panel.scenery, panel.shown, lit=not panel.camera.above, bar=True)
-        shown = panel.shown
-        text = "\n".join(filter(None, (shown.title, shown.moment, shown.note)))
-        plotter.add_text(text, font_size=9, color="black")
-        _add_legend(plotter, panel.scenery.marks.foils)
-        panel.camera.aim(plotter)
-        width, height = plotter.window_size
-        narrow = height * len(panels) / width / panel.camera.aspect
-        plotter.camera.parallel_scale *= TEXT_MARGIN * max(1.0, narrow)
-    plotter.show()
-
-
-def _add_legend(plotter: pv.Plotter, foils: Sequence[Foil]) -> None:
-    """Adds each foil's name, role and colour in a corner."""
-    from .painting import foil_colours
-
-    colours = foil_colours(foils)
-    entries: Any = [[foil.label, colours[foil.name]] for foil in foils]
-    height = LEGEND_LINE * len(entries)
-    place: Any = {"bcolor": None, "face": "rectangle", "loc": "lower left", "size": (0.3, height)}
-    plotter.add_legend(entries, **place)

@@ -1,4 +1,4 @@
-"""Draws pictures off screen, on any machine, or in a window on a display."""
+"""Draws pictures off screen, on any machine."""
 
 from __future__ import annotations
 
@@ -131,13 +131,6 @@ def _egl_has_a_device() -> bool:
     return bool(address) and bool(ask(address)(0, None, byref(count))) and count.value > 0
 
 
-def window(title: str, count: int) -> pv.Plotter:
-    """Plotter of that many views next to each other, in a window of its own."""
-    import pyvista as pv
-
-    return pv.Plotter(title=title, shape=(1, count), window_size=[900, 800], theme=_theme())
-
-
 def _theme() -> Theme:
     from pyvista.plotting.themes import DocumentTheme
 
@@ -201,17 +194,15 @@ def add_all(
     shown: DisplayedQuantity,
     *,
     lit: bool,
-    bar: bool = False,
     towards: Real | None = None,
 ) -> None:
     """Puts field and scenery into a plotter.
 
-    lit: True for shading, for shapes in space. bar: True for a colour bar by pyvista. towards: unit
-    vector to the eye, (3,), if the eye stays there: then nothing stands out behind the edge of what
-    is visible.
+    lit: True for shading, for shapes in space. towards: unit vector to the eye, (3,), if the eye
+    stays there: then nothing stands out behind the edge of what is visible.
     """
     skin, marks = scenery.skin, scenery.marks
-    _add_field(plotter, skin, shown, lit, bar)
+    _add_field(plotter, skin, shown, lit)
     for body in scenery.bodies:
         plotter.add_mesh(body, color=BODY, ambient=0.6, diffuse=0.42, smooth_shading=True)
     colours = foil_colours(marks.foils)
@@ -232,9 +223,7 @@ def add_all(
         plotter.add_mesh(arrow_mesh(visible), color=ARROW, ambient=0.75, diffuse=0.25)
 
 
-def _add_field(
-    plotter: pv.Plotter, skin: SkinSurface, shown: DisplayedQuantity, lit: bool, bar: bool
-) -> None:
+def _add_field(plotter: pv.Plotter, skin: SkinSurface, shown: DisplayedQuantity, lit: bool) -> None:
     mesh = polygons(skin.points, skin.cells)
     mesh.point_data["shown"] = shown.values
     mesh.point_data["normals"] = skin.normals.T
@@ -246,8 +235,7 @@ def _add_field(
         clim=shown.limits,
         n_colors=256,
         interpolate_before_map=not shown.cyclic,
-        show_scalar_bar=bar,
-        scalar_bar_args={"title": f"{shown.title} ({shown.unit})", "fmt": "%.3g"} if bar else None,
+        show_scalar_bar=False,
         lighting=lit,
         ambient=0.8,
         diffuse=0.25,

@@ -212,17 +212,17 @@ def point_areas(fields: SolutionFields) -> Real:
 
 
 def scales(
-    quantity: ViewedQuantity, frames: Sequence[Real], weight: Real, own: bool = False
+    quantity: ViewedQuantity, frames: Sequence[Real], weight: Real
 ) -> list[tuple[float, float]]:
     """Ends of the colour scale for each frame of values (point,).
 
     weight: area of each point. The largest values, which have the smallest areas at the ends of
     foils, are left out. All frames have one scale if their largest values, or spans of angles, are
-    similar, else each its own; with `own` each has its own in any case. Magnitudes start at 0
-    unless the smallest is more than half of the largest.
+    similar, else each its own. Magnitudes start at 0 unless the smallest is more than half of the
+    largest.
     """
     sizes = [_size(quantity, values, weight) for values in frames]
-    if own or max(sizes) > SAME_SCALE_RATIO * min(sizes):
+    if max(sizes) > SAME_SCALE_RATIO * min(sizes):
         pairs = zip(frames, sizes, strict=True)
         return [_scale(quantity, [values], size) for values, size in pairs]
     return [_scale(quantity, frames, max(sizes))] * len(frames)

@@ -133,7 +133,7 @@ QUICK = """
     join it.nc it.csv --session %s -o joined.nc
     export joined.nc -o joined.csv
     export it.nc -o it.parquet
-    export it.nc --format hugging-face -o card
+    export it.nc --format lerobot -o card
     train it.nc it.nc it.nc it.nc it.nc it.nc --features Rs,Cp --estimator ksvm-ovo -o column.skops
     localize column.skops joined.csv
     localize column.skops joined.csv -o column.csv
@@ -142,7 +142,6 @@ QUICK = """
 SLOW = """
     sweep it.toml -o it.nc
     sweep it.toml -o it.csv
-    view it.toml -o view.html
     view it.toml -o view.png
     view it.toml -o view.vtu
     page it.toml -o page.html
@@ -213,6 +212,7 @@ TAKEN = """
     plot it.csv -o it.png
     describe it.toml
     import it.csv -o made.nc
+    import it.s1p -o made.nc
     import it.txt -o made.nc
     import it.xlsx -o made.nc
     import it.z -o made.nc

@@ -24,7 +24,6 @@ from rcskin.hardware.virtual.press_routines import read_script
 from rcskin.localization.inputs.sweep_files import read_first
 from rcskin.localization.model import localizer_file
 from rcskin.localization.study.scene_keys import scene_table
-from rcskin.simulator.dataset.exports.camera_images import CameraImages
 from rcskin.simulator.meters import accuracy_table
 from rcskin.simulator.models.reduced import model_file
 from rcskin.simulator.scene.form.mesh_file import read_surface
@@ -69,11 +68,6 @@ READERS = {
         lambda path: read_surface(str(path)),
         [".msh", ".vtk", ".vtu", ".inp"],
         "form/mesh_file",
-    ),
-    "camera": (
-        lambda path: CameraImages("front", (4, 4), (path,)).pixels(path),
-        [".png", ".jpg", ".jpeg"],
-        "exports/camera_images",
     ),
     "localizer": (localizer_file.load, [".skops"], "model/localizer_file"),
     "reduced model": (model_file.load, [".npz"], "reduced/model_file"),

@@ -43,9 +43,7 @@ LINES = f"""
     export it.skops -o it.onnx
     export set.zarr -o set.parquet
     export set.zarr -o set.mcap
-    export set.zarr --format tactile-zarr -o tactile.zarr
     export set.zarr --format lerobot -o lerobot
-    export set.zarr --format hugging-face -o hugging-face
     localize it.skops it.nc
     evaluate it.skops set.zarr -o evaluated
     adapt it.skops set.zarr -o adapted.skops
@@ -61,9 +59,8 @@ LINES = f"""
     meter new-reader reader.toml
     limits strip-1x3 -o limits
     frequencies strip-1x3 -n 2
-    amplitudes tones.toml --against-rest 1 -o shared.toml
     calibrate strip-1x3 it.nc --fit capacitance -o fit
-    view strip-1x3 -o view.html
+    view strip-1x3 -o view.vtu
     view strip-1x3 -o view.vtu
     study strip-1x3 --vary skin.foam.loss_tangent=0.01,0.02 --repetitions 8 --rtol 1e-2 -o study.csv
     design strip-1x3 --casts 1 --draws 40 --sheet-ratio 1 --want 0.5 -o designed
@@ -73,31 +70,6 @@ LINES = f"""
 COMMANDS = [line.strip() for line in LINES.strip().splitlines()]
 REFUSED = {"meter gather": 2}
 """A recording that has ended leaves nothing to gather."""
-TONES = {
-    "interface.left.reader": "multisine",
-    "readout.magnitude_noise": 0.0,
-    "readout.phase_noise": 0.0,
-    "readout.multisine": {"feedback_resistance": 1e6, "peak_voltage": 1e-3},
-}
-
-
-def name_of(line):
-    """The words of a line that name its command."""
-    words = tuple(line.split()[:2])
-    return words if words in EACH else words[:1]
-
-
-def why_no_namespace():
-    """Empty where a process may have a network of its own."""
-    if platform.system() != "Linux" or not shutil.which(NAMESPACE[0]):
-        return "only Linux has network namespaces, by the program unshare"
-    done = subprocess.run([*NAMESPACE, "true"], capture_output=True, text=True)
-    return done.stderr.strip()
-
-
-def environment(home):
-    """An empty home folder, but for compiled kernels and fonts, and no setting of onnxruntime."""
-    kept = {name: value for name, value in os.environ.items() if name != "ORT_DISABLE_TELEMETRY"}
     kernels = numba.config.CACHE_DIR or platformdirs.user_cache_path("rcskin", False) / "kernels"
     folders = ("HOME", "USERPROFILE", "XDG_CACHE_HOME", "XDG_STATE_HOME", "LOCALAPPDATA", "APPDATA")
     return {
@@ -110,7 +82,6 @@ def environment(home):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     folder = tmp_path_factory.mktemp("offline")
-    (folder / "tones.toml").write_text(scene_text(rcskin.load("strip-1x3").with_(TONES)))
     (folder / "home").mkdir()
     return folder
 
@@ -175,9 +146,7 @@ class Loaded(HTMLParser):
 
 def test_no_page_loads_anything_from_elsewhere(notes, folder):
     pages = [*folder.rglob("*.html")]
-    assert {"it.html", "plot.html", "view.html", "gap.html", "report.html"} <= {
-        path.name for path in pages
-    }
+    assert {"it.html", "plot.html", "gap.html", "report.html"} <= {path.name for path in pages}
     for path in pages:
         page = Loaded()
         page.feed(path.read_text(encoding="utf-8"))

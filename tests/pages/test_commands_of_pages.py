@@ -198,7 +198,7 @@ def test_tables_of_other_tools_are_imported_as_the_page_says(tmp_path, monkeypat
 
 
 def test_robot_learners_read_what_their_page_exports(tmp_path, monkeypatch):
-    for library in ("datasets", "mcap_ros2", "zarr"):
+    for library in ("datasets", "mcap_ros2"):
         pytest.importorskip(library)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("HF_DATASETS_CACHE", str(tmp_path / "cache"))

@@ -161,7 +161,7 @@ PROMISES = {
         "nothing is computed, and a line says so; `--overwrite` makes it anew": (
             f"{DATA}test_dataset_command.py::test_a_complete_data_set_is_made_anew_on_demand_only"
         ),
-        "| a folder that `export --format lerobot` or `hugging-face` did not write | refused": (
+        "| a folder that `export --format lerobot` did not write | refused": (
             f"{DATA}exports/test_refusals.py::test_no_option_replaces_a_folder_of_other_files"
         ),
         "A command looks before it computes.": (

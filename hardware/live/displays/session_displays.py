@@ -1,4 +1,4 @@
-"""Displays of a live session: the terminal or a pipe, a page, and ROS 2."""
+"""Displays of a live session: the terminal or a pipe, and a page."""
 
 from __future__ import annotations
 
@@ -44,15 +44,11 @@ class CombinedDisplay:
 
 @contextmanager
 def other_displays(
-    localizer: LiveLocalizer, port: int | None, ros: str | None
+    localizer: LiveLocalizer, port: int | None
 ) -> Iterator[Sequence[SessionDisplay]]:
-    """Displays besides the terminal. port: of a page; None: no page. ros: namespace, or None."""
+    """Displays besides the terminal. port: of a page; None: no page."""
     with ExitStack() as stack:
         displays: list[SessionDisplay] = []
-        if ros is not None:
-            from .ros_node import ros_node
-
-            displays.append(stack.enter_context(ros_node(localizer, ros)))
         if port is not None:
             displays.append(stack.enter_context(_serve_page(localizer, port)))
         yield displays

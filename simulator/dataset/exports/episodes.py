@@ -61,10 +61,8 @@ def episodes_of(sweeps: xr.Dataset) -> list[Episode]:
     ]
 
 
-def episode_parts(
-    sweeps: xr.Dataset, data: Path, episodes: list[Episode], at_once: int | None = None
-) -> Iterator[EpisodePart]:
-    """Yields all episodes part by part. at_once: largest number of sweeps of a part."""
+def episode_parts(sweeps: xr.Dataset, data: Path, episodes: list[Episode]) -> Iterator[EpisodePart]:
+    """Yields all episodes part by part."""
     waiting = iter(episodes)
     episode = next(waiting)
     for start, loaded in parts(sweeps, data):
@@ -72,6 +70,6 @@ def episode_parts(
         while first < end:
             if first == episode.stop:
                 episode = next(waiting)
-            stop = min(end, episode.stop, first + (at_once or end))
+            stop = min(end, episode.stop)
             yield EpisodePart(episode, first, loaded.isel(sweep=slice(first - start, stop - start)))
             first = stop

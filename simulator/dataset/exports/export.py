@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,14 +16,12 @@ from ...sweeps import (
     whole_file,
 )
 from ...sweeps.schema import DIMENSIONS
-from . import hugging_face, lerobot
+from . import lerobot
 from .exported_sweeps import Exported
-from .hugging_face import write_hugging_face
 from .lerobot import write_lerobot
 from .mcap import write_mcap
 from .netcdf_copy import write_netcdf
 from .tables import write_csv, write_parquet
-from .tactile_zarr import write_tactile_zarr
 
 
 @dataclass(frozen=True)
@@ -31,8 +29,7 @@ class ExportFormat:
     """A format of exports.
 
     ending: of the output, empty for a folder. write: writes sweeps to a path. extra, packages: what
-    it needs. marker: file by which a folder of this format is known. images: True if images have a
-    place beside the sweeps.
+    it needs. marker: file by which a folder of this format is known.
     """
 
     ending: str
@@ -40,7 +37,6 @@ class ExportFormat:
     extra: str = "robots"
     packages: tuple[str, ...] = ()
     marker: str = ""
-    images: bool = False
 
 
 FORMATS = {
@@ -48,32 +44,21 @@ FORMATS = {
     "csv": ExportFormat(".csv", write_csv),
     "parquet": ExportFormat(".parquet", write_parquet, "scale", ("pyarrow",)),
     "mcap": ExportFormat(".mcap", write_mcap, packages=("mcap_ros2",)),
-    "tactile-zarr": ExportFormat(".zarr", write_tactile_zarr, packages=("zarr",), images=True),
-    "lerobot": ExportFormat(
-        "", write_lerobot, packages=("pyarrow",), marker=lerobot.MARKER, images=True
-    ),
-    "hugging-face": ExportFormat(
-        "", write_hugging_face, packages=("pyarrow",), marker=hugging_face.MARKER
-    ),
+    "lerobot": ExportFormat("", write_lerobot, packages=("pyarrow",), marker=lerobot.MARKER),
 }
 """Formats by name."""
 
 
-def export(
-    data: Path, output: Path, name: str | None = None, images: Sequence[Path] = ()
-) -> Mapping[str, int]:
+def export(data: Path, output: Path, name: str | None = None) -> Mapping[str, int]:
     """Writes a data set or sweeps in a format, whole or not at all.
 
-    name: of the format; by default that of the output's ending. images: folders of cameras, see
-    `camera_images`. Returns the numbers of sweeps, interfaces and frequencies by dimension.
+    name: of the format; by default that of the output's ending. Returns the numbers of sweeps,
+    interfaces and frequencies by dimension.
 
     Raises InputError if the data set is absent or damaged, if the format or the ending is not
-    supported, if a package is missing, and if images do not fit the format or the sweeps.
+    supported, and if a package is missing.
     """
     chosen = _format_of(output, name)
-    if images and not chosen.images:
-        able = _names(lambda each: each.images)
-        raise InputError(f"{output}: this format takes no images; use --format {able}")
     if chosen.marker:
         output = checked_data_folder(output, chosen.marker)
     else:
@@ -81,7 +66,7 @@ def export(
     require_packages(output, chosen.extra, *chosen.packages)
     opened = open_zarr(data) if data.suffix == ".zarr" else read(data)
     with opened as sweeps:
-        exported = Exported(data, sweeps, tuple(images))
+        exported = Exported(data, sweeps)
         with whole_file(output, folder=not chosen.ending) as unfinished:
             chosen.write(exported, unfinished)
         return {dimension: sweeps.sizes[dimension] for dimension in DIMENSIONS}

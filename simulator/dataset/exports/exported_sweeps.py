@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...sweeps.reading_quantities import DESCRIBED
-from .camera_images import IMAGES_AT_ONCE, CameraImages, cameras
 from .episodes import Episode, EpisodePart, episode_parts, episodes_of
 from .reading_vector import ReadingVector, reading_vector
 from .sweep_clock import SweepClock, clock_of
@@ -27,14 +26,10 @@ TASK = "read the skin"
 
 @dataclass(frozen=True, eq=False)
 class Exported:
-    """Sweeps to be exported, which are read part by part.
-
-    data: their file. images: folders of cameras.
-    """
+    """Sweeps to be exported, which are read part by part. data: their file."""
 
     data: Path
     sweeps: xr.Dataset
-    images: tuple[Path, ...] = ()
 
     @cached_property
     def episodes(self) -> list[Episode]:
@@ -56,15 +51,9 @@ class Exported:
         """Labels of the sweeps."""
         return touch_labels(self.sweeps, self.data)
 
-    @cached_property
-    def cameras(self) -> list[CameraImages]:
-        """Cameras with an image of each sweep. Raises InputError as `cameras`."""
-        return cameras(self.images, self.episodes)
-
     def parts(self) -> Iterator[EpisodePart]:
-        """Yields all episodes part by part, few sweeps at once if there are images."""
-        at_once = IMAGES_AT_ONCE if self.images else None
-        return episode_parts(self.sweeps, self.data, self.episodes, at_once)
+        """Yields all episodes part by part."""
+        return episode_parts(self.sweeps, self.data, self.episodes)
 
     def description(self) -> dict[str, Any]:
         """Units, names, times and the file's attributes, as a JSON object."""

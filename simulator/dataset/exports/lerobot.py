@@ -12,22 +12,18 @@ from typing import Any
 
 import numpy as np
 
-from .camera_images import encoded
 from .dataset_card import write_card
 from .episodes import EpisodePart
 from .exported_sweeps import TASK, Exported
 from .lerobot_episodes import FILE, FILES_IN_CHUNK, EpisodeFiles, Feature, file_name
-from .parquet_files import IMAGE, MAX_BYTES, ParquetColumn, ParquetFiles
+from .parquet_files import MAX_BYTES, ParquetColumn, ParquetFiles
 from .running_statistics import RunningStatistics
 
 VERSION = "v3.0"
 MARKER = "meta/rcskin.json"
-SKIN, SKIN_TIME, LABEL, IMAGES = "observation.skin", "skin_time", "label.", "observation.images."
+SKIN, SKIN_TIME, LABEL = "observation.skin", "skin_time", "label."
 """Features: policies take all that begin with `observation` as input, so that labels do not."""
 INDICES = "frame_index", "episode_index", "index", "task_index"
-PIXEL = ["height", "width", "channels"]
-PIXELS_OF_STATISTICS = 150
-"""Images are thinned to about this many rows and columns for their statistics."""
 LAYOUT = [
     "- `observation.skin`: all readings of a sweep as one vector; `meta/info.json` names each",
     "  number and its unit (capacitance in pF)",
@@ -43,15 +39,15 @@ def write_lerobot(exported: Exported, folder: Path) -> None:
     """Writes data/, meta/ and README.md."""
     features = _features(exported)
     columns = [feature.column for feature in features]
-    files = ParquetFiles(columns, lambda number: folder / f"data/{file_name(number)}.parquet", {})
+    files = ParquetFiles(columns, lambda number: folder / f"data/{file_name(number)}.parquet")
     described = [feature for feature in features if feature.column.dtype != "string"]
     episodes = EpisodeFiles(folder, described)
-    for part, values, pixels in _frames(exported):
+    for part, values in _frames(exported):
         if part.first == part.episode.first:
             files.divide()
             episodes.begin(part.episode, files.number)
         files.write(values)
-        episodes.add(values, pixels)
+        episodes.add(values)
         if part.is_last:
             episodes.end()
     files.close()
@@ -67,10 +63,6 @@ def _features(exported: Exported) -> list[Feature]:
         more["seconds_after_skin_time"] = [round(each, 9) for each in vector.repeated(offsets)]
     return [
         _feature(SKIN, "float32", vector.names, **more),
-        *(
-            Feature(ParquetColumn(f"{IMAGES}{each.name}", IMAGE), (*each.shape, 3), PIXEL, {})
-            for each in exported.cameras
-        ),
         _feature(SKIN_TIME, "float64", None, units=["s"], source=exported.clock.source),
         *(
             _feature(
@@ -92,10 +84,8 @@ def _feature(name: str, dtype: str, names: list[str] | None, **more: Any) -> Fea
     return Feature(ParquetColumn(name, dtype, () if size == 1 else (size,)), (size,), names, more)
 
 
-def _frames(
-    exported: Exported,
-) -> Iterator[tuple[EpisodePart, dict[str, Any], dict[str, np.ndarray]]]:
-    """Yields parts of episodes, their columns by name, and thinned pixels of images by name."""
+def _frames(exported: Exported) -> Iterator[tuple[EpisodePart, dict[str, Any]]]:
+    """Yields parts of episodes, and their columns by name."""
     rate = exported.clock.rate
     for part in exported.parts():
         numbers, episode = part.numbers, part.episode
@@ -113,16 +103,7 @@ def _frames(
             "index": index,
             "task_index": np.zeros(len(index), dtype=np.int64),
         }
-        thinned = {}
-        for camera in exported.cameras:
-            name, step = f"{IMAGES}{camera.name}", max(1, max(camera.shape) // PIXELS_OF_STATISTICS)
-            images, some = [], []
-            for file in camera.images(part):
-                pixels = camera.pixels(file)
-                images.append(encoded(file, pixels))
-                some.append(pixels[::step, ::step])
-            values[name], thinned[name] = images, np.stack(some)
-        yield part, values, thinned
+        yield part, values
 
 
 def _write_meta(
@@ -150,7 +131,7 @@ def _write_meta(
         "video_path": None,
         "features": {feature.column.name: feature.described for feature in features},
     }
-    shapes = {feature.column.name: feature.statistics_shape for feature in features}
+    shapes = {feature.column.name: feature.shape for feature in features}
     stats = {name: each.values(shapes[name]) for name, each in statistics.items()}
     contents = {"info": info, "stats": stats, "rcskin": exported.description()}
     for name, content in contents.items():

@@ -12,7 +12,7 @@ import numpy as np
 
 from .episodes import Episode
 from .exported_sweeps import TASK
-from .parquet_files import IMAGE, ParquetColumn, ParquetFiles
+from .parquet_files import ParquetColumn, ParquetFiles
 from .running_statistics import RunningStatistics
 
 FILES_IN_CHUNK = 1000
@@ -42,7 +42,7 @@ class Feature:
     """A feature of frames. names: of its numbers. more: further entries of its description."""
 
     column: ParquetColumn
-    shape: tuple[int, ...]
+    shape: tuple[int]
     names: list[str] | None
     more: Mapping[str, Any]
 
@@ -51,11 +51,6 @@ class Feature:
         """Its entry in meta/info.json."""
         dtype, shape = self.column.dtype, list(self.shape)
         return {"dtype": dtype, "shape": shape, "names": self.names, **self.more}
-
-    @property
-    def statistics_shape(self) -> tuple[int, ...]:
-        """Shape of each of its statistics."""
-        return (3, 1, 1) if self.column.dtype == IMAGE else self.shape
 
 
 class EpisodeFiles:
@@ -73,7 +68,6 @@ class EpisodeFiles:
                 *self._statistics_columns(),
             ],
             lambda number: folder / f"meta/episodes/{file_name(number)}.parquet",
-            {},
         )
 
     def _statistics_columns(self) -> list[ParquetColumn]:
@@ -83,7 +77,7 @@ class EpisodeFiles:
             ParquetColumn(
                 f"stats/{feature.column.name}/{name}",
                 "int64" if name == "count" else "float64",
-                (1,) if name == "count" else feature.statistics_shape,
+                (1,) if name == "count" else feature.shape,
             )
             for feature in self._features
             for name in names.values((1,))
@@ -98,21 +92,18 @@ class EpisodeFiles:
         numbers = zip(NUMBERS, (*span, *chain(*files)), strict=True)
         self._row = {**dict(numbers), "tasks": [TASK], "session": episode.session}
 
-    def add(self, values: Mapping[str, Any], pixels: Mapping[str, np.ndarray]) -> None:
-        """Add frames of the episode. pixels: of images by name, shape (frame, row, column, 3)."""
+    def add(self, values: Mapping[str, Any]) -> None:
+        """Add frames of the episode."""
         for name, statistics in self._own.items():
-            if name in pixels:
-                statistics.add(pixels[name].reshape(-1, 3) / 255, len(pixels[name]))
-            else:
-                rows = np.asarray(values[name])
-                statistics.add(rows.reshape(len(rows), -1))
+            rows = np.asarray(values[name])
+            statistics.add(rows.reshape(len(rows), -1))
 
     def end(self) -> None:
         """End the episode and write its row."""
         row: dict[str, Any] = self._row
         for feature in self._features:
             name = feature.column.name
-            own = self._own[name].values(feature.statistics_shape)
+            own = self._own[name].values(feature.shape)
             row |= {f"stats/{name}/{each}": value for each, value in own.items()}
             self.all[name].join(self._own[name])
         self._files.write({name: [value] for name, value in row.items()})

@@ -16,83 +16,52 @@ import numpy as np
 if TYPE_CHECKING:
     import pyarrow as pa
 
-IMAGE = "image"
 MAX_BYTES = 100 * 2**20
 """Uncompressed size at which a file ends."""
 
 
 @dataclass(frozen=True)
 class ParquetColumn:
-    """A column. dtype: `float32` ..., `string` or IMAGE. shape: of a cell, () for one value."""
+    """A column. dtype: `float32` ... or `string`. shape: of a cell, () for one value,
+    (size,) for a vector."""
 
     name: str
     dtype: str
-    shape: tuple[int, ...] = ()
+    shape: tuple[()] | tuple[int] = ()
 
     @property
     def feature(self) -> dict[str, Any]:
         """Description as a feature of `datasets`."""
-        if self.dtype == IMAGE:
-            return {"_type": "Image"}
         value = {"dtype": self.dtype, "_type": "Value"}
         if not self.shape:
             return value
-        if len(self.shape) == 1:
-            return {"feature": value, "length": self.shape[0], "_type": "Sequence"}
-        shape = list(self.shape)
-        return {"shape": shape, "dtype": self.dtype, "_type": f"Array{len(shape)}D"}
+        return {"feature": value, "length": self.shape[0], "_type": "Sequence"}
 
     @property
     def type(self) -> pa.DataType:
         """Type in Arrow."""
         import pyarrow as pa
 
-        if self.dtype == IMAGE:
-            return pa.struct({"bytes": pa.binary(), "path": pa.string()})
         found = pa.type_for_alias(self.dtype)
-        if len(self.shape) == 1:
-            return pa.list_(found, self.shape[0])
-        for _ in self.shape:
-            found = pa.list_(found)
-        return found
-
-    @property
-    def field(self) -> pa.Field:
-        """Field in Arrow; arrays of several dimensions have the extension type of `datasets`."""
-        import pyarrow as pa
-
-        dimensions = len(self.shape)
-        extension = {
-            "ARROW:extension:name": f"datasets.features.features.Array{dimensions}DExtensionType",
-            "ARROW:extension:metadata": json.dumps([list(self.shape), self.dtype]),
-        }
-        return pa.field(self.name, self.type, metadata=extension if dimensions > 1 else None)
+        return pa.list_(found, self.shape[0]) if self.shape else found
 
     def array(self, values: Any) -> pa.Array:
-        """The cells of the column. values: shape (row, *shape), or a list of texts or images."""
+        """The cells of the column. values: shape (row, *shape), or a list of texts."""
         import pyarrow as pa
 
-        if self.dtype in (IMAGE, "string") or not self.shape:
+        if self.dtype == "string" or not self.shape:
             return pa.array(values, self.type)
-        values = np.ascontiguousarray(values)
-        if len(self.shape) == 1:
-            flat = pa.array(values.ravel(), pa.type_for_alias(self.dtype))
-            return pa.FixedSizeListArray.from_arrays(flat, self.shape[0])
-        found: pa.Array = pa.array(values.ravel(), pa.type_for_alias(self.dtype))
-        for size in reversed(self.shape):
-            ends = np.arange(0, len(found) + 1, size, dtype=np.int32)
-            found = pa.ListArray.from_arrays(pa.array(ends), found)
-        return found
+        flat = pa.array(np.ravel(values), pa.type_for_alias(self.dtype))
+        return pa.FixedSizeListArray.from_arrays(flat, self.shape[0])
 
 
-def schema_of(columns: Sequence[ParquetColumn], more: Mapping[str, Any] | None = None) -> pa.Schema:
-    """Schema of columns with their features. more: JSON objects by name, stored beside."""
+def schema_of(columns: Sequence[ParquetColumn]) -> pa.Schema:
+    """Schema of columns with their features."""
     import pyarrow as pa
 
     features = {column.name: column.feature for column in columns}
-    described = {"huggingface": {"info": {"features": features}}, **(more or {})}
-    metadata = {name: json.dumps(value, ensure_ascii=False) for name, value in described.items()}
-    return pa.schema([column.field for column in columns], metadata)
+    info = json.dumps({"info": {"features": features}}, ensure_ascii=False)
+    return pa.schema([(each.name, each.type) for each in columns], {"huggingface": info})
 
 
 class ParquetFiles:
@@ -101,11 +70,9 @@ class ParquetFiles:
     path: of the file of a number. A file ends at MAX_BYTES, but only where `divide` is called.
     """
 
-    def __init__(
-        self, columns: Sequence[ParquetColumn], path: Callable[[int], Path], more: Mapping[str, Any]
-    ) -> None:
+    def __init__(self, columns: Sequence[ParquetColumn], path: Callable[[int], Path]) -> None:
         self.columns, self.number = columns, 0
-        self._path, self._schema, self._writer, self._size = path, schema_of(columns, more), None, 0
+        self._path, self._schema, self._writer, self._size = path, schema_of(columns), None, 0
 
     def divide(self) -> None:
         """Begin another file here if this one has its size."""

@@ -22,8 +22,8 @@ class RunningStatistics:
     def __init__(self) -> None:
         self.count, self._values = 0, dict[str, Real]()
 
-    def add(self, values: NDArray[Any], count: int | None = None) -> None:
-        """Add a part. values: shape (row, number). count: weight, the number of rows by default."""
+    def add(self, values: NDArray[Any]) -> None:
+        """Add a part. values: shape (row, number)."""
         rows = values.astype(np.float64)
         part = {
             "min": rows.min(axis=0),
@@ -32,7 +32,7 @@ class RunningStatistics:
             "std": rows.std(axis=0),
             **dict(zip(QUANTILES, np.quantile(rows, [*QUANTILES.values()], axis=0), strict=True)),
         }
-        self._join(part, len(rows) if count is None else count)
+        self._join(part, len(rows))
 
     def join(self, other: RunningStatistics) -> None:
         """Add all parts of other statistics."""

@@ -5,28 +5,23 @@ from .definitions import (
     DIAGNOSTICS,
     DIAGNOSTICS_TOPIC,
     FRAME,
-    PACKAGE_FOLDER,
     READINGS,
     READINGS_TOPIC,
     TOUCH,
     TOUCH_TOPIC,
     definition,
 )
-from .viewer_contents import image_message, position_message
 
 __all__ = [
     "DIAGNOSTICS",
     "DIAGNOSTICS_TOPIC",
     "FRAME",
-    "PACKAGE_FOLDER",
     "READINGS",
     "READINGS_TOPIC",
     "TOUCH",
     "TOUCH_TOPIC",
     "definition",
     "diagnostic_array",
-    "image_message",
-    "position_message",
     "readings_message",
     "touch_message",
 ]

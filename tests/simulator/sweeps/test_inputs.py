@@ -13,12 +13,9 @@ import numpy as np
 import pytest
 import xarray as xr
 from rcskin.localization.model.localizer_file import load
-from rcskin.simulator.dataset.exports.camera_images import cameras
-from rcskin.simulator.dataset.exports.episodes import Episode
-from rcskin.simulator.dataset.exports.export import export
 from rcskin.simulator.scene.form.mesh_file import read_surface
 from rcskin.simulator.scene.scene_files import BUILTIN, load_scene, parse_scene
-from rcskin.simulator.sweeps import InputError, inputs, read, write
+from rcskin.simulator.sweeps import InputError, inputs, read
 from rcskin.simulator.sweeps.digests import unsealed_json
 from rcskin.simulator.sweeps.imports import import_file
 from rcskin.simulator.sweeps.schema import session_names
@@ -144,36 +141,6 @@ def test_a_picture_of_too_many_pixels_is_not_decoded(tmp_path, side):
     (tmp_path / "map.png").write_bytes(png(side, side))
     scene = with_map(tmp_path, "map.png", "low = 0.5", "high = 2.0")
     assert "pixels" in refusal(load_scene, scene)
-
-
-@pytest.fixture
-def camera(tmp_path):
-    """A folder with two images of a camera."""
-    from PIL import Image
-
-    own = tmp_path / "camera_main_rgb/episode-000000"
-    own.mkdir(parents=True)
-    for name in ("0.png", "1.png"):
-        Image.fromarray(np.zeros((40, 40, 3), np.uint8)).save(own / name)
-    return own
-
-
-@pytest.mark.parametrize("name", ["0.png", "1.png"])
-@pytest.mark.parametrize("side", [9_000, 100_000])
-def test_a_camera_of_too_many_pixels_is_not_decoded(tmp_path, make_sweeps, camera, side, name):
-    write(make_sweeps(2), tmp_path / "data.nc")
-    (camera / name).write_bytes(png(side, side))
-
-    def exported(path):
-        export(path, tmp_path / "out.zarr", "tactile-zarr", [camera.parent])
-
-    assert re.search("pixels.* at most .*read", refusal(exported, tmp_path / "data.nc"))
-
-
-def test_images_of_a_camera_at_once_fit_into_memory(camera, monkeypatch):
-    monkeypatch.setattr(inputs, "free_memory", lambda: 1000)
-    with pytest.raises(InputError, match="camera_main_rgb: declares .* of numbers"):
-        cameras([camera.parent], [Episode(0, "0", 0, 2)])
 
 
 def test_other_formats_of_pictures_and_meshes_are_not_tried(tmp_path):

@@ -102,14 +102,6 @@ def test_few_degrees_are_not_lost_on_the_scale_of_many(fields):
     assert scales(phase, [values, 120 * values], weight) == [(-1, 0), (-120, 0)]
 
 
-def test_each_frame_has_a_scale_of_its_own_where_that_is_asked_for(fields):
-    skin = fields()
-    weight = point_areas(skin)
-    near, far = np.linspace(0.9998, 1, weight.size), np.linspace(0.1, 1, weight.size)
-    assert scales(only("potential", skin), [near, far], weight) == [(0, 1), (0, 1)]
-    assert scales(only("potential", skin), [near, far], weight, own=True) == [(0.9998, 1), (0, 1)]
-
-
 @pytest.mark.parametrize(
     ("low", "high", "text"),
     [(0.99983, 1.0, "0.99983 to 1.00000 V"), (-20.6, 0.0, "−21 to 0 V"), (0, 53.4, "0 to 53 V")],

@@ -78,43 +78,9 @@ def test_which_of_several_interfaces_is_shown_is_said(solved, capsys, interface,
     assert solved[0][2] == (interface or "left")
 
 
-@pytest.mark.posix("Windows always has a display")
-def test_without_a_display_a_page_is_opened(run, solved, scene_file, monkeypatch, tmp_path):
-    opened = []
-    monkeypatch.delenv("DISPLAY", raising=False)
-    monkeypatch.setattr("sys.platform", "linux")
-    monkeypatch.setattr("webbrowser.open", opened.append)
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    code, out, err = run("view", scene_file, "--interactive")
-    assert (code, err) == (0, "")
-    (page,) = tmp_path.glob("rcskin-*/skin.html")
-    assert out.strip() == str(page) and opened == [page.as_uri()]
-    named = tmp_path / "named.html"
-    code, out, _ = run("view", scene_file, "--interactive", "-o", named)
-    assert code == 0 and out.endswith(f"\n{named}\n")
-
-
-@pytest.mark.pictures
-def test_with_a_display_a_window_is_opened(run, solved, scene_file, monkeypatch):
-    from pyvista import Plotter
-
-    shown = []
-    monkeypatch.setattr("rcskin.simulator.view.painting.has_display", lambda: True)
-    monkeypatch.setenv("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
-    monkeypatch.setattr(
-        "rcskin.simulator.view.painting.window",
-        lambda title, count: Plotter(off_screen=True, shape=(1, count), window_size=[200, 200]),
-    )
-    monkeypatch.setattr(Plotter, "show", lambda self: shown.extend(self.renderers))
-    assert run("view", scene_file, "--interactive", "--what", "all") == (0, "", "")
-    assert len(shown) == 7
-    assert all(view.legend is not None for view in shown)
-
-
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        ((), "give -o OUT or --interactive"),
         (("-o", "out.bmp"), "must end in .png or .svg or .pdf or .gif"),
         (("-o", "nowhere/out.png"), "the folder nowhere does not exist"),
         (("-o", "out.png", "--what", "colour"), "--what must be one of potential"),
@@ -147,8 +113,6 @@ def test_bad_input_is_reported_in_one_line(
         ("pyvista", ("-o", "out.vtu")),
         ("imageio_ffmpeg", ("-o", "out.mp4")),
         ("meshio", ("-o", "out.xdmf")),
-        ("plotly", ("-o", "out.html")),
-        ("plotly", ("--interactive",)),
     ],
 )
 def test_what_is_not_installed_is_reported_with_its_extra(

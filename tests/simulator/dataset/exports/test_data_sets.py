@@ -14,19 +14,13 @@ def data(make, toy):
 
 def test_touches_and_sessions_of_data_sets_travel(data, tmp_path):
     sweeps = read(data)
-    for name in ("lerobot", "hugging-face"):
-        export(data, tmp_path / name, name)
-    export(data, tmp_path / "out.zarr")
-    frames = pd.read_parquet(tmp_path / "lerobot/data/chunk-000/file-000.parquet")
-    rows = pd.read_parquet(tmp_path / "hugging-face/data/train-00000.parquet")
-    zarr = pytest.importorskip("zarr", reason="needs zarr: pip install '.[robots]'")
-    arrays = zarr.open_group(tmp_path / "out.zarr", mode="r")["data"]
-    for found in (frames["label.touch_x"], rows["touch_x"], arrays["label_touch_x"][:]):
-        np.testing.assert_array_equal(np.stack([*found]), sweeps["touch_x"].values)
-    for found in (frames["label.press"], rows["press"], arrays["label_press"][:]):
-        assert [*found] == sweeps["press"].values.tolist()
-    assert rows["session"].tolist() == [str(each) for each in sweeps["session"].values]
-    assert np.stack([np.stack(each) for each in rows["Rs"]]).dtype == sweeps["Rs"].dtype
+    export(data, tmp_path / "out", "lerobot")
+    frames = pd.read_parquet(tmp_path / "out/data/chunk-000/file-000.parquet")
+    np.testing.assert_array_equal(np.stack([*frames["label.touch_x"]]), sweeps["touch_x"].values)
+    assert [*frames["label.press"]] == sweeps["press"].values.tolist()
+    episodes = pd.read_parquet(tmp_path / "out/meta/episodes/chunk-000/file-000.parquet")
+    names = np.repeat(episodes["session"], episodes["length"])
+    assert names.tolist() == [str(each) for each in sweeps["session"].values]
 
 
 def test_times_of_simulated_sweeps_are_those_of_the_meter(data, tmp_path):
@@ -44,8 +38,8 @@ def test_times_of_simulated_sweeps_are_those_of_the_meter(data, tmp_path):
 def test_sweeps_of_a_sensor_keep_its_clock(make_sweeps, tmp_path):
     sweeps = make_sweeps(4, session=[0, 0, 1, 1], time=[0.5, 1.5, 0.5, 1.5])
     write(sweeps.assign_attrs(model="sensor", rtol=1e-3), tmp_path / "data.nc")
-    export(tmp_path / "data.nc", tmp_path / "out", "hugging-face")
-    times = pd.read_parquet(tmp_path / "out/data/train-00000.parquet")["time"]
+    export(tmp_path / "data.nc", tmp_path / "out", "lerobot")
+    times = pd.read_parquet(tmp_path / "out/data/chunk-000/file-000.parquet")["skin_time"]
     assert times.tolist()[:2] == [0.5, 1.5]
     assert times[2] > times[1] and times[3] - times[2] == pytest.approx(1)  # one after the other
     assert "sensor's clock" in (tmp_path / "out/README.md").read_text(encoding="utf-8")

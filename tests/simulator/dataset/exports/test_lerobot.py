@@ -3,7 +3,6 @@
 LeRobot's own reader needs PyTorch below 2.11 and sixteen more packages, so that it is no extra.
 """
 
-import io
 import json
 from importlib.util import find_spec
 
@@ -11,9 +10,9 @@ import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
 import pytest
-from PIL import Image
 from rcskin.simulator.dataset.exports.export import export
 from rcskin.simulator.dataset.exports.running_statistics import RunningStatistics
+from rcskin.simulator.sweeps import write
 
 INFO = {
     "codebase_version": str,
@@ -146,57 +145,29 @@ def test_large_data_sets_fill_several_files(data, sweeps, tmp_path, monkeypatch)
     assert rows["data/file_index"].tolist() == rows["episode_index"].tolist()
 
 
-@pytest.fixture
-def with_images(sweeps_of, tmp_path):
-    """Exported sweeps with a camera, and the colour of each image."""
-    from rcskin.simulator.sweeps import write
-
-    write(sweeps_of("measured"), tmp_path / "data.nc")
-    colours = np.random.default_rng(3).integers(0, 255, (5, 3), dtype=np.uint8)
-    for k, colour in enumerate(colours):
-        episode, frame = divmod(k, 3)
-        own = tmp_path / f"camera_main_rgb/episode-{episode:06d}"
-        own.mkdir(parents=True, exist_ok=True)
-        Image.fromarray(np.full((4, 6, 3), colour)).save(own / f"frame-{frame:06d}.png")
-    export(tmp_path / "data.nc", tmp_path / "out", "lerobot", [tmp_path / "camera_main_rgb"])
-    return tmp_path / "out", colours
-
-
-def test_images_stand_beside_the_sweeps(with_images, tmp_path):
-    out, colours = with_images
-    name = "observation.images.camera_main_rgb"
-    described = {"dtype": "image", "shape": [4, 6, 3], "names": ["height", "width", "channels"]}
-    assert _json(out / "meta/info.json")["features"][name] == described
-    table = pd.read_parquet(out / "data/chunk-000/file-000.parquet")
-    for cell, colour in zip(table[name], colours, strict=True):
-        with Image.open(io.BytesIO(cell["bytes"])) as image:
-            assert (np.asarray(image) == colour).all()
-    mean = _json(out / "meta/stats.json")[name]["mean"]
-    np.testing.assert_allclose(np.array(mean)[:, 0, 0], colours.mean(axis=0) / 255)
-    zarr = pytest.importorskip("zarr", reason="needs zarr: pip install '.[robots]'")
-    export(tmp_path / "data.nc", tmp_path / "out.zarr", images=[tmp_path / "camera_main_rgb"])
-    images = zarr.open_group(tmp_path / "out.zarr", mode="r")["data/camera_main_rgb"]
-    assert images.shape == (5, 4, 6, 3)
-    np.testing.assert_array_equal(images[:, 0, 0], colours)
-
-
 @pytest.mark.skipif(
     find_spec("lerobot") is None,
     reason="LeRobot is not installed: it needs PyTorch below 2.11 and many more packages",
 )
-def test_lerobot_reads_the_data_set(with_images):
+def test_lerobot_reads_the_data_set(sweeps_of, tmp_path):
     from lerobot.datasets.lerobot_dataset import LeRobotDataset
 
-    out, colours = with_images
+    write(sweeps_of("measured"), tmp_path / "data.nc")
+    export(tmp_path / "data.nc", tmp_path / "out", "lerobot")
     dataset = LeRobotDataset(
-        "local/skin", root=out, delta_timestamps={"observation.skin": [-0.5, 0]}
+        "local/skin", root=tmp_path / "out", delta_timestamps={"observation.skin": [-0.5, 0]}
     )
     assert dataset.num_episodes == 2 and len(dataset) == 5
     frame = dataset[1]
     size = len(dataset.features["observation.skin"]["names"])
     assert frame["observation.skin"].shape == (2, size)
     assert frame["task"] == "read the skin" and frame["label.press"] == "1,2:2.0"
-    np.testing.assert_allclose(
-        frame["observation.images.camera_main_rgb"][:, 0, 0], colours[1] / 255, atol=1e-6
-    )
     assert dataset.meta.stats["observation.skin"]["mean"].shape == (size,)
+
+
+def test_datasets_reads_the_folder_by_its_card(out, sweeps, tmp_path):
+    datasets = pytest.importorskip("datasets", reason="needs datasets: pip install datasets")
+    found = datasets.load_dataset(str(out), split="train", cache_dir=str(tmp_path))
+    assert found["label.press"][:] == sweeps["press"].values.tolist()
+    size = _json(out / "meta/info.json")["features"]["observation.skin"]["shape"][0]
+    assert np.shape(found[0]["observation.skin"]) == ((size,) if size > 1 else ())

@@ -1,37 +1,22 @@
 """Exports that are refused, in one line."""
 
-import numpy as np
 import pytest
-from PIL import Image
 from rcskin.simulator.dataset.exports.export import export
 from rcskin.simulator.sweeps import InputError, write
 from rcskin.simulator.sweeps.writing import WriteContext, in_write_context
 
-FOLDERS = "a folder needs --format lerobot or hugging-face"
+FOLDERS = "a folder needs --format lerobot"
 REFUSED = {
-    "unknown ending": ("out.txt", None, (), rf"must end in \.nc or .*, got '\.txt'; {FOLDERS}"),
-    "folder without a format": ("out", None, (), FOLDERS),
-    "unknown format": ("out", "rlds", (), "--format: must be netcdf or .*, got 'rlds'"),
-    "other ending": ("out.nc", "mcap", (), r"out\.nc: must end in \.mcap, got '\.nc'"),
+    "unknown ending": ("out.txt", None, rf"must end in \.nc or .*, got '\.txt'; {FOLDERS}"),
+    "folder without a format": ("out", None, FOLDERS),
+    "unknown format": ("out", "rlds", "--format: must be netcdf or .*, got 'rlds'"),
+    "other ending": ("out.nc", "mcap", r"out\.nc: must end in \.mcap, got '\.nc'"),
     "a folder of other files": (
         "full",
         "lerobot",
-        (),
         r"full: is a folder without meta/rcskin\.json",
     ),
-    "a file in place of a folder": ("data.nc", "lerobot", (), "is a file, not a folder"),
-    "no place for images": ("out.mcap", None, ("front",), "use --format tactile-zarr or lerobot"),
-    "no images": ("out", "lerobot", ("nowhere",), "nowhere/episode-000000: no such folder"),
-    "fewer images than sweeps": ("out", "lerobot", ("front",), "1 images .* episode has 2 sweeps"),
-    "images of two sizes": (
-        "out",
-        "lerobot",
-        ("sizes",),
-        r"1\.png: has 5 x 4 pixels, .* 3 x 4",
-    ),
-    "no image": ("out", "lerobot", ("text",), r"0\.png: cannot be read as an image"),
-    "two cameras of a name": ("out", "lerobot", ("front", "full/front"), "are called 'front'"),
-    "a camera that the layout lacks": ("out.zarr", None, ("sizes",), "of this layout: camera_main"),
+    "a file in place of a folder": ("data.nc", "lerobot", "is a file, not a folder"),
 }
 
 
@@ -40,24 +25,15 @@ def folder(make_sweeps, tmp_path):
     write(make_sweeps(2), tmp_path / "data.nc")
     (tmp_path / "full").mkdir()
     (tmp_path / "full/letter.txt").write_text("")
-    for camera, widths in {"front": [3], "sizes": [3, 5]}.items():
-        own = tmp_path / camera / "episode-000000"
-        own.mkdir(parents=True)
-        for k, width in enumerate(widths):
-            Image.fromarray(np.zeros((4, width, 3), np.uint8)).save(own / f"{k}.png")
-    own = tmp_path / "text/episode-000000"
-    own.mkdir(parents=True)
-    for k in range(2):
-        (own / f"{k}.png").write_text("no image")
     return tmp_path
 
 
 @pytest.mark.parametrize("case", REFUSED)
 def test_exports_are_refused_in_one_line(folder, case):
-    output, name, cameras, message = REFUSED[case]
+    output, name, message = REFUSED[case]
     before = sorted(folder.iterdir())
     with pytest.raises(InputError, match=message) as refused:
-        export(folder / "data.nc", folder / output, name, [folder / each for each in cameras])
+        export(folder / "data.nc", folder / output, name)
     assert "\n" not in str(refused.value)
     assert sorted(folder.iterdir()) == before
 
@@ -77,20 +53,19 @@ def test_times_before_1970_fit_no_stamp(make_sweeps, tmp_path):
 
 
 def test_an_export_replaces_another_one_on_demand_only(folder):
-    export(folder / "data.nc", folder / "out", "hugging-face")
+    export(folder / "data.nc", folder / "out", "lerobot")
     (folder / "out/mine.txt").write_text("my own")
     with pytest.raises(InputError, match="out: already exists; --overwrite replaces it"):
-        export(folder / "data.nc", folder / "out", "hugging-face")
+        export(folder / "data.nc", folder / "out", "lerobot")
     assert (folder / "out/mine.txt").exists()
     with in_write_context(WriteContext(overwrite=True)):
-        export(folder / "data.nc", folder / "out", "hugging-face")
+        export(folder / "data.nc", folder / "out", "lerobot")
     assert not (folder / "out/mine.txt").exists()
 
 
 def test_no_option_replaces_a_folder_of_other_files(folder):
     (folder / "README.md").write_text("a project of its own")
     with in_write_context(WriteContext(overwrite=True)):
-        for name in ("lerobot", "hugging-face"):
-            with pytest.raises(InputError, match="it holds other files than such a data set"):
-                export(folder / "data.nc", folder, name)
+        with pytest.raises(InputError, match="it holds other files than such a data set"):
+            export(folder / "data.nc", folder, "lerobot")
     assert (folder / "data.nc").exists()
