@@ -234,7 +234,7 @@ def earth_alone():
 
     def alone(err):
         return (
-            err.count("\n") == 1 and ": the scene has no [surroundings]: a metal body 5 mm" in err
+            err.count("\n") == 1 and ": the scene has no [surroundings]: a metal body behind" in err
         )
 
     return alone

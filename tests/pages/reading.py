@@ -39,7 +39,7 @@ def prose(page):
 def commands(page):
     """The lines of the blocks that call rcskin, without the comments behind them."""
     lines = [line for block in blocks(page, "") for line in block.splitlines()]
-    return [re.split(r" {2,}| +#", line)[0] for line in lines if line.startswith("rcskin ")]
+    return [re.split(r" +# ", line)[0] for line in lines if line.startswith("rcskin ")]
 
 
 def links(page):

@@ -10,7 +10,7 @@ import pytest
 import rcskin
 from rcskin.docs import generate
 
-from .reading import RESULTS, ROOT, anchors, links, pages, prose, text
+from .reading import RESULTS, ROOT, anchors, commands, links, pages, prose, text
 
 LINES_OF_THE_FRONT_PAGE = 150
 LINES_OF_A_ROOM = 25
@@ -73,6 +73,13 @@ def test_every_path_and_module_that_is_named_exists(page):
         module, _, last = name.rpartition(".")
         found = last in rcskin._OF_EXTRAS or find_spec(name) or hasattr(import_module(module), last)
         assert found, name
+
+
+@pytest.mark.parametrize("page", pages())
+def test_lines_of_commands_can_be_pasted(page):
+    """A shell drops what stands behind the command, because it is a comment."""
+    for line in commands(page):
+        assert "  " not in line, line
 
 
 def test_the_version_is_the_same_everywhere():

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.describe.facts import facts
+from rcskin.simulator.describe.facts import key_facts
 from rcskin.simulator.measure.symmetry import representative
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
@@ -52,7 +52,7 @@ def test_a_tear_breaks_a_symmetry_that_a_coarse_grid_of_points_would_miss():
 
 
 def test_a_scene_describes_its_tear():
-    text = str(list(facts(torn(STRIP, "top", edge="bottom", at=0.5, length=0.25))))
+    text = str(list(key_facts(torn(STRIP, "top", edge="bottom", at=0.5, length=0.25))))
     assert "torn from the bottom edge over 25 % of the skin" in text
 
 

@@ -15,7 +15,7 @@ from rcskin.benchmarks.accuracy.verification_parts.formulas import uniform
 from rcskin.benchmarks.accuracy.verification_parts.report import Check, Section
 from rcskin.benchmarks.bench import Run
 from rcskin.simulator.fem.matrices.assembly import quadrilateral
-from rcskin.simulator.models.stray import straight_share
+from rcskin.simulator.models.validity import straight_share
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 from skfem import Basis, BilinearForm, FacetBasis, MeshQuad

@@ -1,7 +1,7 @@
 """Readings in brief: what they stand for, what is wrong with them, and which add nothing."""
 
 import pytest
-from rcskin.simulator.describe.facts import facts
+from rcskin.simulator.describe.facts import key_facts
 from rcskin.simulator.measure.symmetry import repeated
 from rcskin.simulator.scene.scene_files import parse_scene, scene_text
 from rcskin.simulator.sweeps import InputError
@@ -113,7 +113,7 @@ def test_crossed_pairs_of_equal_sheets_repeat_readings():
         ("top-bottom to bottom-left", "top-left to bottom-bottom"),
         ("bottom-left to bottom-bottom", "top-left to top-bottom"),
     ]
-    told = [fact.text for fact in facts(scene) if fact.about in ("repeated", "one sheet")]
+    told = [fact.text for fact in key_facts(scene) if fact.about in ("repeated", "one sheet")]
     assert "it only averages the meter" in told[0]
     assert sum("no capacitance" in each for each in told) == 2
 

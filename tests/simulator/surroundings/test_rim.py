@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.stray import rim_per_length
+from rcskin.simulator.models.validity import rim_per_length
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.foam.foam import VACUUM_PERMITTIVITY
 from rcskin.simulator.surroundings import blocks, rim

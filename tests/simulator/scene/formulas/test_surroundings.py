@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.models import stray
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.validity import rim_share, straight_share
 from rcskin.simulator.press.finger import finger_capacitance
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Rectangle, Touch
-from rcskin.simulator.scene.surroundings import Body
 
 EPS0 = 8.8541878128e-12
 LOW = [1e-3]
@@ -136,25 +135,11 @@ def test_sizes(rng, make_scene):
     P gamma / C
     gamma = 8.8541878128e-12 / (2 pi) (1 + ln(2 pi (w_m / d + 1 / 2))),  w_m = (L^-1.5 + W^-1.5)^(-2 / 3)
     (d / delta)^2 / 6
-    C_p / (2 C)
-    R_s / (R_t + R_b) c_e / c + C_p / (2 C)
-    3 / 2 R_s / (R_t + R_b) C_f / C
-    1 - (1 - w / L)^3
     """  # noqa: E501
     L, W, d, delta = 0.1, 0.06, rng.uniform(1e-3, 5e-3), rng.uniform(1e-2, 1e-1)
     scene = make_scene(length=L, width=W).with_({"skin.foam.thickness": d})
-    R_t, R_b = scene.skin.sheet_resistances
     C, P, pi = 5e-9 * L * W, 2 * (L + W), np.pi
     w_m = (L**-1.5 + W**-1.5) ** (-2 / 3)
     gamma = 8.8541878128e-12 / (2 * pi) * (1 + np.log(2 * pi * (w_m / d + 1 / 2)))
-    assert stray.rim_share(scene) == pytest.approx(P * gamma / C)
-    assert stray.straight_share(d, delta) == pytest.approx((d / delta) ** 2 / 6)
-    C_p = stray.plate_capacitance(L, W)
-    assert stray.open_share(scene) == pytest.approx(C_p / (2 * C))
-    body = Body(capacitance_per_area=rng.uniform(1e-10, 1e-8))
-    behind = R_b / (R_t + R_b) * body.per_area / 5e-9 + C_p / (2 * C)
-    assert stray.body_share(scene, body) == pytest.approx(behind)
-    C_f = rng.uniform(1e-12, 1e-11)
-    assert stray.finger_share(scene, C_f) == pytest.approx(3 / 2 * R_t / (R_t + R_b) * C_f / C)
-    w = rng.uniform(0, 0.02)
-    assert stray.overlap_share(L, w) == pytest.approx(1 - (1 - w / L) ** 3)
+    assert rim_share(scene) == pytest.approx(P * gamma / C)
+    assert straight_share(d, delta) == pytest.approx((d / delta) ** 2 / 6)
