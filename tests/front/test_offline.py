@@ -14,8 +14,6 @@ import matplotlib
 import numba
 import platformdirs
 import pytest
-import rcskin
-from rcskin.simulator.scene.scene_files import scene_text
 
 from .offline import COUNTERS
 from .test_help import EACH
@@ -61,7 +59,6 @@ LINES = f"""
     frequencies strip-1x3 -n 2
     calibrate strip-1x3 it.nc --fit capacitance -o fit
     view strip-1x3 -o view.vtu
-    view strip-1x3 -o view.vtu
     study strip-1x3 --vary skin.foam.loss_tangent=0.01,0.02 --repetitions 8 --rtol 1e-2 -o study.csv
     design strip-1x3 --casts 1 --draws 40 --sheet-ratio 1 --want 0.5 -o designed
     gap it.nc it.nc --calibration-touches 1 --draws 1 -o gap
@@ -70,6 +67,25 @@ LINES = f"""
 COMMANDS = [line.strip() for line in LINES.strip().splitlines()]
 REFUSED = {"meter gather": 2}
 """A recording that has ended leaves nothing to gather."""
+
+
+def name_of(line):
+    """The words of a line that name its command."""
+    words = tuple(line.split()[:2])
+    return words if words in EACH else words[:1]
+
+
+def why_no_namespace():
+    """Empty where a process may have a network of its own."""
+    if platform.system() != "Linux" or not shutil.which(NAMESPACE[0]):
+        return "only Linux has network namespaces, by the program unshare"
+    done = subprocess.run([*NAMESPACE, "true"], capture_output=True, text=True)
+    return done.stderr.strip()
+
+
+def environment(home):
+    """An empty home folder, but for compiled kernels and fonts, and no setting of onnxruntime."""
+    kept = {name: value for name, value in os.environ.items() if name != "ORT_DISABLE_TELEMETRY"}
     kernels = numba.config.CACHE_DIR or platformdirs.user_cache_path("rcskin", False) / "kernels"
     folders = ("HOME", "USERPROFILE", "XDG_CACHE_HOME", "XDG_STATE_HOME", "LOCALAPPDATA", "APPDATA")
     return {
