@@ -12,11 +12,11 @@ import torch
 from torch import Tensor, nn
 
 from ..fem.terminals.terminal_network import allowed_potentials
-from ..models.heterogeneous.materials import gauged
-from ..models.reduced.forward import Forward
 from ..models.cosine_modes.sheet_modes import MAX_AMPLITUDE
+from ..models.heterogeneous.materials import gauged
 from ..models.parameters import SHEET_MODES
 from ..models.reduced.cases import strongest_finger
+from ..models.reduced.forward import Forward
 from ..models.reduced.forward_training import PIXEL_FACTORS, REACH
 from ..models.reduced.indentation.indentation_draws import spreading
 from ..models.reduced.reduced_model import Reduced
