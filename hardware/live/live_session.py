@@ -13,6 +13,7 @@ from ..meter.errors import MeterError
 from ..meter.meter_reading import MeterReading
 from ..record.measured_sweep import MeasuredSweep, flag_remarks, now, switching_remarks
 from ..record.press_order import UNKNOWN
+from ..record.sweep_checks import frozen_remarks
 from .adaptive_reading import PartialSweep, ReadingTimes, measure_adaptively
 from .live_baseline import LiveBaseline, says_unpressed
 from .live_meter import LiveMeter
@@ -117,6 +118,7 @@ class LiveSession:
     failed: int = field(default=0, init=False)
     _begun: float | None = field(default=None, init=False)
     _ended: float | None = field(default=None, init=False)
+    _latest: MeasuredSweep | None = field(default=None, init=False)
     _reading_times: ReadingTimes = field(init=False)
     _ends: deque[float] = field(default_factory=lambda: deque(maxlen=RATE_ANSWERS), init=False)
     _baseline_trials: int = field(default=0, init=False)
@@ -155,7 +157,7 @@ class LiveSession:
         except MeterError as failure:
             self._fail(failure)
             return
-        unsound = self._remarks(measured)
+        unsound = self._remarks(measured) + self._frozen(measured)
         if unsound:
             self.failed += 1
             self.display.no_answer(f"the sweep is unsound: {'; '.join(unsound)}")
@@ -282,6 +284,13 @@ class LiveSession:
                 MeasuredSweep((trace,)), [], unpressed=True
             )
         ]
+
+    def _frozen(self, measured: TimedSweep) -> list[str]:
+        """Remark if the device repeats its last whole sweep digit for digit."""
+        if measured.part is not None:
+            return []
+        before, self._latest = self._latest, measured.sweep
+        return frozen_remarks(measured.sweep, before, list(self.baseline.sweeps))
 
     def _drift(self, measured: TimedSweep, answer: TouchAnswer) -> list[str]:
         return self._remarks(measured, self.baseline.first) if says_unpressed(answer) else []

@@ -212,8 +212,13 @@ def _json_object(text: str) -> dict[str, Any]:
     def refuse(word: str) -> None:
         raise LineError(OUT_OF_RANGE, f"{word} in {text[:SHOWN]!r}")
 
+    def distinct(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+        if len(found := dict(pairs)) < len(pairs):
+            raise LineError(UNREADABLE, f"a field comes twice in {text[:SHOWN]!r}")
+        return found
+
     try:
-        found = json.loads(text, parse_constant=refuse)
+        found = json.loads(text, parse_constant=refuse, object_pairs_hook=distinct)
     except LineError:
         raise
     except (ValueError, RecursionError):

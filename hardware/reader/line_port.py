@@ -127,6 +127,8 @@ class LinePort:
                 received = self._stream.read()
             except Exception as error:  # pyserial's, the system's, and termios.error
                 with self._arrival:
+                    now = time.perf_counter()
+                    self._lines.extend(cutter.feed(b"\n", self._stream.empty, now))
                     self._failure = str(error) or type(error).__name__
                     self._arrival.notify_all()
                 return

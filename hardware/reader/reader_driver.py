@@ -13,7 +13,7 @@ import numpy as np
 from ...simulator.arrays import Complex, Real
 from ...simulator.sweeps import InputError, parallel_capacitance
 from ...simulator.sweeps.reading_quantities import MAGNITUDE, ReadingKind
-from ..meter.errors import GarbledError, MeterError, NoAnswerError
+from ..meter.errors import GarbledError, LostConnectionError, MeterError, NoAnswerError
 from ..meter.meter_identity import VIRTUAL_SERIAL, MeterIdentity
 from ..meter.meter_reading import MeterReading
 from ..meter.reading_source import SettingValue
@@ -192,9 +192,15 @@ class ReaderDriver:
         else:
             self._assembly = self._new_assembly()
         self._notes.clear()
-        span, since = self._timeout + TRIES * self._sweep_seconds, time.perf_counter()
+        span, since = self._line_seconds + TRIES * self._sweep_seconds, time.perf_counter()
         while time.perf_counter() < since + span * (1 if self._notes else SLOW_FACTOR):
-            line = self._next_line(time.perf_counter() + self._line_seconds)
+            try:
+                line = self._next_line(time.perf_counter() + self._line_seconds)
+            except (NoAnswerError, LostConnectionError):
+                last = self._assembly.end()
+                if last is None:
+                    raise
+                return last
             measured_since, before = before, line.since
             if measured_since < begun:
                 self._assembly.take_banner(line.text)

@@ -30,7 +30,7 @@ from .recording_journal import (
     differences,
     warn_if_clock_set_back,
 )
-from .sweep_checks import ConditionsOf, ErrorTable, SweepChecker, SweepLimits
+from .sweep_checks import ConditionsOf, ErrorTable, SweepChecker, SweepLimits, frozen_remarks
 
 ETA_STEPS = 12
 """Number of latest steps that the estimate of the time left uses."""
@@ -140,6 +140,7 @@ class RecordingRun:
             if entry is None:
                 return None
             remarks = self.judge.remarks(entry.sweep, same_press, step == UNPRESSED_STEP)
+            remarks += frozen_remarks(entry.sweep, sound[-1].sweep if sound else None, baselines)
             if step != UNPRESSED_STEP:
                 remarks += undetected_press(entry.sweep, baselines)
             if self.operator.kept(remarks):

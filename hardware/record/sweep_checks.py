@@ -1,4 +1,4 @@
-"""Checks of a measured sweep: passivity, earlier repetitions, drift of the unpressed skin."""
+"""Checks of a measured sweep: passivity, the device, earlier repetitions, the unpressed skin."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ import numpy as np
 
 from ...simulator.meters.accuracy_table import ReadingConditions, full_scale
 from ...simulator.sweeps import parallel_capacitance
+from ...simulator.sweeps.laws.device_faults import FROZEN_TEXT, frozen_sweeps, reading_faults
 from ...simulator.sweeps.laws.passivity import ErrorBounds, broken_laws, frequencies_text
-from ...simulator.sweeps.reading_quantities import IMPEDANCE
+from ...simulator.sweeps.reading_quantities import IMPEDANCE, MAGNITUDE
 from .measured_sweep import InterfaceTrace, MeasuredSweep
 
 if TYPE_CHECKING:
@@ -92,6 +93,9 @@ class SweepChecker:
         self, trace: InterfaceTrace, earlier: Sequence[InterfaceTrace], unpressed: bool
     ) -> list[str]:
         found = [*self._law_remarks(trace), *self._capacitance_remarks(trace)]
+        phases, two_terminal = trace.kind != MAGNITUDE.name, self.limits.two_terminal
+        faults = reading_faults(trace.Z, self.frequency, phases, two_terminal)
+        found += [each.text for each in faults]
         if earlier and unpressed:
             found += self._deviation_remarks(
                 trace, earlier[0].Z, self.limits.drift, "the unpressed skin has drifted"
@@ -155,3 +159,22 @@ class SweepChecker:
             f"{what} by {100 * departure[worst]:.1f} % of {size} at {self.frequency[worst]:.5g} Hz "
             f"(allowed: {100 * limit:g} %)"
         ]
+
+
+def frozen_remarks(
+    sweep: MeasuredSweep, before: MeasuredSweep | None, baselines: Sequence[MeasuredSweep]
+) -> list[str]:
+    """Remark if a sweep repeats the one before digit for digit, although unpressed sweeps differ.
+
+    before: the sound sweep before it. baselines: unpressed sweeps, whose differences are noise.
+    """
+    if before is None:
+        return []
+    groups = [*(0 for _ in baselines), 1, 2]
+    found = []
+    for place, trace in enumerate(sweep.traces):
+        of_all = [one.traces[place].Z for one in (*baselines, before)]
+        if frozen_sweeps(np.array([*of_all, trace.Z]), groups)[-1]:
+            where = f"interface {trace.interface}: " if len(sweep.traces) > 1 else ""
+            found.append(where + FROZEN_TEXT)
+    return found

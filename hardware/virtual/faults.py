@@ -18,7 +18,7 @@ KINDS = {
     "forget": "lose all settings, as after a power cut",
     "slow": "have the switch turn late",
     "stuck": "have the switch stay where it is",
-    "restart": "restart a reader in the middle of a sweep",
+    "restart": "restart a reader in the middle of a number",
     "miscount": "have the count of a reader's lines jump",
     "repeat": "send a line of a reader twice",
     "interleave": "send a line of a reader again after the next one",

@@ -15,14 +15,16 @@ from .control import ControlPort
 if TYPE_CHECKING:
     from .measurement import Skin
 
+MAX_SECONDS = 1e6
+"""Longest script: eleven days."""
 Routine = Callable[[ControlPort], Coroutine[Any, Any, None]]
 
 
 def read_script(path: Path, skin: Skin) -> list[tuple[float, str]]:
     """(seconds from the start, press) from lines `SECONDS PRESS`; `#` begins a comment.
 
-    Raises InputError with the file and the line for another form, times that do not ascend, or a
-    press that the skin does not have.
+    Raises InputError with the file and the line for another form, times that do not ascend or that
+    exceed MAX_SECONDS, or a press that the skin does not have.
     """
     lines = inputs.text(path, inputs.SETTINGS).splitlines()
     steps: list[tuple[float, str]] = []
@@ -36,8 +38,11 @@ def read_script(path: Path, skin: Skin) -> list[tuple[float, str]]:
             raise InputError(f"{path}: line {number}: {error}") from error
         except (ValueError, IndexError) as error:
             raise InputError(f"{path}: line {number}: must be SECONDS PRESS") from error
-        if not seconds >= (steps[-1][0] if steps else 0):
-            raise InputError(f"{path}: line {number}: times must ascend from 0 s, got {words[0]}")
+        if not (steps[-1][0] if steps else 0) <= seconds <= MAX_SECONDS:
+            raise InputError(
+                f"{path}: line {number}: times must ascend from 0 to {MAX_SECONDS:g} s, got "
+                f"{words[0]}"
+            )
         steps.append((seconds, press))
     return steps
 

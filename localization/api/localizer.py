@@ -95,8 +95,8 @@ def localize(
     """Localize the press of each sweep: class or "cannot tell", and its probability.
 
     model, sweeps: the objects or the paths of their files. rest: sweeps of the unpressed skin, if
-    the model needs them and they are not among `sweeps`. Raises InputError for sweeps unlike those
-    of the training.
+    the model needs them and they are not among `sweeps`. A sweep with a reading that is no finite
+    number gets "cannot tell". Raises InputError for sweeps unlike those of the training.
     """
     baselines = None if rest is None else sweeps_of(rest, "rest")
     return model_of(model).answers(sweeps_of(sweeps), baselines)
@@ -111,6 +111,7 @@ def evaluate(
     """Evaluate a model on sweeps whose presses are known.
 
     The figures are too good for sweeps on which the model was trained or adapted.
+    Sweeps with a reading that is no finite number count as not answered.
     model, sweeps, rest: see `localize`. Raises InputError for sweeps unlike those of the training.
     """
     from ..evaluation.result import evaluated

@@ -52,6 +52,8 @@ def sweep(
     from ...simulator.press.press import every_press
 
     scene = scene_of(scene)
+    if isinstance(presses, Sequence) and not isinstance(presses, str):
+        check_fits(scene, len(presses))
     parsed = every_press(scene) if presses is None else _presses(scene, presses)
     check_fits(scene, len(parsed))
     return with_view(simulate(Solver(scene, rtol, checked_model(model)), parsed))

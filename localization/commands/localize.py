@@ -118,6 +118,9 @@ def _filtered_answers(
 def _table(
     model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None
 ) -> tuple[list[str], list[list[str]]]:
+    from ...simulator.requests.console import note
+    from ..inputs.baselines import finite_sweeps
+    from ..inputs.features import at_interfaces
     from ..inputs.targets import COORDINATES
     from ..trust.diagnosis import without_answer
 
@@ -127,7 +130,11 @@ def _table(
         label if answered else without_answer(kind)
         for label, answered, kind in zip(answers.labels, answers.answered, kinds, strict=True)
     ]
-    early = sweeps.sizes["sweep"] - model.usable_features(sweeps, rest)[1].size
+    unread = int((~finite_sweeps(at_interfaces(sweeps, model.interfaces))).sum())
+    if unread:
+        have = "sweep has" if unread == 1 else "sweeps have"
+        note(f"{unread} {have} no answer: a reading is no finite number")
+    early = sweeps.sizes["sweep"] - unread - model.usable_features(sweeps, rest)[1].size
     if early:
         why = "no baseline sweep was measured before in their session; --rest FILE gives one"
         say(

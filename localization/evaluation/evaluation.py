@@ -45,11 +45,13 @@ class ClassScore:
     """Predictions of a classifier for sweeps that it was not trained on.
 
     truth, predicted: labels, shape (sweep,); predicted also where the answer was CANNOT_TELL.
+    unread: number of further sweeps with a reading that is no finite number: none is answered.
     """
 
     truth: NDArray
     predicted: NDArray
     answers: Answers
+    unread: int = 0
 
     @property
     def right(self) -> Mask:
@@ -63,7 +65,7 @@ class ClassScore:
 
     def rates(self) -> dict[str, tuple[int, int]]:
         """Those of `figures` that are rates: count, and number of sweeps."""
-        answered, total = self.answers.answered, self.right.size
+        answered, total = self.answers.answered, self.right.size + self.unread
         return {
             "accuracy": (int(self.right.sum()), total),
             "answered": (int(answered.sum()), total),
@@ -72,8 +74,11 @@ class ClassScore:
 
     def figures(self) -> dict[str, float]:
         """Accuracy, fraction answered, accuracy of these if any, expected calibration error."""
-        answered = self.answers.answered
-        found = {"accuracy": float(self.right.mean()), "answered": float(answered.mean())}
+        answered, total = self.answers.answered, self.right.size + self.unread
+        found = {
+            "accuracy": float(self.right.sum() / total),
+            "answered": float(answered.sum() / total),
+        }
         if answered.any():
             found["accuracy of answers"] = float(self.right[answered].mean())
         error = calibration_error(self.answers.probability, self.right)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ...simulator.notebook_display import SmallChart, Tabular
 from ...simulator.sweeps import InputError
-from .evaluation import Nested, Score, score
+from .evaluation import ClassScore, Nested, Score, score
 
 if TYPE_CHECKING:
     from ..inputs.samples import Samples
@@ -81,8 +81,13 @@ class Evaluation(Tabular):
 
 
 def evaluated(learned: Classifier | Regressor, samples: Samples) -> Evaluation:
-    """Evaluate a trained localizer on samples that it was not trained on."""
+    """Evaluate a trained localizer on samples that it was not trained on.
+
+    Sweeps with a reading that is no finite number count as not answered.
+    """
     scored = score(learned, samples)
+    if isinstance(scored, ClassScore):
+        scored = replace(scored, unread=samples.left_out.not_finite)
     figures = {name: (value, None) for name, value in scored.figures().items()}
     return _evaluation(samples, scored, figures, "scored by the model as it is")
 

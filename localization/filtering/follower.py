@@ -80,10 +80,13 @@ class Follower:
     ) -> FollowedAnswer:
         """Answer to the next sweep.
 
-        gap: s since the end of the previous sweep. during: duration of the sweep, s. Raises
-        InputError as `Model.predict`.
+        gap: s since the end of the previous sweep. during: duration of the sweep, s. A sweep with
+        a reading that is no finite number gets CANNOT_TELL and changes nothing. Raises InputError
+        as `Model.usable_features`.
         """
-        X = self.model.features(sweep, rest)
+        X, rows = self.model.usable_features(sweep, rest)
+        if not rows.size:
+            return self._silent
         changes = self.model.guard_changes(sweep, rest, np.arange(1))
         return self._answers(X, changes, np.array([gap]), np.array([during]))[0]
 
@@ -109,8 +112,11 @@ class Follower:
             own = None if changes is None else changes[here]
             answers = self._answers(X[here], own, np.append(0.0, intervals - during[1:]), during)
             found |= dict(zip(rows[here].tolist(), answers, strict=True))
-        silent = FollowedAnswer(CANNOT_TELL, 0.0, np.zeros(len(self.model.classes)), 0.0)
-        return [found.get(k, silent) for k in range(count)]
+        return [found.get(k, self._silent) for k in range(count)]
+
+    @property
+    def _silent(self) -> FollowedAnswer:
+        return FollowedAnswer(CANNOT_TELL, 0.0, np.zeros(len(self.model.classes)), 0.0)
 
     def _answers(
         self, X: NDArray, changes: NDArray | None, gaps: NDArray, during: NDArray

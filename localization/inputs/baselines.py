@@ -14,6 +14,8 @@ import numpy as np
 
 from ...simulator.sweeps import OPENING as OF_OPENING
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.reading_quantities import kind_of
+from ...simulator.sweeps.reading_subset import read_mask
 from ...simulator.sweeps.schema import complex_readings
 
 if TYPE_CHECKING:
@@ -67,8 +69,26 @@ def log_baselines(sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Baselin
     return Baselines(rows[order], recent[order], opening[order])
 
 
+def finite_sweeps(sweeps: xr.Dataset) -> Mask:
+    """True for sweeps of which all readings that were taken are finite, shape (sweep,)."""
+    taken = read_mask(sweeps)
+    each = [
+        np.isfinite(sweeps[name].transpose("sweep", "interface", "frequency").values)[:, taken]
+        for name in kind_of(sweeps.variables).names
+        if name in sweeps.variables
+    ]
+    return np.asarray(np.concatenate(each, axis=1).all(axis=1))
+
+
 def check_baselines(sweeps: xr.Dataset, rows: NDArray[np.intp]) -> None:
-    """Raises InputError that names a session without a baseline, or the first sweep before it."""
+    """Raises InputError that names a sweep with a reading that is not finite, a session without a
+    baseline, or the first sweep before it."""
+    unread = np.setdiff1d(np.flatnonzero(~finite_sweeps(sweeps)), rows)
+    if unread.size:
+        raise InputError(
+            f"sweep {unread[0]}: a reading is no finite number; leave the sweep out, or take "
+            "`localize`, which answers it by 'cannot tell'"
+        )
     session = sweeps["session"].values
     without = np.setdiff1d(session, session[rows])
     if without.size:

@@ -10,7 +10,7 @@ import numpy as np
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.reading_quantities import kind_of
 from ...simulator.sweeps.schema import complex_readings, taken_of
-from .baselines import check_baselines, has_baseline_before, log_baselines
+from .baselines import check_baselines, finite_sweeps, has_baseline_before, log_baselines
 from .feature_names import (
     BASELINE,
     PAPER,
@@ -73,8 +73,9 @@ def available_features(
 ) -> tuple[Real, NDArray[np.intp]]:
     """Features of the sweeps that have them, (row, feature), and their numbers, ascending.
 
-    The order is by quantity, then by interface, then by ascending frequency; only readings that
-    were taken (`taken_of`). interfaces: those to use, in order; by default all. rest: baseline
+    Sweeps with a reading that is not finite have none, and are no baseline. The order is by
+    quantity, then by interface, then by ascending frequency; only readings that were taken
+    (`taken_of`). interfaces: those to use, in order; by default all. rest: baseline
     sweeps, if they are not among `sweeps` (see `log_baselines`). Raises InputError for a quantity
     that is not one of QUANTITIES or needs other readings, for none, for one given twice, and for an
     interface that the sweeps lack.
@@ -82,14 +83,21 @@ def available_features(
     names = checked_quantities(quantities)
     check_kind(names, kind_of(sweeps.variables))
     used = at_interfaces(sweeps, interfaces)
-    baselines = None if rest is None else at_interfaces(rest, interfaces)
-    count = used.sizes["sweep"]
+    baselines = None if rest is None else _finite(at_interfaces(rest, interfaces))
+    finite = np.flatnonzero(finite_sweeps(used))
+    used = _finite(used)
     width = len(names) * readings_per_sweep(used)
-    X, known = np.empty((count, width)), np.zeros(count, dtype=bool)
+    X, known = np.empty((finite.size, width)), np.zeros(finite.size, dtype=bool)
     for block in _blocks(used, needs_baseline(names)):
         found, rows = _features_of_block(used.isel(sweep=block), names, baselines)
         X[block[rows]], known[block[rows]] = found, True
-    return packed(X, known), np.flatnonzero(known)
+    return packed(X, known), finite[known]
+
+
+def _finite(sweeps: xr.Dataset) -> xr.Dataset:
+    """The sweeps whose readings are all finite."""
+    finite = finite_sweeps(sweeps)
+    return sweeps if finite.all() else sweeps.isel(sweep=finite)
 
 
 def baseline_changes(

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...simulator.measure.sweep_touches import counts_of
 from ...simulator.sweeps import InputError
-from .baselines import check_baselines
+from .baselines import check_baselines, finite_sweeps
 from .feature_names import RELATIVE, names_beside
 from .features import (
     Quantities,
@@ -74,13 +74,14 @@ class LeftOutSweeps(NamedTuple):
 
     other: their press has no such target. without_baseline: their session has no baseline sweep,
     which is needed. sessions: number of such sessions. early: they come before the first baseline
-    sweep of their session.
+    sweep of their session. not_finite: a reading is no finite number.
     """
 
     other: int = 0
     without_baseline: int = 0
     sessions: int = 0
     early: int = 0
+    not_finite: int = 0
 
     def describe(self, target: str) -> str:
         """These numbers as text."""
@@ -92,6 +93,8 @@ class LeftOutSweeps(NamedTuple):
             )
         if self.early:
             parts.append(f"{self.early} before the first baseline sweep of their session")
+        if self.not_finite:
+            parts.append(f"{self.not_finite} with a reading that is no finite number")
         return f"{', '.join(parts)} left out"
 
 
@@ -238,7 +241,8 @@ def samples_of(
         taken=taken_rows(used),
     )
     y = positions(some) if problem.continuous else labels(some, target)
-    left_out = _left_out(fitting, rows, sweeps["session"].values)
+    finite = finite_sweeps(used)
+    left_out = _left_out(fitting, rows, sweeps["session"].values, finite)
     changes = None
     if problem.single_touch and problem.ignores_baseline:
         changes = baseline_changes(sweeps, interfaces=interfaces, rest=rest)
@@ -262,15 +266,22 @@ def _several_touches(
     return SeveralTouches(X[other][more], some["session"].values[more], own)
 
 
-def _left_out(fitting: Mask, rows: NDArray[np.intp], session: Integer) -> LeftOutSweeps:
+def _left_out(
+    fitting: Mask, rows: NDArray[np.intp], session: Integer, finite: Mask
+) -> LeftOutSweeps:
     """Count the sweeps left out.
 
-    fitting: True if a sweep has the target, (sweep,). rows: usable sweeps.
+    fitting: True if a sweep has the target, (sweep,). rows: usable sweeps. finite: True if all
+    readings are, (sweep,).
     """
     known = np.isin(session, session[rows])
-    early = known & fitting
+    early = known & fitting & finite
     early[rows] = False
-    without = session[~known & fitting]
+    without = session[~known & fitting & finite]
     return LeftOutSweeps(
-        int((~fitting).sum()), without.size, np.unique(without).size, int(early.sum())
+        int((~fitting).sum()),
+        without.size,
+        np.unique(without).size,
+        int(early.sum()),
+        int((fitting & ~finite).sum()),
     )

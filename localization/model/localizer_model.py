@@ -12,8 +12,8 @@ from sklearn.pipeline import Pipeline
 from ...simulator.notebook_display import SmallChart, Tabular
 from ...simulator.scene.scene_files import carried_scene
 from ...simulator.sweeps import InputError
-from ..inputs.baselines import check_baselines
-from ..inputs.features import available_features, baseline_changes
+from ..inputs.baselines import check_baselines, finite_sweeps
+from ..inputs.features import at_interfaces, available_features, baseline_changes
 from ..inputs.fingerprints import fingerprints_of
 from ..inputs.samples import LocalizationProblem, Samples, samples_of
 from ..inversion.region import Region
@@ -178,7 +178,7 @@ class Model(Tabular):
         """
         check_compatible(self.problem, sweeps, rest, any_skin=self.any_skin)
         X, rows = available_features(sweeps, self.quantities, interfaces=self.interfaces, rest=rest)
-        if not rows.size:
+        if not rows.size and finite_sweeps(at_interfaces(sweeps, self.interfaces)).any():
             check_baselines(sweeps, rows)
         return X, rows
 
@@ -205,7 +205,11 @@ class Model(Tabular):
         """
         if self.diagnosis is None or not sweeps.sizes["sweep"]:
             return np.full(sweeps.sizes["sweep"], "")
-        return self.diagnosis.kinds(diagnosis_features(sweeps, self.interfaces))
+        found = np.full(sweeps.sizes["sweep"], "", dtype=object)
+        X, rows = diagnosis_features(sweeps, self.interfaces)
+        if rows.size:
+            found[rows] = self.diagnosis.kinds(X)
+        return found.astype(str)
 
     def faults(self, sweeps: xr.Dataset, answers: Answers) -> NDArray[np.str_]:
         """Fault that each sweep without an answer resembles, or "", shape (sweep,).
@@ -248,7 +252,8 @@ class Model(Tabular):
             raise InputError("a model of positions gives deviations, not probabilities")
         X, rows = self.usable_features(sweeps, rest)
         found = np.full((sweeps.sizes["sweep"], len(self.classes)), 1 / len(self.classes))
-        found[rows] = self.learned.probabilities(X)
+        if rows.size:
+            found[rows] = self.learned.probabilities(X)
         return self.learned.classes, found
 
     def positions(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> tuple[Real, Real]:
@@ -262,7 +267,8 @@ class Model(Tabular):
             raise InputError(f"a model of `target` {self.target} gives no positions")
         X, rows = self.usable_features(sweeps, rest)
         place, deviation = np.full((2, sweeps.sizes["sweep"], 3), np.nan)
-        place[rows], deviation[rows] = self.learned.positions(X)
+        if rows.size:
+            place[rows], deviation[rows] = self.learned.positions(X)
         return place, deviation
 
     def regions(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> list[Region | None]:
@@ -275,14 +281,16 @@ class Model(Tabular):
         if isinstance(self.learned, Classifier):
             raise InputError(f"a model of `target` {self.target} gives no regions")
         X, rows = self.usable_features(sweeps, rest)
-        regions = dict(zip(rows.tolist(), regions_of(self.learned, X, self.scene), strict=True))
+        found = regions_of(self.learned, X, self.scene) if rows.size else []
+        regions = dict(zip(rows.tolist(), found, strict=True))
         return [regions.get(row) for row in range(sweeps.sizes["sweep"])]
 
     def answers(self, sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> Answers:
         """Class or CANNOT_TELL for each sweep, and its probability.
 
         A model of positions answers "0" touches, "1" touch, or CANNOT_TELL. A sweep without a
-        baseline before it gets CANNOT_TELL, and so does one that resembles a misleading fault.
+        baseline before it gets CANNOT_TELL, and so does one with a reading that is no finite
+        number, or one that resembles a misleading fault.
         Raises InputError as `usable_features`.
         """
         found = self._answers(sweeps, rest)
@@ -295,15 +303,19 @@ class Model(Tabular):
     def _answers(self, sweeps: xr.Dataset, rest: xr.Dataset | None) -> Answers:
         """Answers without regard to faults, see `answers`."""
         X, rows = self.usable_features(sweeps, rest)
+        guess = 1 / len(self.classes) if self.classes else 1.0
+        if not rows.size:
+            none = np.empty(0)
+            nothing = Answers(none.astype(str), none, none > 0, np.empty((0, len(self.classes))))
+            return nothing.among(rows, sweeps.sizes["sweep"], guess)
         if isinstance(self.learned, Classifier):
-            guess = 1 / len(self.classes)
             answers = self.learned.answers(X, self.guard_changes(sweeps, rest, rows))
             return answers.among(rows, sweeps.sizes["sweep"], guess)
         novel = self.learned.novel(X, self.guard_changes(sweeps, rest, rows))
         if self.gate is None:
             labels, of_no_class = np.where(novel, CANNOT_TELL, "1"), np.empty((novel.size, 0))
             one = Answers(labels, np.ones(novel.size), novel, of_no_class)
-            return one.among(rows, sweeps.sizes["sweep"], 1.0)
+            return one.among(rows, sweeps.sizes["sweep"], guess)
         counted = self.gate.answers(sweeps, rest)
         novel_places = np.zeros(counted.novel.size, dtype=bool)
         novel_places[rows] = novel

@@ -96,10 +96,12 @@ def diagnosis_of(sweeps: xr.Dataset, interfaces: Sequence[str], right: Real) -> 
     return Diagnosis(guards, tuple(misleading))
 
 
-def diagnosis_features(sweeps: xr.Dataset, interfaces: Sequence[str]) -> Real:
-    """Features of all sweeps that a `Diagnosis` takes, shape (sweep, feature)."""
+def diagnosis_features(
+    sweeps: xr.Dataset, interfaces: Sequence[str]
+) -> tuple[Real, NDArray[np.intp]]:
+    """Features that a `Diagnosis` takes, (row, feature), and the numbers of their sweeps."""
     absolute = names_of(sweeps.variables).absolute
-    return available_features(sweeps, absolute, interfaces=interfaces)[0]
+    return available_features(sweeps, absolute, interfaces=interfaces)
 
 
 def without_answer(kind: str) -> str:
@@ -117,6 +119,7 @@ def _guard(
     sessions = sweeps["session"].values[rows]
     if np.unique(sessions).size < MIN_SESSIONS_OF_FAULT:
         return None
-    X = diagnosis_features(sweeps.isel(sweep=rows), interfaces)
+    X, some = diagnosis_features(sweeps.isel(sweep=rows), interfaces)
+    rows, sessions = rows[some], sessions[some]
     places = np.array([place_of_fault(text) or "anywhere" for text in faults[rows]])
     return KindGuard().fit(X, places, splits=splits_of(None, sessions))

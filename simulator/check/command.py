@@ -65,7 +65,9 @@ def check(
     Re Z >= 0 and Im Z <= 0; Rs, Cp and Cs do not increase with frequency; and
     the nearest sum of R, L, C and RC elements, all >= 0, follows every reading
     within the noise (Kramers-Kronig). A gain V / V_s behind one series resistor
-    obeys the same laws in place of Z, and |V / V_s| <= 1.
+    obeys the same laws in place of Z, and |V / V_s| <= 1. A device that sends the
+    same digits at all frequencies or in each sweep is named, and so is a reading
+    that is ten times off.
 
     These laws need not hold if the meter's low terminal is a virtual earth and a
     body or a finger takes current to earth, nor if the foam creeps during a
@@ -78,14 +80,15 @@ def check(
     from ..sweeps import InputError
     from ..sweeps.clock import backward_times
     from ..sweeps.joining import join
-    from ..sweeps.laws.examination import examine
+    from ..sweeps.laws.device_faults import device_faults
+    from ..sweeps.laws.examination import examine, with_faults
     from ..sweeps.laws.gain_laws import examine_gains
     from .noise_profiles import noise_profiles
     from .report import checked_report, explanations, verdict_table, write_report
 
     report = None if output is None else checked_report(output)
     sweeps = join([_read(file) for file in files], files)
-    gains, together = "gain" in sweeps, False
+    gains, together, faults = "gain" in sweeps, False, []
     try:
         scene = scene_of_sweeps(sweeps)
         two_terminal = (
@@ -93,17 +96,22 @@ def check(
         )
         creeps = scene is not None and _creeps(scene, sweeps)
         bound = two_terminal and not creeps
-        profiles = noise_profiles(scene, sweeps)
+        together = (
+            gains and scene is not None and any(each.driven_with for each in scene.interfaces)
+        )
+        bound = bound and not together
+        faults = device_faults(sweeps, bound)
+        laws = {"noise": noise, "tolerance": tolerance, "profiles": noise_profiles(scene, sweeps)}
         if gains:
-            together = scene is not None and any(each.driven_with for each in scene.interfaces)
-            bound = bound and not together
-            verdicts = examine_gains(
-                sweeps, noise, tolerance, single_source=bound, profiles=profiles
-            )
+            verdicts = examine_gains(sweeps, single_source=bound, **laws)
         else:
-            verdicts = examine(sweeps, noise, tolerance, two_terminal=bound, profiles=profiles)
+            verdicts = examine(sweeps, two_terminal=bound, **laws)
     except InputError as error:
+        if faults:
+            say(*map(str, faults), f"no other law was checked: {error}")
+            raise typer.Exit(FLAGGED) from error
         raise InputError(f"{', '.join(map(str, files))}: {error}") from error
+    verdicts = [with_faults(each, faults) for each in verdicts]
     for each in backward_times(sweeps):
         warn(each)
     if not two_terminal:

@@ -18,6 +18,7 @@ from ..sweeps.free_space import check_disk
 from ..sweeps.output_files import checked_place, locked
 from ..sweeps.writing import check_replaceable, named_failures, present, put, sync, write_context
 from . import store, workers
+from .audit import rounded_up
 from .dataset_plan import Plan, first_difference, readings
 from .faulty_skins import faulty_families, without_faults
 from .layout import min_size
@@ -193,7 +194,7 @@ def _cell_errors(workshop: WorkFolder, plan: Plan) -> dict[str, float]:
 
     family = workshop.load(workshop.model_file)
     if scene.dataset.press.place == "anywhere":
-        errors["cells_error"] = rasterization_error(scene, family, plan.seed, plan.rtol)
+        errors["cells_error"] = rounded_up(rasterization_error(scene, family, plan.seed, plan.rtol))
     if spreading(scene):
-        errors["deflection_error"] = lattice_error(scene, family, plan.seed)
+        errors["deflection_error"] = rounded_up(lattice_error(scene, family, plan.seed))
     return errors

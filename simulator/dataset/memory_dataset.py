@@ -6,10 +6,12 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from ..fem.matrices.factors import one_blas_thread
+from ..measure.simulate import BYTES_FOR_READING
 from ..scene.scene_files import scene_text
 from ..sweeps import build
+from ..sweeps.free_space import check_count
 from ..sweeps.schema import FAULT
-from .dataset_plan import Plan
+from .dataset_plan import Plan, readings
 from .drawn_session import NO_FAULTS, drawn_sessions
 from .faulty_skins import faulty_families, without_faults
 from .layout import joined_sessions, touch_variables, values
@@ -22,9 +24,15 @@ if TYPE_CHECKING:
 def in_memory(plan: Plan, family: SkinFamily | None = None) -> xr.Dataset:
     """The sweeps that `rcskin dataset` writes for this plan, with the arrays of their touches.
 
-    family: the skins that the plan draws from; trained here if absent. Raises ToleranceError if the
-    plan's tolerance is not reached.
+    family: the skins that the plan draws from; trained here if absent. Raises InputError if the
+    sweeps do not fit in memory, ToleranceError if the plan's tolerance is not reached.
     """
+    check_count(
+        "sweeps",
+        plan.sweeps,
+        BYTES_FOR_READING * readings(plan.scene),
+        "make fewer, or write the data set to the disk by `rcskin dataset`",
+    )
     family = reduced(without_faults(plan.scene), plan.rtol) if family is None else family
     faulty, numbers = faulty_families(plan, reduced), range(plan.sessions)
     sweeps = sweeps_of_sessions(plan, family, numbers, faulty)

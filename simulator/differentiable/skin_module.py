@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
@@ -11,9 +12,12 @@ import torch
 from torch import Tensor, nn
 
 from ..fem.terminals.terminal_network import allowed_potentials
+from ..models.cosine_modes.sheet_modes import MAX_AMPLITUDE
 from ..models.heterogeneous.materials import gauged
+from ..models.parameters import SHEET_MODES
+from ..models.reduced.cases import strongest_finger
 from ..models.reduced.forward import Forward
-from ..models.reduced.forward_training import REACH
+from ..models.reduced.forward_training import PIXEL_FACTORS, REACH
 from ..models.reduced.indentation.indentation_draws import spreading
 from ..models.reduced.reduced_model import Reduced
 from ..press.capacitance import touched_cells
@@ -28,6 +32,9 @@ from .skin_tensors import all_tensors, check_names, known_values, skin_of
 
 ROUNDING = 1e-5
 """Relative distance beyond the range of the training that is taken as rounding."""
+
+FINGER_REACH = 10.0
+"""Fingers may be stronger than those of the training by this factor: a hand is. See `error`."""
 
 
 class SkinModule(nn.Module):
@@ -121,7 +128,8 @@ class SkinModule(nn.Module):
         `rcskin calibrate`. `capacitance` may have the shape (1 or press, cell), and
         `contact_resistance` (1 or press, contact). frequency: Hz, shape (frequency,); by default
         those of the scene. Raises InputError for a shape that does not fit, an unknown name, and
-        values beyond those that the model is trained for.
+        values beyond those that the model is trained for: rises from -0.5 to 2, fingers up to
+        100 pF or more, see `strongest_finger`.
         """
         rises = self._checked(rises)
         f = self.frequency if frequency is None else self._on_device(frequency)
@@ -162,7 +170,9 @@ class SkinModule(nn.Module):
         Arguments: see `forward`; at the frequencies of the scene.
         """
         rises = self._checked(rises)
-        skin = skin_of(self.reduced, self._tensors(given or {}, len(rises), rises))
+        values = self._tensors(given or {}, len(rises), rises)
+        skin = skin_of(self.reduced, values)
+        self._check_reach(values, self.frequency)
         s, found = skin.s(self.frequency), []
         for press, row in enumerate(rises.detach().cpu().double().numpy()):
             own = self.reduced.skin(skin.variation(self.reduced.scene, press))
@@ -181,13 +191,20 @@ class SkinModule(nn.Module):
         return torch.as_tensor(tensor, dtype=self.conductance.dtype, device=self.conductance.device)
 
     def _checked(self, rises: Tensor) -> Tensor:
-        """Rises as a tensor of the module's kind. Raises InputError for another shape."""
+        """Rises as a tensor of the module's kind.
+
+        Raises InputError for another shape and for values beyond the training, NaN included.
+        """
         rises, foam, both = self._on_device(rises), self.parts.foam, self.parts.fingers
         if rises.ndim != 2 or rises.shape[1] not in (foam, foam + both):
             fingers = f", or (press, {foam + both}) with fingers" if both else ""
             raise InputError(
                 f"`rises` must have shape (press, {foam}){fingers}, got {tuple(rises.shape)}"
             )
+        low, high = (factor - 1 for factor in PIXEL_FACTORS)
+        _check_range("`rises` of c", rises[:, :foam], low, high)
+        strongest = FINGER_REACH * strongest_finger(self.scene) if both else 0.0
+        _check_range("fingers in `rises`, F,", rises[:, foam:], 0.0, strongest)
         return rises
 
     def _terminals(self) -> Terminals:
@@ -198,6 +215,9 @@ class SkinModule(nn.Module):
     @torch.no_grad()
     def _check_reach(self, values: Mapping[str, Tensor], frequency: Tensor) -> None:
         """Raises InputError beyond the training: of resistances, or of f times both R and c."""
+        for name, tensor in values.items():
+            largest = MAX_AMPLITUDE if name in SHEET_MODES else math.inf
+            _check_range(f"`{name}`", tensor, -largest, largest)
         band = self.reduced.frequency
         scale = torch.exp(values["sheet_resistance"] + values["capacitance"].mean(1, keepdim=True))
         low, high = (float(each) for each in torch.aminmax(frequency * scale))
@@ -207,13 +227,23 @@ class SkinModule(nn.Module):
                 f"{band[0]:g}..{band[-1]:g} Hz, got {low:g}..{high:g}; make the SkinModule of a "
                 "scene nearer to it"
             )
-        for name in ("sheet_mismatch", "contact_resistance"):
+        for name in {"sheet_mismatch", "contact_resistance", "body", "rim"} & values.keys():
             largest = float(torch.exp(values[name].abs().max()))
             if not largest <= REACH * (1 + ROUNDING):
                 raise InputError(
                     f"`{name}` must change by a factor of at most {REACH:g}, got {largest:g}; "
                     "make the SkinModule of a scene nearer to it"
                 )
+
+
+@torch.no_grad()
+def _check_range(name: str, values: Tensor, low: float, high: float) -> None:
+    """Raises InputError unless all values are finite and between these, but for rounding."""
+    slack = ROUNDING * (high - low)
+    wrong = values[~(values.isfinite() & (values >= low - slack) & (values <= high + slack))]
+    if wrong.numel():
+        allowed = "finite" if math.isinf(high) else f"in {low:g}..{high:g}, as the model is trained"
+        raise InputError(f"{name} must be {allowed}, got {float(wrong[0]):g}")
 
 
 def _some(arrays: np.ndarray) -> list[np.ndarray]:

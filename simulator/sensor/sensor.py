@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Sequence
 from copy import copy
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, Self
 
@@ -16,6 +18,7 @@ from ..press.parts import foam_parts
 from ..requests.argument_types import real, scene_of, typed, whole
 from ..scene.scene import Scene
 from ..sweeps import InputError
+from ..sweeps.free_space import SHARE, check_count, free_memory
 from .cell_spreading import SkinCells
 from .completed_sweeps import CompletedSweep, as_dataset
 from .foam_memory import FoamMemory
@@ -34,6 +37,11 @@ if TYPE_CHECKING:
     from .given_press import AnyContacts
 
 
+COPIES = 4
+"""Copies of a reading in memory at a time."""
+MAX_READINGS = 1_000_000
+"""Largest number of readings in one step: they take a minute."""
+MAX_KEPT = 10**9
 SWEEPS_KEPT = 100_000
 """Sweeps that a sensor keeps: a physics engine runs for hours; these are 50 MB of 60 numbers."""
 
@@ -75,12 +83,10 @@ class Sensor:
             raise InputError(f'`session` must be "nominal" or "drawn", got {session!r}')
         if not 0 < rtol < 1:
             raise InputError(f"`rtol` must be between 0 and 1, got {rtol}")
-        numbers = range(skins) if whole(skins) else skins
-        if not (isinstance(numbers, Sequence) and numbers and all(map(_is_number, numbers))):
-            raise InputError(f"`skins` must be >= 1, or a list of numbers >= 0, got {skins!r}")
+        numbers = self._numbers(skins)
         self.numbers, self.rtol, self.noise = numbers, rtol, noise
-        if keep < 1:
-            raise InputError(f"`keep` must be >= 1, got {keep!r}")
+        if not 1 <= keep <= MAX_KEPT:
+            raise InputError(f"`keep` must be in 1..{MAX_KEPT}, got {keep!r}")
         self._sweeps = deque[CompletedSweep](maxlen=max(1, keep // len(numbers)))
         self._drawn = session == "drawn"
         self._own = family_scene(self.scene, self._drawn, rtol)
@@ -93,6 +99,22 @@ class Sensor:
         self._layout = VectorLayout.of(self.scene.reading)
         self._mounted: MountedSkins | None = None
         self._begin(seed)
+
+    def _numbers(self, skins: int | Sequence[int]) -> Sequence[int]:
+        """Numbers of the skins. Raises InputError for others, and if they do not fit in memory."""
+        count = skins if whole(skins) else len(skins) if isinstance(skins, Sequence) else 0
+        advice = "take fewer skins"
+        check_count("skins", count, COPIES * 8 * self._numbers_per_skin, advice)
+        numbers = range(skins) if whole(skins) else skins
+        if not (isinstance(numbers, Sequence) and numbers and all(map(_is_number, numbers))):
+            raise InputError(f"`skins` must be >= 1, or a list of numbers >= 0, got {skins!r}")
+        return numbers
+
+    @property
+    def _numbers_per_skin(self) -> int:
+        """Number of quantities of all readings of a sweep."""
+        reading = self.scene.reading
+        return len(reading.kind.names) * math.prod(reading.shape)
 
     @typed
     def reset(self, seed: int | None = None) -> None:
@@ -166,11 +188,15 @@ class Sensor:
 
         contacts: None, the text of a press ("2,3", "disc(0.03,0.05,0.008):1.5"), a Press,
         PointContacts, a DepthImage or a PressureImage; one for all skins, or a list of one for each
-        skin. They stay the same during the step. dt: duration of the step, > 0, s. Raises
-        InputError for contacts that the scene does not take, and for a time that is not > 0.
+        skin. They stay the same during the step. dt: duration of the step, > 0, s, of at most
+        MAX_READINGS readings. Raises InputError for contacts that the scene does not take, and for
+        another time.
         """
-        if not (real(dt) and 0 < dt < np.inf):
-            raise InputError(f"`dt` must be > 0 s and finite, got {dt!r}")
+        if not (real(dt) and 0 < dt <= self._longest_step):
+            raise InputError(
+                f"`dt` must be > 0 s and at most {self._longest_step:.3g} s, got {dt!r}; divide a "
+                "longer time into steps"
+            )
         self._press_skins(self._press(contacts))
         until = self._now + in_ticks(dt)
         for due in self._clock.due(self._now, until):
@@ -185,6 +211,14 @@ class Sensor:
             self._limited,
             self._layout,
         )
+
+    @cached_property
+    def _longest_step(self) -> float:
+        """Duration of MAX_READINGS, or of as many as fit in the free memory, s."""
+        slots = len(self._clock.slots)
+        each = COPIES * 8 * self.skins * self._numbers_per_skin / slots
+        readings = min(MAX_READINGS, SHARE * free_memory() / each)
+        return readings / slots * self._clock.period / PER_SECOND
 
     @property
     def error(self) -> float:

@@ -29,6 +29,19 @@ def check_memory(needed: float, what: str, instead: str) -> None:
         )
 
 
+def check_count(name: str, count: int, bytes_of_each: float, instead: str) -> None:
+    """Raises InputError, with the largest count, if so many do not fit in the free memory.
+
+    name: of the argument. bytes_of_each: memory for one. instead: advice for the user.
+    """
+    most = int(SHARE * free_memory() / bytes_of_each)
+    if count > most:
+        raise InputError(
+            f"`{name}` must be at most {most} here, since each takes {amount(bytes_of_each)} of "
+            f"memory, got {count}: {instead}"
+        )
+
+
 def check_disk(needed: float, path: Path, what: str, instead: str) -> None:
     """Raises InputError if more bytes are needed than the disk of a path has free."""
     folder = path.absolute().parent

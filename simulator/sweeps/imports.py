@@ -19,7 +19,7 @@ import numpy as np
 from .concatenation import concatenate
 from .errors import InputError
 from .file_kinds import check_file_kind
-from .importing.account import account, repeated_readings
+from .importing.account import account, repeated_readings, with_device_warnings
 from .importing.failures import left_out_text
 from .importing.grouping import grouped, reading_places
 from .importing.labels import Defaults, joined_labels, line_labels
@@ -92,7 +92,7 @@ def import_file(
     if readings.quantities == ("Rs", "Cp"):
         found = choose_branches(Z, frequency, checked_branch(options.branch), taken)
         Z, rule = found.Z, branch_attributes(found, options.branch, frequency, interfaces)
-    return build(
+    imported = build(
         Z,
         frequency,
         interface=interfaces,
@@ -111,6 +111,7 @@ def import_file(
             **rule,
         },
     )
+    return with_device_warnings(imported)
 
 
 def import_files(

@@ -82,6 +82,10 @@ def test_there_are_all_commands():
         (lambda: rcskin.sweep(GLOVE, ["1,1:inf"]), "FACTOR must be finite"),
         (lambda: rcskin.sweep("glove", rtol="1e-4"), "`rtol` must be a number, got '1e-4'"),
         (lambda: rcskin.dataset("glove", 2.5), "`sweeps` must be a whole number, got 2.5"),
+        (
+            lambda: rcskin.dataset("strip-1x3", 10**12),
+            "each takes 360 bytes of memory, got 1000000000000: make",
+        ),
         (lambda: rcskin.sweep("glove", model="fast"), "`model` must be one of auto, lumped,"),
         (lambda: rcskin.sweep("glove", [(2, 3)]), "`presses` must be a list of texts such as"),
         (lambda: rcskin.sweep(3), "`scene` must be a Scene, a name or a path, got 3"),

@@ -186,10 +186,14 @@ class LineStream:
         if sent:
             await self._client.say(sent.encode("latin-1"))
 
-    async def _restart(self, half: str) -> None:
-        """Send half a line and the banner. Raises _RestartedDevice."""
+    async def _restart(self, cut: str) -> None:
+        """Send a line up to the middle of its last number, and the banner of the start.
+
+        A line end comes before the banner, so that the number looks complete. Raises
+        _RestartedDevice.
+        """
         await asyncio.sleep(BOOT_SECONDS)
-        await self._client.say(f"{half}\n{self._format.banner or BOOT_TEXT}\n".encode("ascii"))
+        await self._client.say(f"{cut}\n{self._format.banner or BOOT_TEXT}\n".encode("ascii"))
         self._boot()
         if self._format.start:
             self._running.clear()
@@ -202,7 +206,8 @@ class LineStream:
         if fault.kind == "late":
             await asyncio.sleep(fault.seconds)
         if fault.kind == "restart":
-            await self._restart(line[: len(line) // 2])
+            last = LAST_NUMBER.search(line)
+            await self._restart(line[: sum(last.span()) // 2 if last else len(line) // 2])
         if fault.kind == "miscount":
             self._count += 5
             return f"{line}\n"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -10,7 +11,12 @@ from numpy.typing import ArrayLike
 
 from ...arrays import Integer, Real
 from ...sweeps import InputError
+from ...sweeps.free_space import check_memory
 
+MAX_CONTACTS = 10_000
+"""Contacts on one skin: time grows with the square of their number."""
+COPIES = 4
+"""Memory of contacts over that of their table: discs under each as well."""
 STRENGTHS = ("force", "depth", "factor")
 KINDS = (*STRENGTHS, "depth image", "pressure image")
 COLUMNS = ("x", "y", "strength", "radius", "curvature_radius", "width", "height")
@@ -57,6 +63,8 @@ class PointContacts:
         try:
             values = self._table(getattr(self, by))
             counts = _counts(self.count, *values.shape[:2])
+        except InputError:
+            raise
         except (ValueError, TypeError) as error:
             raise InputError(f"PointContacts: arrays do not match: {error}") from None
         object.__setattr__(self, "by", by)
@@ -93,6 +101,14 @@ class PointContacts:
         shape = np.broadcast(*(column for _, column in columns)).shape
         if len(shape) > 2:
             raise ValueError(f"shape must be (contact,) or (skin, contact), got {shape}")
+        if (count := math.prod(shape[-1:])) > MAX_CONTACTS:
+            raise InputError(
+                f"PointContacts: a skin has at most {MAX_CONTACTS} contacts, got {count}; join "
+                "those that are near each other, or give a PressureImage"
+            )
+        check_memory(
+            COPIES * 8 * len(COLUMNS) * math.prod(shape), f"{shape} contacts", "give fewer"
+        )
         table = np.empty(((1, 1)[len(shape) :] + shape) + DEFAULTS.shape)
         table[...] = DEFAULTS
         for k, column in columns:
@@ -135,7 +151,9 @@ class SkinImage:
 
     def __post_init__(self) -> None:
         name = self.kind.removesuffix(" image")
-        values = np.asarray(getattr(self, name), dtype=np.float64)
+        given = np.asarray(getattr(self, name))
+        check_memory(8 * given.size, f"{given.size} values of {name}", "give a coarser image")
+        values = np.asarray(given, dtype=np.float64)
         if values.ndim not in (2, 3) or 0 in values.shape:
             raise InputError(
                 f"{type(self).__name__}: {name} must have the shape (row, column) or "

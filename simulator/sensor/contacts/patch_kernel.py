@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ...compiled import compiled
 from ...press.overlap_kernel import covered_fraction
+from ...sweeps.press_text import MAX_FACTOR, MIN_FACTOR
 from .grid_cells import SAMPLES, GridCells
 
 X, Y, STRENGTH, RADIUS, CURVATURE, WIDTH, HEIGHT = range(7)
@@ -132,7 +133,9 @@ def reason_invalid(contact: NDArray, by: int, cells: GridCells) -> int:
     if not (-near_x <= contact[X] <= length + near_x and -near_y <= contact[Y] <= width + near_y):
         return BAD_PLACE
     strength = contact[STRENGTH]
-    if not 0.0 <= strength < np.inf or (by >= FACTOR and strength == 0.0):
+    if not 0.0 <= strength < np.inf:
+        return BAD_STRENGTH
+    if by >= FACTOR and not MIN_FACTOR <= strength <= MAX_FACTOR:
         return BAD_STRENGTH
     if contact[WIDTH] != 0.0 or contact[HEIGHT] != 0.0:
         known = 0.0 < contact[WIDTH] < np.inf and 0.0 < contact[HEIGHT] < np.inf

@@ -7,6 +7,7 @@ from ...models.mechanics.deformation import check_plane
 from ...press.walls import require_no_walls
 from ...scene.scene import Scene
 from ...sweeps import InputError
+from ...sweeps.press_text import MAX_FACTOR, MIN_FACTOR
 from .contact_types import KINDS, Contacts, PointContacts
 
 UNITS = {"force": "N", "depth": "m", "factor": "times the unpressed capacitance", "pressure": "Pa"}
@@ -65,8 +66,8 @@ def invalid_contact(
             f"got ({x:g}, {y:g})"
         )
     if reason == BAD_STRENGTH:
-        least = "> 0" if contacts.by == "factor" else ">= 0"
-        return f"{where}: {contacts.by} must be {least} {UNITS[contacts.by]}, got {strength:g}"
+        allowed = f"in {MIN_FACTOR:g}..{MAX_FACTOR:g}" if contacts.by == "factor" else ">= 0"
+        return f"{where}: {contacts.by} must be {allowed} {UNITS[contacts.by]}, got {strength:g}"
     if reason == BAD_PATCH:
         if contacts.size is not None:
             return f"{where}: size must be > 0 m, got ({width:g}, {height:g})"

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ...arrays import Complex, Integer
+from ..laws.device_faults import device_faults
 from ..reading_quantities import IMPEDANCE
 from .failures import left_out_text
 from .grouping import Grouping
@@ -13,6 +16,9 @@ from .readings.gain_columns import amplifying
 from .readings.reading_columns import ImportedReadings
 from .tables.columns import Column
 from .tables.table import LeftOut
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 PASSIVE = np.pi / 2 + np.radians(1)
 """Phase of a passive part, with 1 degree of allowance, in rad."""
@@ -30,6 +36,17 @@ def account(
         "warnings": "; ".join(_warnings(readings, labels, grouping)),
     }
     return {name: text for name, text in sentences.items() if text}
+
+
+def with_device_warnings(sweeps: xr.Dataset) -> xr.Dataset:
+    """The sweeps; faults of the device that measured them are added to the attribute `warnings`."""
+    faults = device_faults(sweeps)
+    found = [sweeps.attrs["warnings"]] if "warnings" in sweeps.attrs else []
+    for law in dict.fromkeys(each.law for each in faults):
+        first, *others = [each for each in faults if each.law == law]
+        more = f" ({len(others)} more such)" if others else ""
+        found.append(f"{first}{more}")
+    return sweeps.assign_attrs(warnings="; ".join(found)) if found else sweeps
 
 
 def _columns_text(readings: ImportedReadings, labels: LineLabels) -> str:

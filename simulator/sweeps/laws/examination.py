@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -116,6 +116,13 @@ def examine(
             part, name, noise, tolerance, readings, two_terminal, profiles.get(name)
         )
     ]
+
+
+def with_faults(verdict: Verdict, faults: Sequence[Violation]) -> Verdict:
+    """The verdict with those of the faults that are of its sweep and interface."""
+    place = verdict.sweep, verdict.interface
+    own = [each for each in faults if (each.sweep, each.interface) == place]
+    return replace(verdict, broken=(*verdict.broken, *own))
 
 
 def check_limits(noise: float | None, tolerance: float, frequencies: int) -> None:

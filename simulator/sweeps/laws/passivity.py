@@ -19,16 +19,18 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Violation:
-    """One law broken by one sweep at some frequencies."""
+    """One law broken by one sweep at some frequencies, Hz. text: a sentence that says so."""
 
     sweep: int
     interface: str
     law: str
     frequency: tuple[float, ...]
+    text: str = ""
 
     def __str__(self) -> str:
         where = f"sweep {self.sweep}, interface {self.interface}"
-        return f"{where}: {self.law} is broken at {frequencies_text(self.frequency)}"
+        broken = f"{self.law} is broken at {frequencies_text(self.frequency)}"
+        return f"{where}: {self.text or broken}"
 
 
 def frequencies_text(frequency: Sequence[float] | Real) -> str:

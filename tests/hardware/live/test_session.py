@@ -237,3 +237,37 @@ def test_frequencies_that_the_meter_has_not_are_bad_input(session):
     live = session(localizer=Columns(frequencies=(1e3, 1e6)))
     with pytest.raises(InputError, match="meter IM3523 reads 40 Hz to 200 kHz"):
         live.run(1)
+
+
+class Stuck:
+    """A readout with noise, whose converter repeats its last readings once it is stuck."""
+
+    def __init__(self):
+        self.random, self.latest, self.stuck = np.random.default_rng(0), {}, False
+
+    def __call__(self, Z, conditions):
+        if not self.stuck:
+            self.latest[conditions.frequency] = Z * (1 + 1e-4 * self.random.normal())
+        return self.latest[conditions.frequency]
+
+
+@pytest.fixture
+def readout():
+    return Stuck()
+
+
+class TestStuck:
+    """The meter has noise, until it repeats itself."""
+
+    @pytest.fixture
+    def instrument(self, make_instrument, cushion, readout):
+        return make_instrument(cushion, readout)
+
+    def test_a_meter_that_repeats_its_sweep_is_not_answered(self, session, readout):
+        live = session({2: lambda: setattr(readout, "stuck", True)}, rest=5)
+        live.display.no_answer = lambda why: (
+            live.display.told.append(why)
+            or (setattr(readout, "stuck", False) if "device stuck" in why else None)
+        )
+        live.run(4)
+        assert live.failed == 1 and any("is the device stuck?" in w for w in live.display.told)

@@ -20,7 +20,7 @@ from rcskin.hardware.meter.errors import (
     NoConnectionError,
 )
 from rcskin.hardware.meter.meter_identity import sweep_origin
-from rcskin.hardware.reader import line_port
+from rcskin.hardware.reader import line_parser, line_port
 from rcskin.hardware.reader.line_format import LineFormat
 from rcskin.hardware.reader.line_port import check_line_resource, is_line_resource
 from rcskin.hardware.reader.reader_driver import ReaderTerminals, open_reader
@@ -273,6 +273,36 @@ def test_a_lost_connection_is_reported():
         time.sleep(0.05)
         with pytest.raises(LostConnectionError, match="the connection is lost"):
             swept(reader, terminals)
+
+
+@pytest.mark.parametrize("line", LINES)
+@pytest.mark.parametrize("checksum", ["", "crc32"])
+def test_the_last_sweep_of_a_device_that_stops_is_read_if_it_has_a_checksum(checksum, line):
+    """Nothing follows its last line, so that a number of CSV alone may be cut there."""
+    if line == "serial" and sys.platform == "win32":
+        pytest.skip("Windows has no pseudo-terminals")
+    bench = Bench()
+
+    def signed(lines):
+        data = [(each, line_parser.checksum(each, checksum)) for each in lines] if checksum else []
+        return [f"{each}*{total:08X}" for each, total in data] or lines
+
+    def last(lines):
+        bench.spoil = lambda lines: []
+        return ["# the next line was measured after this one", *signed(lines)]
+
+    bench.spoil = signed
+    with opened(bench, line, checksum=checksum, timeout=1.0) as (reader, terminals, reports):
+        bench.spoil = lambda lines: []
+        time.sleep(0.05)
+        bench.sweep = 3
+        threading.Timer(0.25, lambda: setattr(bench, "spoil", last)).start()
+        if checksum:
+            np.testing.assert_allclose(swept(reader, terminals)["left"], truth(3)["left"])
+        else:
+            with pytest.raises(NoAnswerError, match="sends no line"):
+                swept(reader, terminals)
+            assert reports == ["sweeps whose last line no other followed"]
 
 
 def test_a_port_that_is_not_there_is_reported():

@@ -36,10 +36,11 @@ def test_the_firmware_sends_what_the_second_file_describes(files):
     assert line_format.kind is scene.reading.kind
     frequencies = dict.fromkeys(("left", "right"), scene.frequencies)
     assembly = SweepAssembly(line_format, frequencies, lambda kind, text: None)
-    found = [assembly.feed(f"{k},{2000 + 250 * k:.2f},{1000 + k},{3000 - k}") for k in range(96)]
-    assert found[:95] == [None] * 95
+    lines = [f"{k},{2000 + 250 * k:.2f},{1000 + k},{3000 - k}" for k in range(96)]
+    found = [assembly.feed(line) for line in [*lines, "96,2000.00,1000,3000"]]
+    assert found[:96] == [None] * 96
     for name, bits in (("left", 1000 + np.arange(96)), ("right", 3000 - np.arange(96))):
-        np.testing.assert_allclose(found[95][name], bits * 0.8e-3 / 3.3, rtol=1e-12)
+        np.testing.assert_allclose(found[96][name], bits * 0.8e-3 / 3.3, rtol=1e-12)
 
 
 def test_the_commands_run_with_a_virtual_reader(files, spawn):

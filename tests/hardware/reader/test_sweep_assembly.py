@@ -42,8 +42,9 @@ def assert_sweeps(found, expected):
 
 
 def stream(*sweeps):
-    """Lines of successive sweeps, counted on."""
-    return [line for k, sweep in enumerate(sweeps) for line in counted_lines(sweep, 6 * k)]
+    """Lines of successive sweeps, counted on, and the first line of one more."""
+    lines = [line for k, sweep in enumerate(sweeps) for line in counted_lines(sweep, 6 * k)]
+    return [*lines, counted_lines(0, len(lines))[0]]
 
 
 def test_lines_become_sweeps_from_the_first_whole_one_on():
@@ -95,11 +96,11 @@ FAULTS = {
         ["lines of an unknown terminal"],
     ),
     "a restart": (
-        lambda lines: [*lines[:8], "boot: READY", *counted_lines(5), *lines[12:]],
+        lambda lines: [*lines[:8], "boot: READY", *stream(5), *lines[12:]],
         ["restarts of the device", "gaps in the count"],
     ),
     "a restart without a word": (
-        lambda lines: [*lines[:8], *counted_lines(5), *lines[12:]],
+        lambda lines: [*lines[:8], *stream(5), *lines[12:]],
         ["restarts of the device", "gaps in the count"],
     ),
 }
@@ -149,6 +150,126 @@ def test_a_count_that_wraps_is_no_fault():
     assert notes == []
 
 
+BOOTS = {
+    "text": "\nets Jun  8 2016 00:22:57\r\n\r\nrst:0x1 (POWERON_RESET)\n",
+    "a banner": "\nREADY\n",
+    "a banner in a comment": "\n# READY\n",
+    "a comment": "\r\n# hello\r\n",
+    "a line end": "\n",
+    "garbage": "\n\xf3\x80\n\x00",
+}
+"""What a device sends when it starts anew: each completes a number that was cut."""
+NUMBERED = {"csv": COUNTED, "a sweep a line": ARRAYS.replace('sweep = "id"', 'count = "id"')}
+NUMBERED["csv, a sweep a line"] = """
+name = "rows"
+format = "csv"
+lines = "sweeps"
+columns = ["n", "left[3]", "lx[3]", "bottom[3]", "bx[3]"]
+frequencies = [1e3, 2e3, 4e3]
+count = "n"
+rate = 100
+[[interface]]
+name = "left"
+real = "left"
+imaginary = "lx"
+[[interface]]
+name = "bottom"
+real = "bottom"
+imaginary = "bx"
+"""
+
+
+def row(number, sweep):
+    """One line of the format with arrays in CSV, written by hand."""
+    Z = [[true_value(name, f, sweep) for f in own] for name, own in FREQUENCIES.items()]
+    parts = [part for own in Z for part in (np.real(own), np.imag(own))]
+    return ",".join([str(number), *(f"{part:.2f}" for part in np.concatenate(parts))])
+
+
+def sent_by(name, first, sweeps):
+    """What a device sends from its start on: sweeps of the numbers first, first + 1, ..."""
+    numbers = range(first, first + sweeps)
+    if name == "csv":
+        lines = stream(*numbers)[:-1]
+    else:
+        line = array_line if name == "a sweep a line" else row
+        lines = [line(k, number) for k, number in enumerate(numbers)]
+    return "".join(f"{line}\n" for line in lines)
+
+
+def kept(text, sent, checked=""):
+    """Sweeps that are read from all that a device sent, up to the end of the stream."""
+    line_format = LineFormat.model_validate({**inputs.tables(text), "checksum": checked})
+    wanted = {name: np.array(own) for name, own in FREQUENCIES.items()}
+    assembly = SweepAssembly(line_format, wanted, lambda kind, text: None)
+    lines = LineCutter().feed(sent.encode("latin-1"), 0.0, 0.0)
+    found = [*(assembly.feed(line.text) for line in lines), assembly.end()]
+    return [sweep for sweep in found if sweep is not None]
+
+
+def assert_sent(found, numbers):
+    """Each sweep is one of these, in all its readings."""
+    for sweep in found:
+        number = round((sweep["left"][0].real - 1000) / 10)
+        assert number in numbers
+        for name, Z in whole(number).items():
+            np.testing.assert_allclose(sweep[name], Z, rtol=1e-6)
+
+
+@pytest.mark.parametrize("boot", BOOTS)
+@pytest.mark.parametrize("name", NUMBERED)
+def test_a_restart_anywhere_never_leaves_a_number_that_was_cut(name, boot):
+    """The device restarts after any byte of two sweeps, or within the last line of the second."""
+    before, after = sent_by(name, 1, 2), sent_by(name, 7, 4)
+    cuts = range(1, len(before), 7 if name != "csv" else 1)
+    for cut in sorted({*cuts, *range(len(before) - 12, len(before))}):
+        found = kept(NUMBERED[name], before[:cut] + BOOTS[boot] + after)
+        assert_sent(found, (1, 2, 7, 8, 9, 10))
+        assert any(round(sweep["left"][0].real) == 1090 for sweep in found)
+
+
+@pytest.mark.parametrize("name", NUMBERED)
+def test_bytes_lost_from_one_line_to_another_never_join_two_readings(name):
+    """Lines of the same length run together where bytes between them are lost."""
+    lines = sent_by(name, 1, 3).splitlines()
+    for first in range(len(lines) - 2):
+        one, next_one = lines[first], lines[first + 1]
+        for cut in range(1, min(len(one), len(next_one))):
+            joined = [*lines[:first], one[:cut] + next_one[cut:], *lines[first + 2 :]]
+            found = kept(NUMBERED[name], "".join(f"{line}\n" for line in joined))
+            assert_sent(found, (1, 2, 3))
+
+
+def test_the_last_sweep_of_a_stream_is_read_where_its_lines_show_their_end():
+    """By a checksum or the brace of JSON; a line of CSV without a checksum shows nothing."""
+
+    def signed(text):
+        from rcskin.hardware.reader.line_parser import checksum
+
+        return "".join(f"{line}*{checksum(line, 'crc16'):04X}\n" for line in text.splitlines())
+
+    counts = {
+        (name, checked): len(kept(text, (signed if checked else str)(sent_by(name, 1, 2)), checked))
+        for name, text in NUMBERED.items()
+        for checked in ("", "crc16")
+    }
+    assert {key for key, count in counts.items() if count == 1} == {
+        ("csv", ""),
+        ("csv, a sweep a line", ""),
+    }
+    assert set(counts.values()) == {1, 2}
+
+
+@pytest.mark.parametrize("ends", ["", "\n"])
+@pytest.mark.parametrize("text", [COUNTED, COUNTED.replace('count = "n"\ntime = "t"\n', "")])
+def test_a_number_that_is_cut_at_the_end_of_a_stream_is_not_kept(text, ends):
+    sent = sent_by("csv", 1, 2)
+    for cut in range(len(sent) - 9, len(sent)):
+        found = kept(text, sent[:cut] + ends)
+        assert_sent(found, (1,))
+        assert len(found) <= 1
+
+
 def array_line(number, sweep, khz=(1, 2, 4), spoil=lambda values: values):
     """One line of ARRAYS, written by hand."""
     parts = []
@@ -161,7 +282,7 @@ def array_line(number, sweep, khz=(1, 2, 4), spoil=lambda values: values):
 
 
 def test_arrays_become_sweeps():
-    lines = ["# hello", *(array_line(k, k) for k in range(3))]
+    lines = ["# hello", *(array_line(k, k) for k in range(4))]
     found, notes = assembled(ARRAYS, lines)
     assert len(found) == 2 and notes == []  # the first may be a part of one
     np.testing.assert_allclose(found[0]["bottom"], whole(1)["bottom"], rtol=1e-6)
@@ -184,7 +305,8 @@ def test_arrays_become_sweeps():
     ],
 )
 def test_a_wrong_array_costs_its_sweep(line, kind):
-    found, notes = assembled(ARRAYS, [array_line(0, 0), line, array_line(2, 2), array_line(3, 3)])
+    rest = [array_line(number, number) for number in (2, 3, 4)]
+    found, notes = assembled(ARRAYS, [array_line(0, 0), line, *rest])
     assert [round(sweep["left"][0].real) for sweep in found] == [1020, 1030]
     assert kind in notes
 
@@ -254,8 +376,8 @@ rate = 10
     ],
 )
 def test_gains_follow_from_volts_bits_and_shares(keys, line, expected):
-    found, notes = assembled(f"{GAIN}{keys}\n", [line], {"node": (1e3,)})
+    found, notes = assembled(f"{GAIN}{keys}\n", [line, line], {"node": (1e3,)})
     if expected is None:
-        assert (found, notes) == ([], ["readings out of range"])
+        assert (found, set(notes)) == ([], {"readings out of range"})
     else:
         np.testing.assert_allclose(found[0]["node"], [expected], atol=1e-12)

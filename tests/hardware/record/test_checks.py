@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.hardware.meter.hioki import IM3523
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
-from rcskin.hardware.record.sweep_checks import SweepChecker, SweepLimits
+from rcskin.hardware.record.sweep_checks import SweepChecker, SweepLimits, frozen_remarks
 from rcskin.hardware.virtual.hioki.meter_state import Settings, conditions
 from rcskin.simulator.meters.accuracy_table import read_table
 from rcskin.simulator.sweeps import parallel_capacitance
@@ -144,3 +144,27 @@ def test_bounds_follow_the_open_voltage_behind_the_output_resistance(level):
     expected = {"V": 0.4, "CV": 0.3 * np.sqrt(2), "CC": 1e-3 * 100 * np.sqrt(2)}[level]
     assert judge._conditions(1e3, Z).level == pytest.approx(expected)
     assert conditions(Settings(**asked), 5, Z).level == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("two_terminal", [True, False])
+def test_the_same_digits_at_all_frequencies_and_a_wrong_range_are_named(two_terminal):
+    """Also where no law of passive skins can be checked."""
+    judge = dataclasses.replace(JUDGE, limits=SweepLimits(two_terminal=two_terminal))
+    stuck, wrong = np.full(9, LINE[4]), LINE.copy()
+    wrong[4] *= 10
+    remarks = judge.remarks(sweep_of(stuck), [], unpressed=True)
+    assert any("digit for digit, at all 9 frequencies: is the device stuck?" in r for r in remarks)
+    remarks = judge.remarks(sweep_of(wrong), [], unpressed=False)
+    assert any(remark.startswith("the reading at 10000 Hz is about") for remark in remarks)
+
+
+def test_a_sweep_that_repeats_the_one_before_is_a_fault_where_there_is_noise():
+    random = np.random.default_rng(1)
+    noisy = [sweep_of(LINE * (1 + 1e-4 * random.normal(size=9))) for _ in range(5)]
+    (remark,) = frozen_remarks(noisy[4], noisy[4], noisy[:4])
+    assert remark.startswith("the sweep repeats the one before digit for digit")
+    assert frozen_remarks(noisy[4], noisy[3], noisy[:4]) == []
+    assert frozen_remarks(noisy[0], None, []) == []
+    exact = [sweep_of(LINE)] * 4
+    assert frozen_remarks(exact[0], exact[0], exact) == []
+    assert frozen_remarks(sweep_of(1.1 * LINE), sweep_of(1.1 * LINE), exact) == []

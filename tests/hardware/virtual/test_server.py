@@ -190,7 +190,9 @@ def test_a_script_presses_at_its_times(tmp_path, make_instrument, serve, pillow)
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("1 2,3\n0.5 none", "line 2: times must ascend from 0 s, got 0.5"),
+        ("1 2,3\n0.5 none", r"line 2: times must ascend from 0 to 1e\+06 s, got 0.5"),
+        ("inf 1,1", r"line 1: times must ascend from 0 to 1e\+06 s, got inf"),
+        ("1 1,1\n1e308 none", r"line 2: times must ascend from 0 to 1e\+06 s, got 1e308"),
         ("-1 none", "line 1: times must ascend"),
         ("nan none", "line 1: times must ascend"),
         ("soon none", "line 1: must be SECONDS PRESS"),

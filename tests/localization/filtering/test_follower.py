@@ -75,6 +75,17 @@ def test_touches_that_come_and_go_are_followed(models, run, rest, name):
     assert all(each.probabilities.sum() <= 1 + 1e-9 for each in told)
 
 
+@pytest.mark.parametrize("name", [MODEL_BASED, "ksvm-ovo"])
+def test_a_sweep_with_a_reading_that_is_no_number_is_not_answered(models, run, rest, name):
+    """Alone, or among others, which are answered as without it."""
+    sweeps = run([0, 2, 2, 2])
+    sweeps["X"].values[2, 0, 1] = np.nan
+    told = Follower(models[name]).follow_all(sweeps, rest, PACE)
+    assert labels(told) == ["0", "2", CANNOT_TELL, "2"]
+    alone = Follower(models[name]).follow(sweeps.isel(sweep=[2]), rest, PACE, PACE)
+    assert alone.label == CANNOT_TELL
+
+
 @pytest.mark.parametrize(
     ("name", "columns"), [(MODEL_BASED, (0, 2)), (MODEL_BASED, (3, 0)), ("ksvm-ovo", (0, 1))]
 )

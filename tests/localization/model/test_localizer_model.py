@@ -3,8 +3,10 @@ from importlib.metadata import version
 
 import numpy as np
 import pytest
+from rcskin.localization.evaluation.result import evaluated
 from rcskin.localization.inputs.targets import labels
 from rcskin.localization.model.training import train
+from rcskin.localization.trust.answers import CANNOT_TELL
 from rcskin.simulator.sweeps import InputError
 
 
@@ -66,3 +68,56 @@ def test_sweeps_unlike_those_of_the_training_are_refused(strip, make_sweeps, oth
 def test_one_class_alone_trains_no_model(strip):
     with pytest.raises(InputError, match="at least 2 classes, got 1"):
         train(strip.isel(sweep=strip["column"] == 1))
+
+
+READINGS = [("Rs", np.nan), ("X", np.inf), ("X", -np.inf), ("Cp", np.nan)]
+
+
+def with_reading(sweeps, sweep, name, value):
+    """The sweeps with another value of one reading of a sweep."""
+    values = sweeps[name].values.copy()
+    values[sweep, 0, 1] = value
+    return sweeps.assign({name: (sweeps[name].dims, values)})
+
+
+@pytest.mark.parametrize(("name", "value"), READINGS)
+@pytest.mark.parametrize("quantities", ["Rs,Cp", "dlnZ,dphase"])
+@pytest.mark.parametrize("estimator", [None, "gaussian"])
+def test_a_reading_that_is_no_number_costs_its_sweep_alone(
+    strip, make_sweeps, estimator, quantities, name, value
+):
+    model = train(strip, "column", estimator, quantities=quantities)
+    sweeps = make_sweeps(seed=3)
+    k = len(sweeps["sweep"]) - 2
+    spoilt, sound = with_reading(sweeps, k, name, value), model.answers(sweeps)
+    answers = model.answers(spoilt)
+    others = np.arange(sound.labels.size) != k
+    assert answers.labels[k] == CANNOT_TELL
+    np.testing.assert_array_equal(answers.labels[others], sound.labels[others])
+    found, before = (evaluated(model.learned, model.samples(each)) for each in (spoilt, sweeps))
+    count = before.score.right.size
+    assert found.answered * count == pytest.approx(sound.answered[others].sum())
+    assert found.score.rates()["accuracy"][1] == count
+    assert "1 with a reading that is no finite number" in found.left_out
+    rest = sweeps.isel(sweep=[0])
+    assert model.answers(spoilt.isel(sweep=[k]), rest).labels.tolist() == [CANNOT_TELL]
+    with pytest.raises(InputError, match=f"sweep {k}: a reading is no finite number"):
+        model.predict(spoilt)
+
+
+@pytest.mark.parametrize(("name", "value"), READINGS)
+def test_a_baseline_with_a_reading_that_is_no_number_is_none(strip, make_sweeps, name, value):
+    model = train(strip, "column", quantities="dlnZ,dphase")
+    sweeps = make_sweeps(seed=3)
+    spoilt = with_reading(sweeps, 4, name, value)
+    assert sweeps["row"].values[4] == 0
+    answers, sound = model.answers(spoilt), model.answers(sweeps)
+    np.testing.assert_array_equal(answers.labels == sound.labels, np.arange(24) != 4)
+    of_rest = model.answers(sweeps.isel(sweep=slice(5, 8)), spoilt.isel(sweep=[0, 4]))
+    np.testing.assert_array_equal(of_rest.labels, sound.labels[5:8])
+
+
+def test_a_model_learns_from_the_sweeps_that_have_all_readings(strip):
+    model = train(with_reading(strip, 3, "Rs", np.nan), quantities="Rs,Cp")
+    assert model.trained_on == train(strip, quantities="Rs,Cp").trained_on - 1
+    assert "1 with a reading that is no finite number left out" in model.left_out

@@ -133,3 +133,23 @@ def test_too_few_frequencies_name_the_file(refused, make_sweeps, tmp_path):
     told = refused("check", tmp_path / "few.nc")
     assert f"{tmp_path / 'few.nc'}: noise cannot be estimated from 3 frequencies" in told
     assert "by --noise" in told, "an option of the command"
+
+
+@pytest.mark.parametrize("count", [3, 12])
+def test_a_stuck_device_is_named_however_few_frequencies_there_are(
+    run, make_sweeps, tmp_path, count
+):
+    path, f = tmp_path / "stuck.nc", FREQUENCY[:count]
+    write(make_sweeps(1, ["meter"], f, np.full((1, 1, count), 2e3 - 5e3j)), path)
+    code, out, err = run("check", path)
+    assert (code, err) == (1, "")
+    told = f"the same reading, digit for digit, at all {count} frequencies: is the device stuck?"
+    assert f"sweep 0, interface meter: {told}" in out
+
+
+def test_a_reading_of_a_wrong_range_is_named(run, make_sweeps, tmp_path):
+    path, Z = tmp_path / "range.nc", SERIES[:3].copy()
+    Z[2] *= 10
+    write(make_sweeps(1, ["meter"], FREQUENCY[:3], Z[None, None]), path)
+    code, out, _ = run("check", path)
+    assert code == 1 and "2310.13 Hz is about 10 times what the others show" in out

@@ -91,3 +91,13 @@ def test_bad_input_ends_with_one_line_and_code_2(
     (tmp_path / "one.txt").write_text("f,Rs,X\n1000,1,-1\n")
     assert told in refused("import", *arguments)
     assert not (tmp_path / "out.nc").exists()
+
+
+def test_a_table_of_a_stuck_device_gets_a_warning(run, tmp_path):
+    table = tmp_path / "stuck.csv"
+    rows = [f"{sweep},{f},1666000,-20870000" for sweep in range(3) for f in (707, 1592, 6367)]
+    table.write_text("\n".join(["sweep,f/Hz,Rs/ohm,X/ohm", *rows]))
+    code, out, err = run("import", table, "-o", tmp_path / "out.nc")
+    assert code == 0 and "3 sweeps x 3 frequencies" in out
+    assert "sweep 0, interface unnamed: the same reading, digit for digit, at all 3" in err
+    assert "is the device stuck? (2 more such)" in err and err.count("\n") == 1

@@ -78,3 +78,17 @@ def test_a_data_set_states_how_many_sweeps_were_solved_in_full(make, toy):
     assert sweeps.attrs["fallbacks"] == whole.fallbacks > 40
     assert sweeps.attrs["audit_sample"] == whole.sample
     assert sweeps.attrs["audit_bound"] <= 1e-4
+
+
+@pytest.mark.parametrize(
+    ("bound", "stated"),
+    [(2.4312e-5, 2.5e-5), (2.4312000001e-5, 2.5e-5), (9.91e-7, 1e-6), (3e-6, 3e-6), (0.0, 0.0)],
+)
+def test_the_stated_bound_is_rounded_up_beyond_the_digits_of_a_processor(bound, stated):
+    whole = combined_audit([Audit(32, 0, bound / 2), Audit(8, 1, bound)])
+    assert whole == Audit(40, 1, stated)
+    assert bound <= whole.bound == combined_audit([whole]).bound
+
+
+def test_a_bound_that_is_infinite_stays_so():
+    assert combined_audit([Audit(1, 0, float("inf"))]).bound == float("inf")

@@ -289,6 +289,12 @@ CALLS = {
     "shape": ({"capacitance": [0.0, 0.1]}, r"must have shape \(\) or \(press,\) = \(1,\), or"),
     "reach": ({"sheet_resistance": 2.0}, "`frequency` times the factors .* must be in "),
     "mismatch": ({"sheet_mismatch": 2.0}, "`sheet_mismatch` must change by a factor of at most 3"),
+    "not a number": ({"loss_tangent": float("nan")}, "`loss_tangent` must be finite, got nan"),
+    "infinite": ({"lead_resistance": float("inf")}, "`lead_resistance` must be finite, got inf"),
+    "no capacitance": (
+        {"capacitance": [[0.0, 0.0, -float("inf")]]},
+        "`capacitance` must be finite",
+    ),
 }
 
 
@@ -304,8 +310,9 @@ def test_refused_scenes(name):
 def test_refused_parameters(name):
     given, message = CALLS[name]
     module = rcskin.SkinModule(rcskin.reduce(STRIP, 1e-2))
-    with pytest.raises(InputError, match=message):
-        module(module.rises(["1,2"]), given)
+    for function in (module, module.error):
+        with pytest.raises(InputError, match=message):
+            function(module.rises(["1,2"]), given)
 
 
 def test_refused_types():
@@ -319,6 +326,26 @@ def test_refused_rises():
     module = rcskin.SkinModule(rcskin.reduce(STRIP, 1e-2))
     with pytest.raises(InputError, match=r"`rises` must have shape \(press, 3\), got \(1, 2\)"):
         module(torch.zeros(1, 2))
+    for value in (-1.5, -1.0, -0.51, 2.01, 1e3, float("nan"), float("inf"), -float("inf")):
+        rises = torch.tensor([[0.0, 0.0, 0.0], [0.5, value, 0.0]])
+        for function in (module, module.error):
+            with pytest.raises(
+                InputError, match=r"`rises` of c must be in -0\.5\.\.2, as"
+            ) as refused:
+                function(rises)
+            assert "\n" not in str(refused.value)
+    at_ends = module(torch.tensor([[-0.5, 2.0, 0.0]]))
+    assert torch.isfinite(torch.view_as_real(at_ends)).all()
+
+
+def test_refused_fingers():
+    scene = rcskin.load(STRIP).with_({"surroundings": {}})
+    module = rcskin.SkinModule(rcskin.reduce(scene, 1e-2))
+    rises = module.rises(["1,2"])
+    for finger in (-1e-12, 1e-9, float("nan")):
+        rises[0, -1] = finger
+        with pytest.raises(InputError, match=r"fingers in `rises`, F, must be in 0\.\.1e-10"):
+            module(rises)
 
 
 def test_every_name_is_known_or_refused():

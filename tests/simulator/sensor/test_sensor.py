@@ -142,7 +142,7 @@ def test_a_press_that_changes_within_a_sweep_has_no_label():
     ("change", "message"),
     [
         ({"skins": 0}, "`skins` must be >= 1"),
-        ({"keep": 0}, "`keep` must be >= 1"),
+        ({"keep": 0}, "`keep` must be in 1..1000000000, got 0"),
         ({"session": "mine"}, '`session` must be "nominal" or "drawn"'),
         ({"seed": -1}, "`seed` must be in 0.."),
         ({"skins": "3"}, "or a list of numbers >= 0, got '3'"),
@@ -154,6 +154,10 @@ def test_a_press_that_changes_within_a_sweep_has_no_label():
         ({"noise": "no"}, "`noise` must be True or False, got 'no'"),
         ({"faults": "dead foil top-left"}, "`faults` must be a list of texts"),
         ({"skins": [0, "1"]}, "or a list of numbers >= 0, got"),
+        ({"skins": 10**12}, "`skins` must be at most [0-9]+ here, since each takes .* got 10+:"),
+        ({"skins": 10**30}, "`skins` must be at most [0-9]+ here"),
+        ({"skins": range(10**11)}, "`skins` must be at most [0-9]+ here"),
+        ({"keep": 10**30}, "`keep` must be in 1..1000000000, got 10+"),
     ],
 )
 def test_refused_arguments(change, message):
@@ -172,7 +176,10 @@ def test_refused_arguments(change, message):
         (3.0, 0.1, "`contacts` must be None, the text of a press, .*got float"),
         ("", 0.1, "press"),
         (None, 0.0, "`dt` must be > 0 s"),
-        (None, "0.1", "`dt` must be > 0 s and finite, got '0.1'"),
+        (None, "0.1", "`dt` must be > 0 s and at most .* s, got '0.1'"),
+        (None, 1e12, "`dt` must be > 0 s and at most .* s, got 1000000000000.0; divide"),
+        (None, float("nan"), "`dt` must be > 0 s and at most .* s, got nan"),
+        (None, True, "`dt` must be > 0 s and at most .* s, got True"),
     ],
 )
 def test_refused_contacts(contacts, dt, message):

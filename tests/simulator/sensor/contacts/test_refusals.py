@@ -18,6 +18,18 @@ INVALID = [
     (lambda: PointContacts([[0.05]], 0.05, 1.0, 0.01, count=[2]), "count must be in 0..1"),
     (lambda: PointContacts("left", 0.05, 1.0, 0.01), "arrays do not match"),
     (lambda: DepthImage([1e-3]), "must have the shape (row, column) or"),
+    (
+        lambda: PointContacts(np.zeros(10**5), 0.05, 1.0, 0.01),
+        "a skin has at most 10000 contacts, got 100000",
+    ),
+    (
+        lambda: PointContacts(np.broadcast_to(0.0, (10**9, 1)), np.zeros((1, 10**4)), 1.0, 0.01),
+        "contacts would need",
+    ),
+    (
+        lambda: DepthImage(np.broadcast_to(0.0, (10**6, 10**7))),
+        "10000000000000 values of depth would need 80 TB of memory",
+    ),
 ]
 ON_THE_SKIN = [
     (PointContacts([0.05, 0.13], 0.05, 1.0, 0.01), "contact 1: (x, y) must lie within 0..0.12 and"),
@@ -25,7 +37,10 @@ ON_THE_SKIN = [
     (PointContacts(0.05, 0.05, np.nan, 0.01), "contact 0: force must be >= 0 N, got nan"),
     (PointContacts(0.05, 0.05, 1.0, 0.0), "radius and curvature_radius must be > 0 m and one"),
     (PointContacts(0.05, 0.05, 1.0, size=(0.0, 1.0)), "contact 0: size must be > 0 m, got (0, 1)"),
-    (PointContacts(0.05, 0.05, radius=0.01, factor=0.0), "factor must be > 0 times"),
+    *(
+        (PointContacts(0.05, 0.05, radius=0.01, factor=factor), "factor must be in 1e-06..1e+06 t")
+        for factor in (0.0, -1.0, 1e-7, 1e308, np.inf, np.nan)
+    ),
     (
         PointContacts([[0.05], [np.inf]], 0.05, 1.0, 0.01),
         "contact 0 of skin 1: (x, y) must lie within",
