@@ -108,7 +108,7 @@ def leave(code: int) -> NoReturn:
     timer.daemon = True
     timer.start()
     for stream in (sys.stdout, sys.stderr):
-        with suppress(OSError, ValueError):
+        with suppress(Exception):
             stream.flush()
     atexit._run_exitfuncs()  # no documented call has this done while the main thread is deaf
     os._exit(code)
