@@ -93,6 +93,7 @@ class MachineOperator:
     pause: float = 1.0
     repetitions: int = field(default=0, init=False)
     current: int = field(default=-1, init=False)
+    _failed: bool = field(default=False, init=False)
 
     def same_mounting(self, ago: str) -> bool:
         """False: a machine does not know."""
@@ -116,13 +117,15 @@ class MachineOperator:
 
     def kept(self, remarks: Sequence[str]) -> bool:
         """True if the sweep is sound or the repetitions are used up."""
-        self.show.end(remarks)
+        failed, self._failed = self._failed, False
+        self.show.end(remarks or ["trying again succeeded: the sweep is whole"] * failed)
         return not remarks or not self._count_repetition()
 
     def again(self, failure: MeterError) -> bool:
         """True, after a pause, unless the repetitions are used up."""
-        self.show.end([str(failure)])
-        if not self._count_repetition():
+        self._failed = self._count_repetition()
+        self.show.end([f"{failure}; trying again" if self._failed else str(failure)])
+        if not self._failed:
             return False
         time.sleep(self.pause * 2 ** (self.repetitions - 1))
         return True
