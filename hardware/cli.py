@@ -135,19 +135,17 @@ def correct(
     from .meter.correction import correct as acquire
     from .meter.instruments import open_meter
     from .meter.lcr_meter import LcrMeter
-    from .meter.restoring.termination import orderly_termination
+    from .meter.restoring.termination import interruptible, orderly_termination
     from .record.managed_meter import ManagedMeter
 
     with orderly_termination() as report:
-        managed = ManagedMeter(lambda: open_meter(resource, timeout, baud), report=report)
-        try:
-            meter = managed.ready()
+        station = ManagedMeter(lambda: open_meter(resource, timeout, baud), report=report)
+        with station, interruptible():
+            meter = station.ready()
             if not isinstance(meter, LcrMeter):
                 raise InputError(f"{resource}: {meter.model} has no open or short correction")
             acquire(meter, kind.lower(), extent.upper())
             state = meter.open_correction, meter.short_correction
-        finally:
-            managed.release()
         say(f"open correction {state[0]}, short correction {state[1]}")
 
 

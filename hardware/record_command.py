@@ -83,7 +83,7 @@ def record(
     from ..simulator.scene.readings.changed_readings import checked_interfaces
     from ..simulator.sweeps import checked_output, sizes_text
     from .event_counter import EventCounter
-    from .meter.restoring.termination import orderly_termination
+    from .meter.restoring.termination import interruptible, orderly_termination
     from .record.recorder import RecordingTask
     from .record.recorder import record as record_task
     from .record.recording_journal import RecordingJournal
@@ -130,7 +130,8 @@ def record(
         with screen:
             header, entries = record_task(replace(task, report=report), operator)
             faults.close()
-        sweeps = finish(journal, header, dict(enumerate(entries)))
+        with interruptible():
+            sweeps = finish(journal, header, dict(enumerate(entries)))
         say("; ".join([f"{sizes_text(sweeps.sizes)} -> {output}", *summary_remarks(entries)]))
 
 

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import os
 import sys
-from typing import NoReturn
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import NoReturn, TextIO
 
 import typer
 
@@ -34,29 +37,102 @@ def run(app: typer.Typer, failures: tuple[type[Exception], ...] = ()) -> None:
 
     failures: further exception types whose message is complete as it is.
     """
-    _take_any_terminal()
+    output, errors = _guard_streams()
+    os.environ["MPLBACKEND"] = "agg"  # charts go to files only
     show_log_as_notes("rcskin")
     heard = EndSignal()
     try:
         _run(app, failures, heard)
     except SystemExit as end:
+        output.failure = None  # it was reported
         if heard.is_set():  # libraries' threads may keep or break the usual end
-            leave(end.code if isinstance(end.code, int) else heard.code)
+            leave(heard.code)
+        if errors.lost and not end.code:
+            sys.exit(FAILURE)
         raise
 
 
-def _take_any_terminal() -> None:
-    """Writes letters that the terminal lacks as escapes, and lets charts go to files only."""
-    for stream in (sys.stdout, sys.stderr):
-        if isinstance(stream, io.TextIOWrapper):
-            stream.reconfigure(errors="backslashreplace")
-    os.environ["MPLBACKEND"] = "agg"
+class _StandardStream(io.TextIOWrapper):
+    """Standard output or standard error, with letters that a terminal lacks as escapes.
+
+    After a failure the rest goes nowhere; a closed terminal is no failure. ends_work: True if
+    writing then raises BrokenPipeError or OutputError, also later, in case a library hides it.
+    lost: True if the device did not take what was written.
+    """
+
+    failure: Exception | None = None
+    lost = False
+
+    def __init__(self, stream: TextIO, ends_work: bool) -> None:
+        super().__init__(
+            stream.buffer,
+            stream.encoding,
+            "backslashreplace",
+            line_buffering=bool(stream.line_buffering),
+            write_through=True,
+        )
+        self._stream = stream  # which closes its buffer when nothing refers to it
+        self._terminal, self._ends_work = stream.isatty(), ends_work
+
+    def write(self, text: str, /) -> int:
+        """Write the text, or drop it."""
+        with self._failing():
+            super().write(text)
+        return len(text)
+
+    def flush(self) -> None:
+        """Flush what was written, or drop it."""
+        with self._failing():
+            super().flush()
+
+    @contextmanager
+    def _failing(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            nowhere = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nowhere, self.fileno())
+            os.close(nowhere)
+            if not (self._terminal and error.errno == errno.EIO):
+                self.lost = error.errno not in (errno.EPIPE, errno.EBADF)
+                self.failure = _output_failure(error) if self._ends_work else None
+        if self.failure:
+            raise self.failure
+
+
+def _output_failure(error: OSError) -> Exception:
+    """Exception that ends a command whose standard output cannot be written."""
+    from .sweeps.errors import OutputError
+    from .sweeps.writing.failures import DISKS
+
+    if error.errno == errno.EPIPE:
+        return error
+    reason = "it is closed" if error.errno == errno.EBADF else error.strerror
+    return OutputError(f"standard output: cannot be written: {DISKS.get(error.errno or 0, reason)}")
+
+
+def _guard_streams() -> tuple[_StandardStream, _StandardStream]:
+    """Replace standard output and standard error by streams whose failures end in order.
+
+    A closed one is opened so that each write fails: otherwise the next file would get its number.
+    """
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDONLY)
+    sys.stdin = sys.stdin or open(0, closefd=False)
+    output = _StandardStream(sys.stdout or open(1, "w", closefd=False), ends_work=True)
+    errors = _StandardStream(sys.stderr or open(2, "w", closefd=False), ends_work=False)
+    sys.stdout, sys.stderr = output, errors
+    return output, errors
 
 
 def _run(app: typer.Typer, failures: tuple[type[Exception], ...], received: EndSignal) -> NoReturn:
     try:
         with end_on_signals(received):
             code = app(standalone_mode=False)
+            sys.stdout.flush()
     except typer.TyperException as error:
         if _is_help(error):  # a group of commands without a command
             say(*error.format_message().splitlines(), err=True)
@@ -65,7 +141,6 @@ def _run(app: typer.Typer, failures: tuple[type[Exception], ...], received: EndS
     except (KeyboardInterrupt, typer.Abort):
         _end("interrupted", received.code)
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(FAILURE)
     except failures as error:
         _end(str(error), FAILURE)

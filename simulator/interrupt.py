@@ -20,8 +20,8 @@ and seconds that exit functions may take."""
 SHOW_CURSOR = "\x1b[?25h"
 """Escape sequence that shows the cursor again after a progress bar has hidden it."""
 CLEANUP_MODULE = f"{__package__}.sweeps.cleanup"
-SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")
-"""Ctrl-C; request to end; closed terminal or lost connection; Ctrl-Break on Windows."""
+SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGBREAK")
+"""Ctrl-C; request to end; closed terminal or lost connection; Ctrl-\\; Ctrl-Break on Windows."""
 
 Handler = Callable[[int, FrameType | None], object] | int | None
 
@@ -92,7 +92,10 @@ def _watch(
             if number[0] not in ends:
                 continue
             last = monotonic() + UNWOUND
-            ended = received.wait(PATIENCE) or over.is_set()
+            ended = received.wait(PATIENCE / 2) or over.is_set()
+            if not ended:
+                _send_again(number[0])
+                ended = received.wait(PATIENCE / 2) or over.is_set()
             if CLEANUP_MODULE in sys.modules:  # else nothing can be in such a block
                 ended = sys.modules[CLEANUP_MODULE].wait_for_cleanup() or ended
             if not (ended and over.wait(max(last - monotonic(), LEAVE))):
@@ -102,13 +105,22 @@ def _watch(
                 leave(128 + number[0])
 
 
+def _send_again(number: int) -> None:
+    """Sends a signal to the main thread, whose call may have begun to wait just after the first.
+
+    Python handles a signal once a call returns; a signal ends only a call that waits already.
+    """
+    if hasattr(signal, "pthread_kill"):
+        signal.pthread_kill(threading.main_thread().ident or 0, number)
+
+
 def leave(code: int) -> NoReturn:
     """Ends the process; exit functions run if they take no longer than LEAVE."""
     timer = threading.Timer(LEAVE, os._exit, (code,))
     timer.daemon = True
     timer.start()
     for stream in (sys.stdout, sys.stderr):
-        with suppress(OSError, ValueError):
+        with suppress(Exception):
             stream.flush()
     atexit._run_exitfuncs()  # no documented call has this done while the main thread is deaf
     os._exit(code)

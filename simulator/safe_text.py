@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import html
 import re
+import sys
 import unicodedata
 import warnings
 from collections.abc import Iterable, Iterator, Mapping
@@ -40,9 +41,7 @@ def _escaped_character(character: str) -> str:
 
 def say(*lines: object, err: bool = False) -> None:
     """Writes lines to standard output, or to standard error."""
-    import typer
-
-    typer.echo("\n".join(map(escaped, lines)), err=err)
+    print(*map(escaped, lines), sep="\n", file=sys.stderr if err else sys.stdout, flush=True)
 
 
 def terminal(*, stderr: bool = False, highlight: bool = True) -> Console:

@@ -203,11 +203,14 @@ def _session_journal(log: Path) -> RecordingJournal:
 
 
 def _run(session: LiveSession, answers: int | None) -> None:
+    from ..meter.restoring.termination import interruptible
+
     try:
-        session.run(answers)
+        with session.meter.station, interruptible():
+            session.run(answers)
     finally:
-        session.meter.release()
-        session.log.write(session.meter.header)
+        with interruptible():
+            session.log.write(session.meter.header)
 
 
 def _baseline(

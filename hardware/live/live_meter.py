@@ -13,7 +13,6 @@ from ..meter.errors import FailedReadingError, MeterError, NoConnectionError
 from ..meter.instruments import instrument_of
 from ..meter.reading_source import ReadingSource
 from ..meter.restoring.settings_snapshot import require_settings, restore_settings
-from ..meter.restoring.termination import shielded
 from ..record.managed_meter import ManagedMeter
 from ..record.measured_sweep import (
     MeasuredSweep,
@@ -39,8 +38,9 @@ CHECK_INTERVAL = 1.0
 class LiveMeter:
     """One meter that keeps the settings of the session's start and is reconnected when it fails.
 
-    patience: s without a whole sweep until the session gives up. switch: connects the meter to one
-    of the localizer's interfaces, if there are several.
+    station: releases the meter and the switch, see `ManagedMeter`. patience: s without a whole
+    sweep until the session gives up. switch: connects the meter to one of the localizer's
+    interfaces, if there are several.
     """
 
     def __init__(
@@ -64,11 +64,9 @@ class LiveMeter:
             raise InputError(f"`patience` must be in (0, 1e6] s, got {patience:g}")
         self._localizer, self._table, self._limits = localizer, table, limits
         self._conditions = conditions
-        self._station, self._patience = (
-            ManagedMeter(connect, report=report, journal=journal),
-            patience,
-        )
+        self._patience = patience
         self.switch = TimedSwitch(switch, clock) if switch else None
+        self.station = ManagedMeter(connect, None, report, journal, self.switch)
         self._failing_since: float | None = None
         self._wait, self._checked_at = FIRST_WAIT, 0.0
         self.checker: SweepChecker | None = None
@@ -76,15 +74,15 @@ class LiveMeter:
     @property
     def header(self) -> RecordingHeader | None:
         """Facts of the session's beginning; None before the first connection."""
-        return self._station.header
+        return self.station.header
 
     def ready(self) -> None:
         """Connect the meter, if necessary, with the settings of the beginning.
 
         Raises MeterError if that fails, InputError if it lacks a frequency of the model.
         """
-        meter = self._station.ready()
-        if self._station.header is None:
+        meter = self.station.ready()
+        if self.station.header is None:
             self._begin(meter)
 
     def sweep(self, watch: Watch) -> MeasuredSweep:
@@ -119,7 +117,7 @@ class LiveMeter:
 
     @property
     def _meter(self) -> ReadingSource:
-        meter = self._station.meter
+        meter = self.station.meter
         assert meter is not None
         return meter
 
@@ -143,7 +141,7 @@ class LiveMeter:
         if isinstance(failure, SwitchError):
             gone, what = NoSwitchError, "switch"
         else:
-            self._station.close()
+            self.station.close()
         self._failing_since = self._failing_since or time.monotonic()
         left = self._failing_since + self._patience - time.monotonic()
         if left <= 0:
@@ -153,19 +151,12 @@ class LiveMeter:
         wait, self._wait = min(self._wait, left), min(2 * self._wait, LONGEST_WAIT)
         return wait
 
-    def release(self) -> None:
-        """Restore the meter and the switch, as far as they answer, and close them."""
-        with shielded():
-            self._station.release()
-            if self.switch:
-                self.switch.close()
-
     def _begin(self, meter: ReadingSource) -> None:
         model, pixels = self._localizer.model, self._localizer.scene.pixels
         measured = check_frequencies(meter, model.frequencies)
         settings = meter.snapshot()
         restore_settings(meter, settings)
-        self._station.header = RecordingHeader(
+        self.station.header = RecordingHeader(
             scene=model.problem.scene,
             name="live",
             interfaces=model.interfaces,

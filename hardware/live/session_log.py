@@ -158,10 +158,10 @@ class SessionLog:
         before, self._latest = self._latest, JournalEntry(press, sweep, begun, now())
         warn_if_clock_set_back(self._latest, before)
         self.journal.keep(self._kept, self._latest)
-        if not self._kept:  # loads the libraries for writing, so that the session ends quickly
+        self._kept += 1
+        if self._kept == 1:  # loads the libraries for writing, so that the session ends quickly
             with TemporaryDirectory() as folder:
                 write_all(Path(folder, "first.nc"), header, {0: self._latest})
-        self._kept += 1
 
     def answered(self, answer: TouchAnswer) -> None:
         """Write the answer to the latest sweep."""

@@ -9,7 +9,7 @@ from contextlib import suppress
 from ...simulator.sweeps import InputError
 from .errors import CorrectionError, MeterError, RefusedError
 from .lcr_meter import LcrMeter
-from .restoring.termination import shielded
+from .restoring.termination import interruptible, shielded
 
 ADVICE = {
     "open": "check that the leads are apart, connected to nothing, and shielded",
@@ -36,22 +36,25 @@ def correct(
             f"`kind` must be open or short and `extent` {', '.join(words)} or {last}, got {kind}, "
             f"{extent}"
         )
-    try:
-        meter.start_correction(kind, extent)
-        if extent == meter.extents[-1]:
-            return
-        completed = _completed(meter, progress, patience, interval)
-    except RefusedError as refusal:
-        raise CorrectionError(f"{kind} correction failed: {refusal}; {ADVICE[kind]}") from refusal
-    except BaseException:
-        with shielded(), suppress(MeterError):
-            meter.cancel_correction(kind)
-        raise
-    if not completed:
-        meter.cancel_correction(kind)
-        raise CorrectionError(
-            f"{meter.resource}: {kind} correction did not end in {patience:g} s; {ADVICE[kind]}"
-        )
+    with shielded():  # before the correction starts: whatever ends the wait, it is cancelled
+        try:
+            with interruptible():
+                meter.start_correction(kind, extent)
+                if extent == meter.extents[-1]:
+                    return
+                if not _completed(meter, progress, patience, interval):
+                    raise CorrectionError(
+                        f"{meter.resource}: {kind} correction did not end in {patience:g} s; "
+                        f"{ADVICE[kind]}"
+                    )
+        except RefusedError as refusal:
+            raise CorrectionError(
+                f"{kind} correction failed: {refusal}; {ADVICE[kind]}"
+            ) from refusal
+        except BaseException:
+            with suppress(MeterError):
+                meter.cancel_correction(kind)
+            raise
     fault = meter.correction_fault(kind)
     if fault:
         raise CorrectionError(

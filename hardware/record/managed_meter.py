@@ -8,15 +8,17 @@ from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from threading import Thread
-from typing import Any
+from typing import Any, Self
 
+from ...simulator.safe_text import say
 from ..meter.errors import MeterError, WrongMeterError
 from ..meter.link.conversation import ANSWER_TIMES
 from ..meter.meter_identity import MeterIdentity
 from ..meter.reading_source import ReadingSource
 from ..meter.restoring.original_settings import SETTINGS_STORE, not_restored_message, settings_text
 from ..meter.restoring.settings_snapshot import restore_settings
-from ..meter.restoring.termination import raise_pending_signal, shielded
+from ..meter.restoring.termination import interrupts_to_quit, raise_pending_signal
+from ..switch.switch import Switch
 from .recording_journal import RecordingHeader, RecordingJournal
 
 GIVE_UP_AFTER, SLOW_LINE_FACTOR, PAUSE, POLL_INTERVAL = 2.0, 2.0, 0.2, 0.05
@@ -25,20 +27,29 @@ answer, plus SLOW_LINE_FACTOR times the longest delay of an answer. PAUSE: betwe
 TRIES = 20
 """Number of connections in which the settings may be restored."""
 LOG = logging.getLogger(__name__)
+RESTORING = (
+    "rcskin: the meter's settings are being restored; Ctrl-C {left} more, a second apart, leaves "
+    "them changed"
+)
 
 
 @dataclass
 class ManagedMeter:
-    """One meter through all its connections. report: reports settings that could not be restored.
+    """One meter through all its connections, from the first one to its release.
 
-    journal: saves the original settings before any is changed. Those of a killed command are
-    restored at the end of this one.
+    All work with it stands in `with station, interruptible():`, in that order: a signal raises only
+    in the inner block, so nothing interrupts the release at the end of the outer one.
+
+    report: reports settings that could not be restored. journal: saves the original settings before
+    any is changed. Those of a killed command are restored at the end of this one. switch: is closed
+    with the meter.
     """
 
     connect: Callable[[], ReadingSource]
     header: RecordingHeader | None = None
     report: Callable[[str], None] = lambda text: None
     journal: RecordingJournal | None = None
+    switch: Switch | None = None
     meter: ReadingSource | None = field(default=None, init=False)
     _original: dict[str, Any] = field(default_factory=dict, init=False)
     _identity: str = field(default="", init=False)
@@ -53,6 +64,12 @@ class ManagedMeter:
                 self.journal.folder,
                 settings_text(self._original),
             )
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.release()
 
     def ready(self) -> ReadingSource:
         """The meter, set up.
@@ -79,22 +96,20 @@ class ManagedMeter:
     def release(self) -> None:
         """Restore all original settings, over a new connection if necessary, and close.
 
-        No signal ends that, only a meter without answers or a user who insists. Settings that the
-        meter did not confirm are reported.
+        Only a meter without answers or a user who insists ends that early. Settings that the meter
+        did not confirm are reported.
         """
-        with shielded() as insisting:
+        try:
             if self.meter or self._original:
-                parting = Thread(target=self._restore, daemon=True)
-                begun = time.monotonic()
-                parting.start()
-                while parting.is_alive() and self._answers_recently(begun) and not insisting():
-                    parting.join(POLL_INTERVAL)
-                self._given_up = True
+                self._restore_patiently()
             if self._original:
                 self.report(not_restored_message(self._original))
             elif self.journal:
                 self.journal.drop_original_settings()
+        finally:
             self.close()
+            if self.switch:
+                self.switch.close()
 
     def original_settings(self, identity: MeterIdentity) -> dict[str, Any]:
         """Original settings, see `OriginalSettingsStore`."""
@@ -122,6 +137,18 @@ class ManagedMeter:
     def _busy_seconds(self) -> float:
         """Longest time of a reading that may still be running, s."""
         return self.meter.busy_seconds if self.meter else 0.0
+
+    def _restore_patiently(self) -> None:
+        """Restore in a thread, and wait while the meter answers and the user does not insist."""
+        restoring, begun = Thread(target=self._restore, daemon=True), time.monotonic()
+        restoring.start()
+        left = interrupts_to_quit()
+        while restoring.is_alive() and self._answers_recently(begun) and left > 0:
+            restoring.join(POLL_INTERVAL)
+            before, left = left, interrupts_to_quit()
+            if 0 < left < before:
+                say(RESTORING.format(left=f"{left} times" if left > 1 else "once"), err=True)
+        self._given_up = True
 
     def _restore(self) -> None:
         for _ in range(TRIES):

@@ -93,6 +93,7 @@ class MachineOperator:
     pause: float = 1.0
     repetitions: int = field(default=0, init=False)
     current: int = field(default=-1, init=False)
+    _failed: bool = field(default=False, init=False)
 
     def same_mounting(self, ago: str) -> bool:
         """False: a machine does not know."""
@@ -116,15 +117,17 @@ class MachineOperator:
 
     def kept(self, remarks: Sequence[str]) -> bool:
         """True if the sweep is sound or the repetitions are used up."""
-        self.show.end(remarks)
+        failed, self._failed = self._failed, False
+        self.show.end(remarks or ["the sweep that was measured again is whole"] * failed)
         return not remarks or not self._count_repetition()
 
     def again(self, failure: MeterError) -> bool:
         """True, after a pause, unless the repetitions are used up."""
-        if not self._count_repetition():
-            self.show.end([str(failure)])
+        self._failed = self._count_repetition()
+        what = "; the sweep is measured again" * self._failed
+        self.show.end([f"{failure}{what}"])
+        if not self._failed:
             return False
-        self.show.end([f"{failure}; the sweep is measured again"])
         time.sleep(self.pause * 2 ** (self.repetitions - 1))
         return True
 

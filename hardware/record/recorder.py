@@ -16,7 +16,7 @@ from ..meter.errors import MeterError
 from ..meter.instruments import instrument_of
 from ..meter.reading_source import ReadingSource
 from ..meter.restoring.settings_snapshot import require_settings, restore_settings
-from ..meter.restoring.termination import shielded
+from ..meter.restoring.termination import interruptible
 from ..switch.switch import Switch
 from .managed_meter import ManagedMeter
 from .measured_sweep import MeasuredSweep, check_frequencies, measure_sweep, now
@@ -73,12 +73,13 @@ def record(task: RecordingTask, operator: Operator) -> tuple[RecordingHeader, li
     ends the recording. Finished sweeps stay on the disk.
     """
     journal = RecordingJournal(task.output)
-    header = _resumed_header(journal, task)
-    entries = journal.entries(header) if header else {}
-    if entries and len(entries) < len(task.order) and not task.same_mounting:
-        _confirm_mounting(journal, entries.values(), operator)
-    station = ManagedMeter(task.connect, header, task.report, journal)
-    try:
+    with interruptible():
+        header = _resumed_header(journal, task)
+        entries = journal.entries(header) if header else {}
+        if entries and len(entries) < len(task.order) and not task.same_mounting:
+            _confirm_mounting(journal, entries.values(), operator)
+    station = ManagedMeter(task.connect, header, task.report, journal, task.switch)
+    with station, interruptible():
         if header is None:
             header = _start(journal, task, station)
         judge = SweepChecker(
@@ -99,11 +100,6 @@ def record(task: RecordingTask, operator: Operator) -> tuple[RecordingHeader, li
             journal.keep(missing[0], entry)
             warn_if_clock_set_back(entry, entries.get(missing[0] - 1))
             entries[missing.popleft()] = entry
-    finally:
-        with shielded():
-            station.release()
-            if task.switch:
-                task.switch.close()
     return header, [entries[number] for number in range(len(task.order))]
 
 

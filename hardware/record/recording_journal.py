@@ -24,6 +24,8 @@ from ...simulator.sweeps.reading_quantities import IMPEDANCE
 from .measured_sweep import MAX_ROUNDING, InterfaceTrace, MeasuredSweep
 
 HEADER, SWEEPS, METER_FILE = "recording.json", "[0-9]*.json", "meter.json"
+KEPT_FOLDER = "put a copy of that file there, move the folder away, or give another output"
+"""Advice about a recording without its header: nothing of it is removed."""
 LOG = logging.getLogger(__name__)
 OPTIONAL_FIELD = "of_each"
 """Field of a header that its file omits if empty."""
@@ -116,9 +118,17 @@ class RecordingJournal:
         self.output, self.folder = output, output.with_name(f"{output.name}.sweeps")
 
     def header(self) -> RecordingHeader | None:
-        """Header of the recording in the folder; None if there is none. Raises InputError."""
+        """Header of the recording in the folder; None if there is none.
+
+        Raises InputError if it is unreadable, or missing beside sweeps.
+        """
         path = self.folder / HEADER
         if not path.exists():
+            if left := sorted(self.folder.glob(SWEEPS)):
+                raise InputError(
+                    f"{path}: is missing, and the folder holds {len(left)} sweeps of a recording; "
+                    f"{KEPT_FOLDER}"
+                )
             return None
         with _parsing(path):
             return _header(_read(path), path)
@@ -228,9 +238,8 @@ def _read(path: Path) -> dict[str, Any]:
 
 def _unreadable(path: Path, error: Exception) -> InputError:
     reason = " ".join(str(error).split())
-    return InputError(
-        f"{path}: is no part of a recording: {reason}; move it away to record that sweep again"
-    )
+    advice = KEPT_FOLDER if path.name == HEADER else "move it away to record that sweep again"
+    return InputError(f"{path}: is no part of a recording: {reason}; {advice}")
 
 
 @contextmanager
@@ -282,4 +291,4 @@ def _tuple(value: Any) -> Any:
 def _check_keys(content: dict[str, Any], of: type, path: Path) -> None:
     expected = {field.name for field in fields(of)}
     if set(content) != expected:
-        raise InputError(f"{path}: must hold {', '.join(sorted(expected))}")
+        raise _unreadable(path, ValueError(f"it must hold {', '.join(sorted(expected))}"))

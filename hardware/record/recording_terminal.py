@@ -14,6 +14,7 @@ import numpy as np
 from ...simulator.sweeps.reading_quantities import IMPEDANCE
 from ..meter.errors import MeterError
 from ..meter.meter_reading import MeterReading, ReadingStatus
+from ..meter.restoring.termination import raise_pending_signal
 from .measured_sweep import InterfaceTrace, MeasuredSweep
 from .operators import RecordingDisplay, StepStatus
 from .press_detection import percent_change
@@ -227,7 +228,8 @@ class PersonOperator:
                 return answer
 
     def _ask(self, prompt: str) -> str:
+        raise_pending_signal()
         try:
             return self.console.input(prompt, markup=False).strip()
-        except EOFError:
+        except (EOFError, OSError):  # the input ended, or its terminal is gone
             raise KeyboardInterrupt from None

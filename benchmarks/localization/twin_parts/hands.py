@@ -117,7 +117,7 @@ class Stage:
             try:
                 yield link
             finally:
-                link.release()
+                link.station.release()
         meter.worker.end()
 
 

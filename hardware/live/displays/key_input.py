@@ -7,7 +7,7 @@ import os
 import select
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
@@ -34,7 +34,11 @@ def key_reader() -> Iterator[Callable[[], str]]:
 
     terminal = sys.stdin.fileno()
     before = termios.tcgetattr(terminal)
-    restore = partial(termios.tcsetattr, terminal, termios.TCSADRAIN, before)
+
+    def restore() -> None:
+        with suppress(termios.error):  # the terminal is gone
+            termios.tcsetattr(terminal, termios.TCSADRAIN, before)
+
     atexit.register(restore)  # in case the process ends without leaving the block
     try:
         tty.setcbreak(terminal)
@@ -57,4 +61,6 @@ def _last_console_key(msvcrt: Any) -> str:
 def _last_key(terminal: int) -> str:
     if not select.select([terminal], [], [], 0)[0]:
         return ""
-    return os.read(terminal, 1024).decode(errors="replace")[-1:].lower()
+    with suppress(OSError):  # the terminal is gone
+        return os.read(terminal, 1024).decode(errors="replace")[-1:].lower()
+    return ""

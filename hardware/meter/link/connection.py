@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from time import monotonic
 from typing import TYPE_CHECKING, Any, Protocol
 
 from ....simulator.sweeps import InputError
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
 TERMINATION = "\r\n"
 LONGEST_ANSWER = 65536
 """Bytes. A sweep of 402 points has some 16,000."""
+PIECE = 128
+"""Bytes that are read at a time: the time-out of PyVISA-py begins anew with each byte."""
 BAUD_RATES = (9600, 19200, 38400, 57600)
 EXAMPLES = (
     "TCPIP0::192.168.1.1::3500::SOCKET, ASRL/dev/ttyACM0::INSTR (Windows: ASRL3::INSTR for COM3), "
@@ -87,15 +90,20 @@ class VisaConnection:
     def read(self, seconds: float = 0.0) -> str:
         """One line, without its end. seconds: how long it may take beyond the time-out.
 
-        Raises NoAnswerError if no whole line comes within the time-out, GarbledError if it is no
-        text or never ends, LostConnectionError if the connection is lost.
+        Raises NoAnswerError if no whole line comes within the time-out, because the device is
+        silent or sends without end, GarbledError if the line is no text, LostConnectionError if the
+        connection is lost.
         """
         from pyvisa.constants import StatusCode
         from pyvisa.errors import Error, VisaIOError
 
         try:
             self._wait(max(1, round(1000 * (self._timeout + seconds))))
-            raw = self._opened.read_bytes(LONGEST_ANSWER, break_on_termchar=True)
+            raw, end = b"", monotonic() + self._timeout + seconds
+            while not raw.endswith(b"\n"):
+                if raw and (monotonic() > end or len(raw) > LONGEST_ANSWER):
+                    raise self._endless(self._timeout + seconds)
+                raw += self._opened.read_bytes(PIECE, chunk_size=PIECE, break_on_termchar=True)
         except VisaIOError as error:
             if error.error_code != StatusCode.error_timeout:
                 raise self._lost(error) from error
@@ -112,6 +120,13 @@ class VisaConnection:
         """Set the time-out of the backend, unless it has this value already."""
         if milliseconds != self._waits:
             self._opened.timeout, self._waits = milliseconds, milliseconds
+
+    def _endless(self, waited: float) -> NoAnswerError:
+        return NoAnswerError(
+            f"{self.resource}: no whole answer within {waited:.3g} s: the device sends without end "
+            "and ends no line; check that it is the meter, the baud rate, that its answers end "
+            "with LF, and that the time-out is long enough for a long answer"
+        )
 
     def _silent(self, waited: float) -> NoAnswerError:
         return NoAnswerError(

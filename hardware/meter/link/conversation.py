@@ -176,8 +176,9 @@ class Conversation:
             raise failure from None
         self.close()
         raise LostConnectionError(
-            f"{self.resource}: the answers no longer fit the queries; the connection was closed: "
-            "check that no other program uses the meter, then connect again"
+            f"{self.resource}: {LATE_ANSWERS} lines came and none is the answer to *ESR?;*IDN?; "
+            "the connection was closed: check that the device sends no lines by itself, and that "
+            "no other program uses the meter, then connect again"
         )
 
     def _any_answer(self, seconds: float) -> str:

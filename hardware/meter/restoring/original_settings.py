@@ -11,7 +11,6 @@ from ....simulator.sweeps import InputError
 from ..errors import GarbledError, MeterError, NoAnswerError, RefusedError, RestartedError
 from ..meter_identity import MeterIdentity
 from ..setting import Setting, SettingsOwner
-from .termination import shielded
 
 MAX_RESTARTS = 3
 """Number of restarts of the meter that are allowed during the restoring."""
@@ -37,7 +36,7 @@ SETTINGS_STORE: ContextVar[OriginalSettingsStore | None] = ContextVar("keeper", 
 
 
 def restore_original(meter: SettingsOwner) -> None:
-    """Restore all changed settings. No signal ends that.
+    """Restore all changed settings.
 
     `original` then holds the settings that the meter did not confirm. Raises MeterError if the
     connection fails or the meter restarts too often; another call continues from there.
@@ -45,14 +44,13 @@ def restore_original(meter: SettingsOwner) -> None:
     kept, meter.original = meter.original or {}, None
     everything = dict(kept)
     try:
-        with shielded():
-            with suppress(MeterError):
-                meter.talk.check_events("the end")  # drops a pending answer
-            for _ in range(MAX_RESTARTS):
-                with suppress(RestartedError):
-                    return _restore_each(meter, kept)
-                kept.update(everything)
-            _restore_each(meter, kept)
+        with suppress(MeterError):
+            meter.talk.check_events("the end")  # drops a pending answer
+        for _ in range(MAX_RESTARTS):
+            with suppress(RestartedError):
+                return _restore_each(meter, kept)
+            kept.update(everything)
+        _restore_each(meter, kept)
     finally:
         meter.original = kept
 

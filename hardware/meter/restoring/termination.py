@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 import sys
 import threading
@@ -13,7 +12,7 @@ from time import monotonic
 from types import FrameType
 from typing import Any
 
-from ....simulator.safe_text import escaped
+from ....simulator.safe_text import say
 from ....simulator.sweeps.cleanup import cleanup_block
 from .windows_console import handle_console_close
 
@@ -25,97 +24,115 @@ INTERRUPTS_TO_QUIT = 3
 """Number of Ctrl-C that ends the restoring of settings."""
 NOT_RESTORED = 3
 """Exit code of a command that did its work and could not restore the meter's settings."""
-SHIELDED = (
-    "rcskin: the meter's settings are being restored; Ctrl-C {left} more, a second apart, leaves "
-    "them changed\n"
-)
 
 
 @dataclass
 class Termination:
-    """State of the signals that end the running command.
+    """Signals that end the running command, and the block `with interruptible()` that they end.
 
-    number: the first signal, or None. latest_signal: time of the latest one, s of `monotonic`.
-    shields: number of blocks that no signal leaves. interrupts: number of Ctrl-C within them.
+    A signal raises an exception only within that block, and at most one: nothing interrupts what
+    the command does before and after it, such as restoring the meter.
+
+    number: the first signal, or None. pending: True if its exception is still to be raised.
+    at_work: True within the block, until a signal ends it. latest_signal: its time, s of
+    `monotonic`. interrupts: number of Ctrl-C outside the block.
     """
 
     number: int | None = None
+    pending: bool = False
+    at_work: bool = False
     latest_signal: float = -REPEAT_INTERVAL
-    shields: int = 0
     interrupts: int = 0
 
-    def on_signal(self, number: int, frame: FrameType | None, before: Any = None) -> None:
-        """Raise the exception that ends the command, unless shielded. before: handler of Ctrl-C."""
+    def __enter__(self) -> None:
+        self.at_work = True
+
+    def __exit__(self, *_: object) -> None:
+        self.at_work = False  # or the signal that came first has done so
+
+    def on_signal(self, number: int, frame: FrameType | None = None, before: Any = None) -> None:
+        """Raise the exception of a signal, or note it. before: handler, which learns the first."""
         again, self.latest_signal = monotonic() - self.latest_signal < REPEAT_INTERVAL, monotonic()
         if again:
             return
-        if self.shields:
-            self._count(number)
-            return
-        self.number = self.number or number
-        if number == signal.SIGINT and callable(before):
-            before(number, frame)
-        raise self.exception_for(number)
+        self.interrupts += number == signal.SIGINT and not self.at_work
+        self.pending |= self.at_work or self.number is None
+        if self.number is None:
+            self.number = number
+            if callable(before):
+                with suppress(KeyboardInterrupt):
+                    before(number, frame)
+        self.raise_pending()
 
-    def exception_for(self, number: int) -> BaseException:
-        """Exception of a signal: KeyboardInterrupt, or SystemExit with 128 + its number."""
-        return KeyboardInterrupt() if number == signal.SIGINT else SystemExit(128 + number)
+    def raise_pending(self) -> None:
+        """Raise the exception that a signal noted; the block then ends."""
+        if self.pending and self.at_work:
+            self.pending = self.at_work = False
+            raise self.exception
 
-    def _count(self, number: int) -> None:
-        self.interrupts += number == signal.SIGINT
-        left = INTERRUPTS_TO_QUIT - self.interrupts
-        if left > 0:
-            times = f"{left} times" if left > 1 else "once"
-            with suppress(OSError):  # os.write: a signal may interrupt a print
-                os.write(2, SHIELDED.format(left=times).encode())
+    @property
+    def exception(self) -> BaseException:
+        """Exception of the first signal: KeyboardInterrupt, or SystemExit with 128 + its number."""
+        code = 128 + (self.number or 0)
+        return KeyboardInterrupt() if self.number == signal.SIGINT else SystemExit(code)
 
 
 _ending = Termination()
 
 
-def raise_pending_signal() -> None:
-    """Raise a signal's exception again, if a library's callback swallowed it.
-
-    Loops that work with a meter call this at each exchange.
-    """
-    if _ending.number is None or _ending.shields:
-        return
-    if threading.current_thread() is threading.main_thread():
-        raise _ending.exception_for(_ending.number)
+def interruptible() -> Termination:
+    """Block that a signal ends: `with station, interruptible(): ...`."""
+    return _ending
 
 
 @contextmanager
-def shielded() -> Iterator[Callable[[], bool]]:
-    """Block that no signal ends. Gives a function that is True if the user insists on ending."""
-    _ending.shields += 1
-    try:
-        yield lambda: _ending.interrupts >= INTERRUPTS_TO_QUIT
-    finally:
-        _ending.shields -= 1
+def shielded() -> Iterator[None]:
+    """Block in which no signal raises, except in an `interruptible` one within it."""
+    before, _ending.at_work = _ending.at_work, False
+    yield
+    _ending.at_work = before  # unless an error ends the outer block, too
+
+
+def raise_pending_signal() -> None:
+    """Raise the exception of a signal that came in a shield or that a library swallowed.
+
+    Loops that work with a meter call this at each exchange.
+    """
+    if threading.current_thread() is threading.main_thread():
+        _ending.raise_pending()
+
+
+def interrupts_to_quit() -> int:
+    """Number of Ctrl-C that still end the restoring of settings."""
+    return INTERRUPTS_TO_QUIT - _ending.interrupts
 
 
 @contextmanager
 def orderly_termination() -> Iterator[Callable[[str], None]]:
-    """Block that each of SIGNALS ends by one exception, even if a library swallows it.
+    """Block that each of SIGNALS ends in order, by one exception in its `interruptible` blocks.
 
-    An ignored signal stays ignored (`nohup`). Gives a function that prints a warning about settings
-    that could not be restored. After such a warning, a block without another failure ends with
-    SystemExit(NOT_RESTORED).
+    A signal that comes only while the meter is restored raises its exception at the end. An ignored
+    signal stays ignored (`nohup`). Gives a function that prints a warning about settings that could
+    not be restored; after one, a block without another failure ends with SystemExit(NOT_RESTORED).
     """
     global _ending
     warnings: list[str] = []
 
     def warn(text: str) -> None:
         warnings.append(text)
-        with suppress(OSError, ValueError):  # the terminal may be closed
-            print(f"rcskin: {escaped(text)}", file=sys.stderr, flush=True)
+        say(f"rcskin: {text}", err=True)
 
     if threading.current_thread() is not threading.main_thread():
         yield warn
         return
-    _ending = Termination()
-    with _listening(_ending), cleanup_block(), handle_console_close():
-        yield warn
+    _ending = ending = Termination()
+    try:
+        with _listening(ending), cleanup_block(), handle_console_close():
+            yield warn
+    finally:
+        _ending = Termination()
+    if ending.pending:
+        raise ending.exception
     if warnings:
         sys.exit(NOT_RESTORED)
 
@@ -127,13 +144,15 @@ def _listening(ending: Termination) -> Iterator[None]:
     heeded = [number for number in numbers if before[number] is not signal.SIG_IGN]
     usual = sys.unraisablehook
 
-    def quiet(unraisable: Any) -> None:
-        """Hide a swallowed exception that `raise_pending_signal` will raise again."""
-        if unraisable.exc_type not in (KeyboardInterrupt, SystemExit):
+    def on_unraisable(unraisable: Any) -> None:
+        """Note the exception of a signal again, if Python let it out of no callback."""
+        if unraisable.exc_type in (KeyboardInterrupt, SystemExit):
+            ending.pending = ending.at_work = True
+        else:
             usual(unraisable)
 
     try:
-        sys.unraisablehook = quiet
+        sys.unraisablehook = on_unraisable
         for number in heeded:
             signal.signal(number, lambda n, frame: ending.on_signal(n, frame, before[n]))
         yield
@@ -141,4 +160,3 @@ def _listening(ending: Termination) -> Iterator[None]:
         for number in heeded:
             signal.signal(number, before[number])
         sys.unraisablehook = usual
-        ending.number = None

@@ -115,7 +115,7 @@ def session(ports):
 
     yield session
     for link in links:
-        link.release()
+        link.station.release()
 
 
 @pytest.fixture

@@ -41,7 +41,7 @@ def test_presses_are_answered_and_a_lost_line_costs_its_sweep(session, press, in
     none = "nothing pressed"
     assert live.display.labels == [none, "column 2", "column 2", none]
     assert live.failed == 1
-    live.meter.release()
+    live.meter.station.release()
     assert instrument.settings == case.found()
 
 

@@ -177,9 +177,9 @@ def test_a_switch_that_turns_in_mid_sweep_costs_the_sweep(meter, ports, instrume
 def test_a_switch_that_fails_is_no_reason_to_let_the_meter_go(session, instrument):
     live = session({1: lambda: instrument.faults.add(Fault("stuck"))}, awaited=0.05)
     live.run(1)
-    meter = live.meter._station.meter
+    meter = live.meter.station.meter
     live.run(3)
-    assert live.failed == 1 and live.meter._station.meter is meter
+    assert live.failed == 1 and live.meter.station.meter is meter
 
 
 def test_a_switch_that_stays_stuck_is_given_up_in_one_line(session, instrument):
@@ -193,7 +193,7 @@ def test_a_switch_that_stays_stuck_is_given_up_in_one_line(session, instrument):
 def test_the_meter_is_left_at_the_interface_where_it_was(session, instrument):
     live = session()
     live.run(2)
-    live.meter.release()
+    live.meter.station.release()
     assert instrument.interface == "left"
 
 

@@ -229,7 +229,7 @@ def test_the_meter_is_left_as_it_was_found(session, instrument):
     live = session()
     live.run(1)
     assert (instrument.settings.trigger, instrument.settings.frequency) == ("EXTERNAL", 16e3)
-    live.meter.release()
+    live.meter.station.release()
     assert (instrument.settings.trigger, instrument.settings.frequency) == ("INTERNAL", 2e3)
 
 

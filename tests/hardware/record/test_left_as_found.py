@@ -2,11 +2,15 @@
 
 import copy
 import signal
+import sys
 import time
 from threading import Thread
 
 import numpy as np
 import pytest
+from rcskin.hardware.meter.restoring.termination import orderly_termination
+from rcskin.hardware.record.operators import MachineOperator
+from rcskin.hardware.record.recorder import record
 from rcskin.hardware.record.recording_journal import METER_FILE, RecordingJournal
 from rcskin.hardware.virtual.faults import Fault
 
@@ -149,3 +153,55 @@ def test_signals_at_any_moment_end_it_and_it_goes_on(
         assert command(*recording(5000)).exit_code != 0
         sender.join()
         assert instrument.settings == as_found
+
+
+class Hidden:
+    """A display that is gone, and a trace that sends SIGHUP at the n-th line after that."""
+
+    def __init__(self, last):
+        self.lines, self.last, self.gone = 0, last, False
+
+    def begin(self, title, baseline): ...
+    def turn(self, interface): ...
+    def end(self, remarks): ...
+
+    def reading(self, frequency, reading):
+        self.gone = True
+        raise OSError("the display is gone")
+
+    def trace(self, frame, event, argument):
+        if self.gone and event == "line":
+            self.lines += 1
+            if self.lines == self.last:
+                signal.raise_signal(signal.SIGHUP)
+        return self.trace
+
+
+@pytest.fixture
+def traced():
+    """A function that sets a trace, taken away at the end."""
+    before = sys.gettrace()
+    yield sys.settrace
+    sys.settrace(before)
+
+
+@pytest.mark.posix("there is no SIGHUP")
+def test_a_signal_at_any_moment_after_a_failure_leaves_the_meter_as_found(
+    task, instrument, as_found, traced
+):
+    """Also between the failure and the restoring, which an error ends that is raised there."""
+    last, reached = 0, True
+    while reached:
+        last += 1 if last < 24 else 23
+        hidden = Hidden(last)
+        operator = MachineOperator(lambda step: None, hidden)
+        with pytest.raises((OSError, SystemExit)):
+            with orderly_termination():
+                traced(hidden.trace)
+                try:
+                    record(task, operator)
+                finally:
+                    traced(None)
+        reached = hidden.lines >= last
+        assert instrument.settings == as_found, f"signal at line {last}"
+    assert last > 100

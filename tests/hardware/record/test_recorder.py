@@ -82,7 +82,9 @@ def test_a_fault_costs_a_repetition_and_nothing_else(task, operator, instrument,
 
     operator.press_skin = press
     header, entries = record(task, operator)
-    assert len(show.remarks) == 1 and "check" in show.remarks[0]
+    failure, success = show.remarks
+    assert "check" in failure and failure.endswith("; the sweep is measured again")
+    assert success == "the sweep that was measured again is whole"
     assert all(not entry.remarks for entry in entries)
     assert speeds == {"SLOW"} and instrument.settings == before
     assert [entry.press for entry in entries] == [step.press for step in task.order]

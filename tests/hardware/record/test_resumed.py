@@ -3,6 +3,7 @@
 import dataclasses
 
 import pytest
+from rcskin.hardware.live.command import _session_journal
 from rcskin.hardware.meter.errors import CorrectionError, NoConnectionError, WrongMeterError
 from rcskin.hardware.record.operators import MachineOperator
 from rcskin.hardware.record.recorder import record
@@ -51,6 +52,31 @@ def test_a_spoilt_file_of_a_recording_is_named(task, operator, content):
         (folder / name).write_text(content)
         with pytest.raises(InputError, match=name):
             record(task, operator)
+
+
+@pytest.mark.parametrize("lost", ["missing", "empty", "cut off", "of another kind", "a folder"])
+@pytest.mark.parametrize("words", ["record", "gather", "live"])
+def test_a_recording_whose_header_is_lost_is_named_and_stays(
+    task, operator, command, ports, lost, words
+):
+    record(task, operator)
+    header = RecordingJournal(task.output).folder / HEADER
+    content = header.read_text()
+    header.unlink()
+    if lost == "a folder":
+        header.mkdir()
+    elif lost != "missing":
+        shares = {"empty": "", "cut off": content[:-40], "of another kind": '{"a": 1}'}
+        header.write_text(shares[lost])
+    before = {path.name for path in header.parent.iterdir()}
+    with pytest.raises(InputError, match=f"{HEADER}: is .*move the folder away, or give another"):
+        if words == "record":
+            record(task, operator)
+        elif words == "gather":
+            raise command("gather", task.output).exception
+        else:
+            _session_journal(task.output)
+    assert {path.name for path in header.parent.iterdir()} == before and len(before) > 8
 
 
 def test_a_file_in_the_wrong_place_is_named(task, operator):
