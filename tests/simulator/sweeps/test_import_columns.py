@@ -134,6 +134,13 @@ def test_letters_that_stand_for_a_reading_are_compared(table):
     assert impedance(table([("f", F), ("r", Z.real), ("x", Z.imag)]))[0, 0, 0] == Z[0]
 
 
+@pytest.mark.parametrize(("R", "X"), [("Rs (ohm)", "X (ohm)"), ("R", "X"), ("R/Ohm", "X/Ohm")])
+def test_a_place_beside_R_and_X_is_not_taken(table, R, X):
+    place = [("x", 0 * F + 20), ("y", 0 * F + 35)]
+    sweeps = table([*place, ("f (Hz)", F), (R, Z.real), (X, Z.imag)])
+    np.testing.assert_allclose(impedance(sweeps)[0, 0], Z, rtol=1e-8)
+
+
 @pytest.mark.parametrize("name", ["x.mpt", "r.mpt", "position.csv"])
 def test_letters_as_instruments_use_them(name):
     sweeps = import_file(shared("cases", "25_x_and_r_of_others", name))

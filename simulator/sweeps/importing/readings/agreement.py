@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from ..tables.number_format import failed
 from ..tables.table import ImportedTable
 from .quantities import GAINS, PAIRS, derived, deviation
 
+BARE = ("r", "x", "y")
+"""Letters that alone may name a radius or a place."""
 SAME_COLUMN = 0.01
 """Largest relative difference between two columns of frequencies."""
 SAME_QUANTITY = 1e-3
@@ -61,15 +64,17 @@ def bare_letters(table: ImportedTable) -> list[Column]:
     """Columns named r, x or y that need not hold R, X or Y, as other names give the reading.
 
     They may if no other name holds the same, and if R stands beside X: as a capital or with a unit.
+    Where letters alone give the reading, `x` is not taken beside `X` or `X (ohm)`.
     """
     plain = [each for each in table.columns if not each.letter and not each.problem]
     held = {each.holds for each in plain}
     if not any(held.issuperset(pair) for pair in PAIRS if pair != ("Rs", "Cp")):
-        return []
+        count = Counter(each.holds for each in table.columns)
+        return [each for each in table.columns if each.name in BARE and count[each.holds] > 1]
     certain = {
         each.holds
         for each in table.columns
-        if each.letter and each.holds not in held and each.name.strip() not in "rxy"
+        if each.letter and each.holds not in held and each.name not in BARE
     }
     partner = {"Rs": "X", "X": "Rs"}
     certain = {holds for holds in certain if partner.get(holds) in certain | held}
