@@ -23,13 +23,14 @@ from .skin_polygons import (
     circle_of,
     disc_on_skin,
     discs_over,
+    holds,
     hull_of,
     on_area,
     skin_under,
     to_whole,
     within_rectangle,
 )
-from .skin_surface_in_space import FLAT, TRIANGLES, SurfaceNumbers
+from .skin_surface_in_space import FLAT, TRIANGLES, PlaceOnSkin, SurfaceNumbers, place_of
 
 PatchName = Literal["hertz", "applicator", "image"]
 PATCHES = get_args(PatchName)
@@ -40,6 +41,8 @@ UPRIGHT = 0.9
 """Smallest cosine between a cylinder's axis and the skin's normal for a contact by its flat end."""
 TILTED = 0.1
 """Largest cosine between them for a contact by the cylinder's side."""
+SAME = 0.01
+"""Largest distance of contact points at one place, over the foam's thickness."""
 THIN = 0.05
 """Width over length of several contact points below which they lie on a line."""
 LONG = 0.05
@@ -118,6 +121,8 @@ def press_of_geom(
     points: (n, POINT_COLUMNS). other: number of the geom, beyond all for soft bodies. pose: origin
     and axes of the mount. patches: x, y, force, radius and curvature radius, (patch, 5).
     """
+    if len(points) == 1 and points[0, DEPTH] >= foam.thickness:
+        points = _along_axis(points, other, geoms, pose, surface)
     count, bottomed = len(points), False
     force, x, y, normal = 0.0, 0.0, 0.0, np.zeros(3)
     for k in range(count):
@@ -140,26 +145,25 @@ def press_of_geom(
         if total == 0.0:
             return Pressed(found, 0.0, 0.0, x, y)
         return Pressed(found, total, area_sum, at_x / total, at_y / total)
-    if other < len(geoms.kind) and geoms.kind[other] == CYLINDER:
-        upright = 0.0
-        for axis in range(3):
-            for k in range(3):
-                upright += geoms.axes[other, 3 * axis + 2] * pose[1][axis, k] * normal[k]
-        if abs(upright) > UPRIGHT:
+    (along, width, direction), corners = _spread(points), points[:0, :2]
+    wide = count > 2 and width > THIN * along and along > SAME * foam.thickness
+    if wide:
+        corners = hull_of(points[:, :2])
+    if _is_upright(other, normal, geoms, pose):
+        at = _end_of_axis(other, normal, geoms, pose, surface)
+        if not wide or holds(corners, at.x, at.y):
+            x, y = (at.x, at.y) if wide else (x, y)
             end = geoms.size[other, 0], np.inf
             return _disc(points, x, y, end, bottomed, area, foam, patches, found)
-    along, width, direction = _spread(points)
-    if count > 2 and width > THIN * along:
-        corners = hull_of(points[:, :2])
-        if len(corners) > 2 and area_of(corners) > 0.0:
-            return _polygon(points, corners, bottomed, area, foam, patches, found)
+    if wide:
+        return _polygon(points, corners, bottomed, area, foam, patches, found)
     middle = np.zeros(3)
     for k in range(count):
         for axis in range(3):
             middle[axis] += points[k, POINT + axis] / count
     bent = bending_of(surface, normal, int(points[0, TRIANGLE]))
     limit = _add_bending(bent, other, middle, normal, geoms, pose, rule, foam.thickness)
-    if count == 1 or along == 0.0:
+    if along <= SAME * foam.thickness:
         end = _end(bent, limit, foam.thickness)
         return _disc(points, x, y, end, bottomed, area, foam, patches, found)
     wide = 2 * limit
@@ -171,6 +175,78 @@ def press_of_geom(
         return _disc(points, x, y, end, bottomed, area, foam, patches, found)
     corners = _rectangle(points, direction, wide)
     return _polygon(points, corners, bottomed, area, foam, patches, found)
+
+
+@compiled()
+def _is_upright(
+    other: int, normal: NDArray, geoms: GeomNumbers, pose: tuple[NDArray, NDArray]
+) -> bool:
+    """True for a cylinder that stands on the skin."""
+    if other >= len(geoms.kind) or geoms.kind[other] != CYLINDER:
+        return False
+    return abs(_cosine(other, normal, geoms, pose)) > UPRIGHT
+
+
+@compiled()
+def _cosine(
+    other: int, normal: NDArray, geoms: GeomNumbers, pose: tuple[NDArray, NDArray]
+) -> float:
+    """Cosine between the last axis of a geom and a normal in the frame of the mount."""
+    found = 0.0
+    for i in range(3):
+        for k in range(3):
+            found += geoms.axes[other, 3 * i + 2] * pose[1][i, k] * normal[k]
+    return found
+
+
+@compiled()
+def _end_of_axis(
+    other: int,
+    normal: NDArray,
+    geoms: GeomNumbers,
+    pose: tuple[NDArray, NDArray],
+    surface: SurfaceNumbers,
+) -> PlaceOnSkin:
+    """Place of the end of a cylinder's axis that is next to the skin."""
+    (origin, axes), at = pose, np.zeros(3)
+    half = geoms.size[other, 1] * (-1 if _cosine(other, normal, geoms, pose) > 0 else 1)
+    for i in range(3):
+        for j in range(3):
+            end = geoms.place[other, j] + half * geoms.axes[other, 3 * j + 2]
+            at[i] += axes[j, i] * (end - origin[j])
+    return place_of(surface, at[0], at[1], at[2])
+
+
+@compiled()
+def _along_axis(
+    points: NDArray,
+    other: int,
+    geoms: GeomNumbers,
+    pose: tuple[NDArray, NDArray],
+    surface: SurfaceNumbers,
+) -> NDArray:
+    """The one point of a geom, or both ends of a capsule or cylinder that is below the skin.
+
+    The engine gives one point of it if its axis is below the surface of the other geom.
+    """
+    if other >= len(geoms.kind) or geoms.kind[other] not in (CAPSULE, CYLINDER):
+        return points
+    ends, (origin, axes) = np.empty((2, POINT_COLUMNS)), pose
+    for k in range(2):
+        at, half = np.zeros(3), (2 * k - 1) * geoms.size[other, 1]
+        for i in range(3):
+            for j in range(3):
+                end = geoms.place[other, j] + half * geoms.axes[other, 3 * j + 2]
+                at[i] += axes[j, i] * (end - origin[j])
+        place = place_of(surface, at[0], at[1], at[2])
+        if place.height > geoms.size[other, 0]:
+            return points
+        for column in range(POINT_COLUMNS):
+            ends[k, column] = points[0, column]
+        ends[k, X], ends[k, Y], ends[k, FORCE] = place.x, place.y, points[0, FORCE] / 2
+        for i in range(3):
+            ends[k, POINT + i] = at[i] - place.height * place.normal[i]
+    return ends
 
 
 @compiled()
@@ -412,7 +488,7 @@ def _add_bending(
                     one, two = own[i, 2] - upward[2] * normal[i], own[j, 2] - upward[2] * normal[j]
                     bent[i, j] -= one * two / (level * level * flat)
     elif kind == ELLIPSOID:
-        flat = _add_ellipsoid(bent, place, upward, size, own)
+        flat = _add_ellipsoid(bent, upward, size, own)
     elif kind == BOX:
         sides = 0
         for k in range(3):
@@ -433,32 +509,28 @@ def _add_sphere(bent: NDArray, normal: NDArray, radius: float) -> None:
 
 
 @compiled()
-def _add_ellipsoid(
-    bent: NDArray, place: NDArray, upward: NDArray, size: NDArray, own: NDArray
-) -> float:
-    """Add the curvature of an ellipsoid at a place; returns the radius of its shadow along the
-    skin's normal `upward`, m, both in its own frame with the axes `own`."""
-    gradient, slope, shadow = np.zeros(3), 0.0, 0.0
+def _add_ellipsoid(bent: NDArray, upward: NDArray, size: NDArray, own: NDArray) -> float:
+    """Add the curvature of an ellipsoid where its normal is the skin's.
+
+    upward: the skin's normal in its own frame with the axes `own`. Returns the radius of its shadow
+    along that normal, m. Its curvature is that of x²/a² + ... = 1 in the plane of the contact, over
+    the size of the gradient there.
+    """
+    steep, shadow = 0.0, 0.0
     for k in range(3):
-        gradient[k] = place[k] / size[k] ** 2
-        slope += gradient[k] ** 2
+        steep += (size[k] * upward[k]) ** 2
         shadow += (upward[k] / size[k]) ** 2
-    slope = np.sqrt(slope)
-    shadow = np.sqrt(np.sqrt(shadow) * size[0] * size[1] * size[2])
-    project = np.zeros((3, 3))
-    for i in range(3):
-        for j in range(3):
-            project[i, j] = (i == j) - gradient[i] * gradient[j] / slope**2
+    steep = np.sqrt(steep)
     for i in range(3):
         for j in range(3):
             for a in range(3):
                 for b in range(3):
                     for k in range(3):
-                        bent[i, j] += (
-                            own[i, a] * own[j, b] * project[a, k] * project[b, k]
-                            / (size[k] ** 2 * slope)
-                        )  # fmt: skip
-    return shadow
+                        level = ((a == k) - upward[a] * upward[k]) * (
+                            (b == k) - upward[b] * upward[k]
+                        )
+                        bent[i, j] += own[i, a] * own[j, b] * level * steep / size[k] ** 2
+    return np.sqrt(np.sqrt(shadow) * size[0] * size[1] * size[2])
 
 
 @compiled()

@@ -121,7 +121,7 @@ def within_rectangle(corners: NDArray, length: float, width: float) -> NDArray:
 
 
 @compiled()
-def _holds(corners: NDArray, x: float, y: float) -> bool:
+def holds(corners: NDArray, x: float, y: float) -> bool:
     """True if a place lies in a convex polygon whose corners are counter-clockwise."""
     count = len(corners)
     for k in range(count):
@@ -139,7 +139,7 @@ def skin_under(corners: NDArray, area: SkinArea) -> float:
         return 1.0
     grid, own, there = _grid_over(corners, SAMPLES, SAMPLES), 0, 0
     for k in range(len(grid)):
-        if _holds(corners, grid[k, 0], grid[k, 1]):
+        if holds(corners, grid[k, 0], grid[k, 1]):
             own += 1
             there += on_area(area, grid[k, 0], grid[k, 1])
     return there / own if own else 0.0
@@ -221,7 +221,7 @@ def discs_over(corners: NDArray, area: SkinArea, anywhere: bool) -> NDArray:
     grid, found = _grid_over(corners, along, across), 0
     for k in range(len(grid)):
         x, y = grid[k, 0], grid[k, 1]
-        if _holds(corners, x, y) and (anywhere or on_area(area, x, y)):
+        if holds(corners, x, y) and (anywhere or on_area(area, x, y)):
             grid[found, 0], grid[found, 1] = x, y
             found += 1
     return grid[:found] if found else _middle_on_skin(corners, area)
@@ -238,7 +238,7 @@ def _middle_on_skin(corners: NDArray, area: SkinArea) -> NDArray:
         return middle
     grid, best, nearest = _grid_over(corners, SAMPLES, SAMPLES), -1, np.inf
     for k in range(len(grid)):
-        if _holds(corners, grid[k, 0], grid[k, 1]) and on_area(area, grid[k, 0], grid[k, 1]):
+        if holds(corners, grid[k, 0], grid[k, 1]) and on_area(area, grid[k, 0], grid[k, 1]):
             far = (grid[k, 0] - middle[0, 0]) ** 2 + (grid[k, 1] - middle[0, 1]) ** 2
             if far < nearest:
                 best, nearest = k, far
