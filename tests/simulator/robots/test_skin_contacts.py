@@ -5,8 +5,11 @@ import warnings
 import mujoco
 import numpy as np
 import pytest
+import rcskin
 from rcskin.simulator.robots.mujoco_skin import MujocoSkin
 from rcskin.simulator.sweeps import InputError
+from rcskin.simulator.sweeps.concatenation import concatenate
+from rcskin.simulator.sweeps.press_text import parse_touches
 
 from .conftest import RTOL, SIDES, small_scene
 
@@ -282,3 +285,52 @@ def test_only_geoms_that_can_touch_the_skin_are_refused():
     skin_of(model_of(mesh), curvature={}, patch="image")
     skin_of(model_of(mesh), curvature={}, patch=2e-3)
     skin_of(model_of(f'{mesh} contype="0" conaffinity="0"'), curvature={})
+
+
+def test_what_touches_stays_with_the_sweeps(tmp_path):
+    model = model_of(GEOMS["box"])
+    skin, none, known = skin_of(model), mujoco.MjData(model), []
+    for time, x in enumerate((None, 0.0, 0.02, 0.03), 1):
+        data = none if x is None else pressed(model, x, 0.003)
+        if x is None:
+            data.qpos[2] = 1.0
+            mujoco.mj_forward(model, data)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            skin.step(_later(data, 8e-3 * time))
+        known.append(skin.contacts(data))
+    rcskin.write(skin.sensor.sweeps(), tmp_path / "felt.nc")
+    felt = rcskin.read(tmp_path / "felt.nc")
+    assert felt["press"].values[0] == "none" and np.isnan(felt["contact_force"].values[0]).all()
+    for k, contacts in enumerate(known[1:], 1):
+        (x,), (y,) = contacts.x
+        assert felt["contact_x"].values[k] == pytest.approx(x)
+        assert felt["contact_y"].values[k] == pytest.approx(y)
+        assert felt["contact_force"].values[k] == pytest.approx(contacts.force)
+        assert felt["contact_area"].values[k] == pytest.approx(contacts.area)
+        (touch,) = parse_touches(str(felt["press"].values[k]))
+        assert touch.strength.unit == "N" and touch.numbers[:2] == pytest.approx((x, y), rel=1e-5)
+    joined = concatenate([felt.isel(sweep=[0]).drop_dims("contact"), felt])
+    assert np.isnan(joined["contact_x"].values[0]).all()
+
+
+def test_an_image_keeps_what_touches():
+    model = model_of(GEOMS["sphere"])
+    skin, data = skin_of(model, patch="image"), pressed(model)
+    skin.step(_later(data, 8e-3))
+    assert skin.sensor.sweeps()["contact_force"].values[0] == pytest.approx(
+        engine_force(model, data)
+    )
+
+
+def test_of_contacts_that_change_within_a_sweep_those_at_its_middle_count():
+    """A skin of three interfaces, which is touched from the first one's reading on."""
+    scene = small_scene()
+    three = tuple(scene.interfaces[0].model_copy(update={"name": name}) for name in "abc")
+    sensor = rcskin.Sensor(scene.model_copy(update={"interfaces": three}), rtol=RTOL)
+    touch = rcskin.PointContacts(0.04, 0.03, 1.0, 0.005)
+    sensor.step(None, 10e-3)
+    while sensor.last_sweep is None:
+        sensor.step(touch, 10e-3)
+    assert sensor.last_sweep["press"].values == ["disc(0.04,0.03,0.005):1N"]
+    assert sensor.last_sweep["contact_force"].values == 1.0

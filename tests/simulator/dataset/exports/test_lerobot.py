@@ -14,6 +14,7 @@ import pytest
 from PIL import Image
 from rcskin.simulator.dataset.exports.export import export
 from rcskin.simulator.dataset.exports.running_statistics import RunningStatistics
+from rcskin.simulator.sweeps import write
 
 INFO = {
     "codebase_version": str,
@@ -200,3 +201,15 @@ def test_lerobot_reads_the_data_set(with_images):
         frame["observation.images.camera_main_rgb"][:, 0, 0], colours[1] / 255, atol=1e-6
     )
     assert dataset.meta.stats["observation.skin"]["mean"].shape == (size,)
+
+
+def test_contacts_that_a_simulator_knows_are_labels(sweeps_of, tmp_path):
+    write(sweeps_of("contacts"), tmp_path / "data.nc")
+    export(tmp_path / "data.nc", tmp_path / "out", "lerobot")
+    table = pd.concat(map(pd.read_parquet, sorted((tmp_path / "out/data").rglob("*.parquet"))))
+    assert table["label.contacts"].tolist() == [2, 0, 1]
+    assert np.stack(table["label.contact_force"]) == pytest.approx(
+        np.array([[1.0, 0.5], [0.0, 0.0], [2.0, 0.0]])
+    )
+    units = _json(tmp_path / "out/meta/info.json")["features"]["label.contact_area"]["units"]
+    assert units == ["m2", "m2"]
