@@ -7,7 +7,7 @@ geom against that of the skin. What lies beside the skin is cut off, with its sh
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple, get_args
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,20 @@ from ..sensor.contacts.foam_kernel import indenter_force, indenter_strain, patch
 from ..sensor.contacts.foam_tables import FoamTables
 from ..sensor.contacts.patch_kernel import CURVATURE, RADIUS
 from ..sensor.contacts.winkler_kernel import RINGS, stack_of_discs
+from .contact_curvature import (
+    CAPSULE,
+    CYLINDER,
+    FIXED,
+    POINT,
+    GeomNumbers,
+    PatchRule,
+    add_bending,
+    bending_of,
+    cosine_to,
+    end_of,
+    is_upright,
+    radius_across,
+)
 from .skin_polygons import (
     SkinArea,
     area_of,
@@ -30,26 +44,12 @@ from .skin_polygons import (
     to_whole,
     within_rectangle,
 )
-from .skin_surface_in_space import FLAT, TRIANGLES, PlaceOnSkin, SurfaceNumbers, place_of
+from .skin_surface_in_space import SurfaceNumbers, place_of
 
-PatchName = Literal["hertz", "applicator", "image"]
-PATCHES = get_args(PatchName)
-HERTZ, APPLICATOR, IMAGE, FIXED = range(4)
-PLANE, HEIGHT_FIELD, SPHERE, CAPSULE, ELLIPSOID, CYLINDER, BOX, MESH, OTHER = range(9)
-"""Kinds of geoms, by their numbers in MuJoCo."""
-UPRIGHT = 0.9
-"""Smallest cosine between a cylinder's axis and the skin's normal for a contact by its flat end."""
-TILTED = 0.1
-"""Largest cosine between them for a contact by the cylinder's side."""
 SAME = 0.01
 """Largest distance of contact points at one place, over the foam's thickness."""
 THIN = 0.05
 """Width over length of several contact points below which they lie on a line."""
-LONG = 0.05
-"""Smaller over larger curvature below which a contact at one point is that of a sphere of the
-larger one."""
-AT_EDGE = 0.25
-"""Distance from a box's edge over the foam's thickness up to which its edge presses."""
 SAMPLES, HALVINGS = 16, 40
 BOTTOMED = 100.0
 """Force on a patch that is deeper than the foam, over that which compresses it to the end."""
@@ -57,37 +57,10 @@ GRAZING = 1e-3
 """Part of a force below which the skin does not feel it."""
 MOST_DISCS = 40
 """Largest number of discs under the area of one geom."""
-X, Y, FORCE, DEPTH, POINT, NORMAL, TRIANGLE = 0, 1, 2, 3, 4, 7, 10
+X, Y, FORCE, DEPTH, NORMAL, TRIANGLE = 0, 1, 2, 3, 7, 10
 POINT_COLUMNS = 11
 """Columns of a contact point: place [m], force [N], depth in the engine [m], point on the skin and
 normal in the frame of the mount, triangle of the skin."""
-
-
-class PatchRule(NamedTuple):
-    """Rule that gives contacts their patches.
-
-    kind: HERTZ for the geom's own curvature; APPLICATOR for a flat end as wide as the geom; FIXED
-    for discs of a `radius` in m; IMAGE as HERTZ, where the curvature only shares the force.
-    """
-
-    kind: int
-    radius: float
-
-
-class GeomNumbers(NamedTuple):
-    """Geoms of a model at a moment, in the world, as MuJoCo has them.
-
-    kind, size [m], place [m], axes: see `mjModel.geom_type`, `geom_size`, `mjData.geom_xpos`,
-    `geom_xmat`. curvature: radius of those whose it is given, m, else NaN. own: True for those that
-    carry the skin.
-    """
-
-    kind: NDArray[np.int32]
-    size: NDArray[np.float64]
-    place: NDArray[np.float64]
-    axes: NDArray[np.float64]
-    curvature: NDArray[np.float64]
-    own: NDArray[np.bool_]
 
 
 class Pressed(NamedTuple):
@@ -149,8 +122,10 @@ def press_of_geom(
     wide = count > 2 and width > THIN * along and along > SAME * foam.thickness
     if wide:
         corners = hull_of(points[:, :2])
-    if _is_upright(other, normal, geoms, pose):
-        at = _end_of_axis(other, normal, geoms, pose, surface)
+    if is_upright(other, normal, geoms, pose):
+        side = -1.0 if cosine_to(other, normal, geoms, pose) > 0 else 1.0
+        end_at = _end_of_axis(other, side, geoms, pose)
+        at = place_of(surface, end_at[0], end_at[1], end_at[2])
         if not wide or holds(corners, at.x, at.y):
             x, y = (at.x, at.y) if wide else (x, y)
             end = geoms.size[other, 0], np.inf
@@ -162,13 +137,13 @@ def press_of_geom(
         for axis in range(3):
             middle[axis] += points[k, POINT + axis] / count
     bent = bending_of(surface, normal, int(points[0, TRIANGLE]))
-    limit = _add_bending(bent, other, middle, normal, geoms, pose, rule, foam.thickness)
+    limit = add_bending(bent, other, middle, normal, geoms, pose, rule, foam.thickness)
     if along <= SAME * foam.thickness:
-        end = _end(bent, limit, foam.thickness)
+        end = end_of(bent, limit, foam.thickness)
         return _disc(points, x, y, end, bottomed, area, foam, patches, found)
     wide = 2 * limit
     if limit == 0.0:
-        radius = _radius_across(bent, points, foam.thickness)
+        radius = radius_across(bent, points, foam.thickness)
         wide = 2 * strip_half_width(foam, radius, force / max(along, radius))
     if along < wide:
         end = max(np.sqrt(along * wide / np.pi), wide / 2), np.inf
@@ -178,43 +153,16 @@ def press_of_geom(
 
 
 @compiled()
-def _is_upright(
-    other: int, normal: NDArray, geoms: GeomNumbers, pose: tuple[NDArray, NDArray]
-) -> bool:
-    """True for a cylinder that stands on the skin."""
-    if other >= len(geoms.kind) or geoms.kind[other] != CYLINDER:
-        return False
-    return abs(_cosine(other, normal, geoms, pose)) > UPRIGHT
-
-
-@compiled()
-def _cosine(
-    other: int, normal: NDArray, geoms: GeomNumbers, pose: tuple[NDArray, NDArray]
-) -> float:
-    """Cosine between the last axis of a geom and a normal in the frame of the mount."""
-    found = 0.0
-    for i in range(3):
-        for k in range(3):
-            found += geoms.axes[other, 3 * i + 2] * pose[1][i, k] * normal[k]
-    return found
-
-
-@compiled()
 def _end_of_axis(
-    other: int,
-    normal: NDArray,
-    geoms: GeomNumbers,
-    pose: tuple[NDArray, NDArray],
-    surface: SurfaceNumbers,
-) -> PlaceOnSkin:
-    """Place of the end of a cylinder's axis that is next to the skin."""
+    other: int, side: float, geoms: GeomNumbers, pose: tuple[NDArray, NDArray]
+) -> NDArray:
+    """An end of a cylinder's or capsule's axis in the frame of the mount, m. side: -1 or 1."""
     (origin, axes), at = pose, np.zeros(3)
-    half = geoms.size[other, 1] * (-1 if _cosine(other, normal, geoms, pose) > 0 else 1)
     for i in range(3):
         for j in range(3):
-            end = geoms.place[other, j] + half * geoms.axes[other, 3 * j + 2]
-            at[i] += axes[j, i] * (end - origin[j])
-    return place_of(surface, at[0], at[1], at[2])
+            along = side * geoms.size[other, 1] * geoms.axes[other, 3 * j + 2]
+            at[i] += axes[j, i] * (geoms.place[other, j] + along - origin[j])
+    return at
 
 
 @compiled()
@@ -231,17 +179,13 @@ def _along_axis(
     """
     if other >= len(geoms.kind) or geoms.kind[other] not in (CAPSULE, CYLINDER):
         return points
-    ends, (origin, axes) = np.empty((2, POINT_COLUMNS)), pose
+    ends = np.empty((2, points.shape[1]))
     for k in range(2):
-        at, half = np.zeros(3), (2 * k - 1) * geoms.size[other, 1]
-        for i in range(3):
-            for j in range(3):
-                end = geoms.place[other, j] + half * geoms.axes[other, 3 * j + 2]
-                at[i] += axes[j, i] * (end - origin[j])
+        at = _end_of_axis(other, 2.0 * k - 1, geoms, pose)
         place = place_of(surface, at[0], at[1], at[2])
         if place.height > geoms.size[other, 0]:
             return points
-        for column in range(POINT_COLUMNS):
+        for column in range(points.shape[1]):
             ends[k, column] = points[0, column]
         ends[k, X], ends[k, Y], ends[k, FORCE] = place.x, place.y, points[0, FORCE] / 2
         for i in range(3):
@@ -419,155 +363,6 @@ def _fill(
             closing = BOTTOMED * foam.closed * np.pi * radius * radius
             patches[k, 2] = max(patches[k, 2], closing)
     return Pressed(found, force * part if found > first else 0.0, size, x, y)
-
-
-@compiled()
-def bending_of(surface: SurfaceNumbers, normal: NDArray, triangle: int) -> NDArray:
-    """Curvature of the skin at a place as a tensor in the frame of its mount, 1/m, (3, 3)."""
-    bent = np.zeros((3, 3))
-    if surface.kind == TRIANGLES:
-        for i in range(3):
-            for j in range(3):
-                bent[i, j] = surface.bending[triangle, i, j]
-    elif surface.kind != FLAT:
-        straight = (1, 0, -1)[surface.kind - 1]
-        for i in range(3):
-            for j in range(3):
-                if straight not in (i, j):
-                    bent[i, j] = ((i == j) - normal[i] * normal[j]) / surface.radius
-    return bent
-
-
-@compiled()
-def _add_bending(
-    bent: NDArray,
-    other: int,
-    point: NDArray,
-    normal: NDArray,
-    geoms: GeomNumbers,
-    pose: tuple[NDArray, NDArray],
-    rule: PatchRule,
-    thickness: float,
-) -> float:
-    """Add a geom's curvature at a point of the skin; returns the radius of a flat end, or 0, m.
-
-    Edges, corners and shapes whose curvature is not known are as round as the foam is thick; planes
-    and height fields are flat.
-    """
-    if other >= len(geoms.kind):
-        _add_sphere(bent, normal, thickness)
-        return 0.0
-    origin, axes = pose
-    kind, size = geoms.kind[other], geoms.size[other]
-    own, place, upward = np.zeros((3, 3)), np.zeros(3), np.zeros(3)
-    for i in range(3):
-        for j in range(3):
-            for k in range(3):  # axes of the geom in the frame of the mount
-                own[i, j] += axes[k, i] * geoms.axes[other, 3 * k + j]
-    for j in range(3):
-        for i in range(3):
-            at = point[i]
-            for k in range(3):
-                at -= axes[k, i] * (geoms.place[other, k] - origin[k])
-            place[j] += own[i, j] * at
-            upward[j] += own[i, j] * normal[i]
-    flat = 0.0
-    if geoms.curvature[other] > 0.0:
-        flat = geoms.curvature[other]
-        _add_sphere(bent, normal, flat)
-    elif kind == SPHERE or (kind == CAPSULE and abs(place[2]) > size[1]):
-        flat = size[0]
-        _add_sphere(bent, normal, flat)
-    elif kind == CAPSULE or kind == CYLINDER:
-        flat = size[0]
-        _add_sphere(bent, normal, flat)
-        if kind == CAPSULE or abs(upward[2]) < TILTED:
-            level = np.sqrt(max(1 - upward[2] ** 2, 1e-12))
-            for i in range(3):
-                for j in range(3):
-                    one, two = own[i, 2] - upward[2] * normal[i], own[j, 2] - upward[2] * normal[j]
-                    bent[i, j] -= one * two / (level * level * flat)
-    elif kind == ELLIPSOID:
-        flat = _add_ellipsoid(bent, upward, size, own)
-    elif kind == BOX:
-        sides = 0
-        for k in range(3):
-            sides += abs(place[k]) >= size[k] - AT_EDGE * thickness
-        if sides > 1:
-            _add_sphere(bent, normal, thickness)
-    elif kind != PLANE and kind != HEIGHT_FIELD:
-        _add_sphere(bent, normal, thickness)
-    return flat if rule.kind == APPLICATOR else 0.0
-
-
-@compiled()
-def _add_sphere(bent: NDArray, normal: NDArray, radius: float) -> None:
-    """Add the curvature of a sphere of a radius, m."""
-    for i in range(3):
-        for j in range(3):
-            bent[i, j] += ((i == j) - normal[i] * normal[j]) / radius
-
-
-@compiled()
-def _add_ellipsoid(bent: NDArray, upward: NDArray, size: NDArray, own: NDArray) -> float:
-    """Add the curvature of an ellipsoid where its normal is the skin's.
-
-    upward: the skin's normal in its own frame with the axes `own`. Returns the radius of its shadow
-    along that normal, m. Its curvature is that of x²/a² + ... = 1 in the plane of the contact, over
-    the size of the gradient there.
-    """
-    steep, shadow = 0.0, 0.0
-    for k in range(3):
-        steep += (size[k] * upward[k]) ** 2
-        shadow += (upward[k] / size[k]) ** 2
-    steep = np.sqrt(steep)
-    for i in range(3):
-        for j in range(3):
-            for a in range(3):
-                for b in range(3):
-                    for k in range(3):
-                        level = ((a == k) - upward[a] * upward[k]) * (
-                            (b == k) - upward[b] * upward[k]
-                        )
-                        bent[i, j] += own[i, a] * own[j, b] * level * steep / size[k] ** 2
-    return np.sqrt(np.sqrt(shadow) * size[0] * size[1] * size[2])
-
-
-@compiled()
-def _end(bent: NDArray, limit: float, thickness: float) -> tuple[float, float]:
-    """Limit of the patch at one point and its curvature radius, m, by curvatures of both bodies.
-
-    A Winkler foundation bears a paraboloid of two curvatures as a sphere of their geometric mean:
-    the areas at each depth are equal.
-    """
-    if limit > 0.0:
-        return limit, np.inf
-    trace, square = 0.0, 0.0
-    for i in range(3):
-        trace += bent[i, i]
-        for j in range(3):
-            square += bent[i, j] * bent[i, j]
-    product = (trace * trace - square) / 2
-    away = np.sqrt(max(trace * trace / 4 - product, 0.0))
-    most, least = trace / 2 + away, trace / 2 - away
-    if most <= 1e-9 / thickness:
-        return thickness, thickness
-    radius = 1 / most if least < LONG * most else 1 / np.sqrt(most * least)
-    return radius, radius
-
-
-@compiled()
-def _radius_across(bent: NDArray, points: NDArray, thickness: float) -> float:
-    """Radius of curvature across the line of contact points, m."""
-    last, trace, along, length = len(points) - 1, 0.0, 0.0, 0.0
-    for i in range(3):
-        trace += bent[i, i]
-        one = points[last, POINT + i] - points[0, POINT + i]
-        length += one * one
-        for j in range(3):
-            along += one * bent[i, j] * (points[last, POINT + j] - points[0, POINT + j])
-    across = trace - along / length if length > 0.0 else trace
-    return 1 / across if across > 1e-9 / thickness else thickness
 
 
 @compiled()

@@ -18,7 +18,7 @@ from ..sensor.contacts.foam_tables import foam_tables
 from ..sensor.sensor import Sensor
 from ..sweeps import InputError
 from ..sweeps.optional_packages import require_packages
-from .contact_patches import FIXED, PATCHES, PatchName, PatchRule
+from .contact_curvature import FIXED, PATCHES, PatchName, PatchRule
 from .engine import MjData, MjModel, engine, named_geom
 from .skin_contacts import SkinContacts, skin_contacts
 from .skin_mount import mounted, numbered
@@ -125,6 +125,13 @@ class MujocoSkin:
         """Contacts for `Sensor.step`: patches or depth images of all environments."""
         return self._known(self._environments(data)).contacts
 
+    def _pressing(self, each: Sequence[MjData]) -> KnownContacts | None:
+        """Contacts of all environments for the sensor; None if nothing touches any."""
+        if not any(one.ncon for one in each):
+            return None
+        known = self._known(each, warn=True)
+        return known if known.contacts is not None or any(known.beside) else None
+
     def _touching(self, data: MjData) -> tuple[SkinContacts, Real]:
         return skin_contacts(self.model, data, self.mount, self._rule, self._foam)
 
@@ -180,7 +187,7 @@ class MujocoSkin:
             )
         self._at = now
         if passed[0] > 0:
-            self._reading = self.sensor.step(partial(self._known, each, True), passed[0])
+            self._reading = self.sensor.step(partial(self._pressing, each), passed[0])
         elif self._reading is None:
             raise InputError("MujocoSkin: no time has passed; call `step` after mujoco.mj_step")
         return self._reading
@@ -225,6 +232,8 @@ class MujocoSkin:
     def fill(self, data: MjData) -> None:
         """Write the readings at the time of `data` into its user sensor; NaN before the first."""
         assert self._slice is not None
+        if data.time < self._at[0]:
+            self._begin_again([0])
         started = self._reading is not None or data.time > 0
         data.sensordata[self._slice] = self.step(data).vector[0] if started else np.nan
 

@@ -10,16 +10,14 @@ from numpy.typing import NDArray
 from ..arrays import Integer, Real
 from ..compiled import compiled
 from ..sensor.contacts.foam_tables import FoamTables
+from .contact_curvature import POINT, GeomNumbers, PatchRule
 from .contact_patches import (
     DEPTH,
     FORCE,
     MOST_DISCS,
     NORMAL,
-    POINT,
     POINT_COLUMNS,
     TRIANGLE,
-    GeomNumbers,
-    PatchRule,
     X,
     Y,
     press_of_geom,

@@ -13,7 +13,7 @@ from ..arrays import Real
 from ..scene.scene import Scene
 from ..scene.skin import Skin
 from ..sweeps import InputError
-from .contact_patches import GeomNumbers
+from .contact_curvature import GeomNumbers
 from .engine import MjData, MjModel, engine
 from .skin_polygons import SkinArea
 from .skin_surface_in_space import (

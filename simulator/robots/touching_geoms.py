@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..sweeps import InputError
-from .contact_patches import PatchName
+from .contact_curvature import PatchName
 from .engine import Geom, MjModel, engine, named_geom
 from .skin_mount import SkinMount
 from .tactile_image import TAKEN

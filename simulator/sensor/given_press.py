@@ -98,7 +98,8 @@ class GivenPress(NamedTuple):
         if self.batch.count == skins:
             return self
         batch = PressBatch.of([self.batch.one(0)] * skins)
-        return GivenPress(batch, *(each * skins for each in self[1:]))
+        each = self.labels * skins, self.fixed * skins, self.limited * skins, self.beside * skins
+        return GivenPress(batch, *each)
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +146,8 @@ class PressReader:
             return self._of_press(given)
         if isinstance(given, KnownContacts):
             labels = tuple(map(label_of_contacts, given.touches))
-            own = self._one(given.contacts).of_each(len(labels))
+            own = self._of_press(None) if given.contacts is None else self._of(given.contacts)
+            own = own.of_each(len(labels))
             return own._replace(labels=labels, beside=tuple(given.beside))
         if not isinstance(given, Contacts):
             raise InputError(
@@ -157,13 +159,14 @@ class PressReader:
     @cached_method(1)
     def _of_points(self, given: PointContacts) -> GivenPress:
         """Contacts at points, which never change: the latest ones are known."""
-        return self._of(given)
+        return self._of(given, labelled=True)
 
-    def _of(self, given: Contacts) -> GivenPress:
+    def _of(self, given: Contacts, labelled: bool = False) -> GivenPress:
+        """labelled: True for point contacts whose labels follow from their numbers."""
         pressed, fixed = self._rasterizer(given), given.kind.startswith("depth")
         count, limited = pressed.batch.count, tuple(pressed.limited.tolist())
         labels = (UNKNOWN,) * count
-        if isinstance(given, PointContacts):
+        if labelled and isinstance(given, PointContacts):
             labels = tuple(_labels(given, pressed.patches))
         return GivenPress(pressed.batch, labels, (fixed,) * count, limited, (0.0,) * count)
 
