@@ -13,7 +13,7 @@ import numpy as np
 from ..arrays import Real
 from ..requests.argument_types import scene_of, typed
 from ..scene.scene import Scene
-from ..sensor.contacts.contact_types import DepthImage, KnownContacts, PointContacts
+from ..sensor.contacts.contact_types import DepthImage, KnownContacts, PointContacts, PressureImage
 from ..sensor.contacts.foam_tables import foam_tables
 from ..sensor.sensor import Sensor
 from ..sweeps import InputError
@@ -123,7 +123,9 @@ class MujocoSkin:
 
     def patches(self, data: MjData | Sequence[MjData]) -> PointContacts | DepthImage | None:
         """Contacts for `Sensor.step`: patches or depth images of all environments."""
-        return self._known(self._environments(data)).contacts
+        found = self._known(self._environments(data)).contacts
+        assert not isinstance(found, PressureImage)
+        return found
 
     def _pressing(self, each: Sequence[MjData]) -> KnownContacts | None:
         """Contacts of all environments for the sensor; None if nothing touches any."""

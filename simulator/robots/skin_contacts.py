@@ -216,4 +216,4 @@ def _normal_force(contacts: EngineContacts, k: int) -> float:
     sides = 2 * (contacts.dim[k] - 1) if contacts.pyramids and contacts.dim[k] > 1 else 1
     for side in range(sides):
         force += contacts.efc_force[first + side]
-    return force
+    return force  # pyright: ignore[reportReturnType]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -118,7 +117,7 @@ class ShapedSurface:
         """Places on the skin, see `MountedSurface`."""
         return on_skin(self.skin, x)
 
-    @cached_property
+    @property
     def numbers(self) -> SurfaceNumbers:
         """The surface, see `MountedSurface`."""
         shape, kind, radius = self.skin.shape, FLAT, np.inf
@@ -126,8 +125,8 @@ class ShapedSurface:
             radius, kind = float(shape.radius), BALL
             if isinstance(shape, Cylinder):
                 kind = BENT_ALONG_X if shape.axis == "y" else BENT_ALONG_Y
-        none = NO_CORNERS, NO_FLAT, NO_BENDING
-        return SurfaceNumbers(kind, radius, self._middle[:2], self._stretch[:, 0], *none)
+        flat = self._middle[:2], self._stretch[:, 0]
+        return SurfaceNumbers(kind, radius, *flat, NO_CORNERS, NO_FLAT, NO_BENDING)
 
     def points(self, x: Real) -> tuple[Real, Real, Mask]:
         """Points at places, see `MountedSurface`."""
@@ -179,12 +178,12 @@ class TriangleSurface:
             found[near] |= inside(corners, x[:, near])
         return found
 
-    @cached_property
+    @property
     def numbers(self) -> SurfaceNumbers:
         """The surface, see `MountedSurface`."""
         plain = np.zeros(2), np.ones(2)
-        given = (np.ascontiguousarray(each) for each in (self.corners, self.flat))
-        return SurfaceNumbers(TRIANGLES, np.inf, *plain, *given, self._bending)
+        corners, flat = np.ascontiguousarray(self.corners), np.ascontiguousarray(self.flat)
+        return SurfaceNumbers(TRIANGLES, np.inf, *plain, corners, flat, self._bending)
 
     @property
     def _bending(self) -> Real:
@@ -237,8 +236,10 @@ def _places(surface: MountedSurface, points: Real) -> PlacesOnSkin:
     n, numbers = points.shape[1], surface.numbers
     found = PlacesOnSkin(np.empty((2, n)), np.empty(n), np.empty((3, n)), np.empty(n, bool))
     for k in range(n):
-        x, y, found.height[k], normal, _, found.on[k] = place_of(numbers, *points[:, k].tolist())
-        found.x[:, k], found.normals[:, k] = (x, y), normal
+        px, py, pz = points[:, k].tolist()
+        place = place_of(numbers, px, py, pz)
+        found.x[:, k], found.normals[:, k] = (place.x, place.y), place.normal
+        found.height[k], found.on[k] = place.height, place.above
     return found
 
 

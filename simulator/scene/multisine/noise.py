@@ -73,7 +73,7 @@ def check_range(reader: Multisine, Z: Complex, frequency: Real, size: Real) -> N
 
     size: of the output at each tone, V, shape of Z. No peak is above the sum of its tones.
     """
-    every, sizes = (each.reshape(-1, len(frequency)) for each in (Z, size))
+    every, sizes = Z.reshape(-1, len(frequency)), size.reshape(-1, len(frequency))
     if not every.size or sizes.sum(axis=-1).max() <= reader.full_scale:
         return
     power = (sizes**2).sum(axis=-1)
