@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from ..arrays import Mask, Real
 from ..compiled import compiled
 from ..scene.form.shape import Cylinder
-from ..scene.planar import inside
 from ..scene.skin import Skin
 from ..scene.skin_region import on_skin
 
@@ -175,7 +174,7 @@ class TriangleSurface:
         for corners in self.flat.transpose(2, 0, 1):
             low, high = corners.min(axis=0)[:, None], corners.max(axis=0)[:, None]
             near = np.flatnonzero(((x >= low) & (x <= high)).all(axis=0))
-            found[near] |= inside(corners, x[:, near])
+            found[near] |= _within(corners, x[:, near])
         return found
 
     @property
@@ -355,3 +354,17 @@ def _nearest(
             if first == 2:
                 best = (two, 0.0, one)
     return best
+
+
+def _within(corners: Real, x: Real) -> Mask:
+    """True where places x, m, (2, n), are in a triangle or on its sides. corners: m, (3, 2)."""
+    (ux, uy), (vx, vy), (dx, dy) = (
+        corners[1] - corners[0],
+        corners[2] - corners[0],
+        x - corners[:1].T,
+    )
+    area = ux * vy - uy * vx
+    if area == 0.0:
+        return np.zeros(x.shape[1], dtype=bool)
+    second, third = (dx * vy - dy * vx) / area, (ux * dy - uy * dx) / area
+    return np.minimum(np.minimum(second, third), 1 - second - third) >= -1e-9

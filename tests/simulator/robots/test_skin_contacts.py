@@ -334,3 +334,21 @@ def test_of_contacts_that_change_within_a_sweep_those_at_its_middle_count():
         sensor.step(touch, 10e-3)
     assert sensor.last_sweep["press"].values == ["disc(0.04,0.03,0.005):1N"]
     assert sensor.last_sweep["contact_force"].values == 1.0
+
+
+PLATE = """<mujoco><asset><mesh name="plate"
+vertex="-.04 -.03 0 .04 -.03 0 .04 .03 0 -.04 .03 0 -.1 -.1 0 .1 -.1 0 .1 .1 0 -.1 .1 0 0 0 -.05"
+texcoord="0 0 1 0 1 1 0 1 2 2 2 2 2 2 2 2 2 2"
+face="0 1 2 0 2 3 4 5 1 4 1 0 5 6 2 5 2 1 6 7 3 6 3 2 7 4 0 7 0 3 4 8 5 5 8 6 6 8 7 7 8 4"/></asset>
+<worldbody><body><geom name="plate" type="mesh" mesh="plate"/></body>
+<body pos="0 0 .01"><joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>
+<joint type="slide" axis="0 0 1"/><geom name="touching" {geom} mass=".1"/></body>
+</worldbody></mujoco>"""
+
+
+@pytest.mark.parametrize("geom", ["sphere", "box"])
+def test_a_skin_on_a_part_of_a_mesh_feels_by_the_area_that_lies_on_it(geom):
+    model = mujoco.MjModel.from_xml_string(PLATE.format(geom=GEOMS[geom]))
+    skin = MujocoSkin(model, small_scene(), uv="plate", rtol=RTOL)
+    felt = shares(skin, model, [(x, 0.003) for x in (0.0, 0.04, 0.07)])
+    assert felt == pytest.approx([1.0, 0.5, 0.0], abs=5e-3)

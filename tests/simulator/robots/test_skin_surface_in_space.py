@@ -63,6 +63,7 @@ def test_triangles_of_a_cylinder_unroll_like_the_cylinder():
     found = mesh.places(points + 1e-3 * normals)
     assert found.on.all() and found.x == pytest.approx(x, abs=2e-5)
     assert found.height == pytest.approx(1e-3, abs=1e-5)
+    assert mesh.holds(x).all() and not mesh.holds(x + SIDES[0]).any()
     back, _, on = mesh.points(x)
     assert on.all() and back == pytest.approx(points, abs=1e-5)
     beside = mesh.places(np.array([[0.0], [0.05], [0.0]]))
