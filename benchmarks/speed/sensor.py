@@ -157,7 +157,10 @@ def of_engine(runs: int) -> list[dict[str, object]]:
                 engine.mj_step(skin.model, data)
                 skin.step(data)
 
-        for part, work in (("MuJoCo alone", alone), ("MuJoCo with the skin", mounted)):
+        for part, work in (
+            ("a step of MuJoCo", alone),
+            ("a step of MuJoCo with the skin", mounted),
+        ):
             spent = 1e6 * processor_time(work, runs) / STEPS
             given = {"scene": f"{STRIP}, {what}", "skins": 1, "what": part}
             rows.append(given | {"us a skin and reading": f"{spent:.3g}"})

@@ -127,8 +127,11 @@ class MujocoSkin:
         assert not isinstance(found, PressureImage)
         return found
 
-    def _pressing(self, each: Sequence[MjData]) -> KnownContacts | None:
-        """Contacts of all environments for the sensor; None if nothing touches any."""
+    def known_contacts(self, each: Sequence[MjData]) -> KnownContacts | None:
+        """Contacts of all environments, with their places; None if nothing touches any.
+
+        It warns once of what lies beside the skin.
+        """
         if not any(one.ncon for one in each):
             return None
         known = self._known(each, warn=True)
@@ -189,7 +192,7 @@ class MujocoSkin:
             )
         self._at = now
         if passed[0] > 0:
-            self._reading = self.sensor.step(partial(self._pressing, each), passed[0])
+            self._reading = self.sensor.step(partial(self.known_contacts, each), passed[0])
         elif self._reading is None:
             raise InputError("MujocoSkin: no time has passed; call `step` after mujoco.mj_step")
         return self._reading

@@ -55,25 +55,8 @@ class PlaceOnSkin(NamedTuple):
     above: bool
 
 
-class PlacesOnSkin(NamedTuple):
-    """Places on the skin that are nearest to points in space.
-
-    x: on the unrolled skin, m, (2, n). height: distance of the point outward from the skin, m,
-    (n,). normals: outward unit normals there, (3, n). on: True where the place is on the skin.
-    """
-
-    x: Real
-    height: Real
-    normals: Real
-    on: Mask
-
-
 class MountedSurface(Protocol):
     """Surface of a skin in the frame of its mount."""
-
-    def places(self, points: Real) -> PlacesOnSkin:
-        """Places on the skin nearest to points, m, shape (3, n)."""
-        ...
 
     def points(self, x: Real) -> tuple[Real, Real, Mask]:
         """Points and outward normals, both (3, n), at places x, m, (2, n); True if on the skin."""
@@ -106,11 +89,6 @@ class ShapedSurface:
     def _stretch(self) -> Real:
         ratios = self.skin.stretch.ratios if self.skin.stretch else (1.0, 1.0)
         return np.array(ratios)[:, None]
-
-    def places(self, points: Real) -> PlacesOnSkin:
-        """Nearest places, see `MountedSurface`."""
-        found = _places(self, points)
-        return found._replace(on=self.holds(found.x))
 
     def holds(self, x: Real) -> Mask:
         """Places on the skin, see `MountedSurface`."""
@@ -163,10 +141,6 @@ class TriangleSurface:
         """Area of all triangles in space, m²."""
         a, b, c = self.corners
         return float(np.linalg.norm(np.cross(b - a, c - a, axis=0), axis=0).sum() / 2)
-
-    def places(self, points: Real) -> PlacesOnSkin:
-        """Nearest places, see `MountedSurface`."""
-        return _places(self, points)
 
     def holds(self, x: Real) -> Mask:
         """Places on the skin, see `MountedSurface`."""
@@ -228,18 +202,6 @@ class TriangleSurface:
             points[:, k] = weights[:, t] @ self.corners[..., t]
             normals[:, k] = all_normals[:, t]
         return points, normals, on
-
-
-def _places(surface: MountedSurface, points: Real) -> PlacesOnSkin:
-    """Nearest places of points, m, (3, n); on: True above a triangle, or on a shape anywhere."""
-    n, numbers = points.shape[1], surface.numbers
-    found = PlacesOnSkin(np.empty((2, n)), np.empty(n), np.empty((3, n)), np.empty(n, bool))
-    for k in range(n):
-        px, py, pz = points[:, k].tolist()
-        place = place_of(numbers, px, py, pz)
-        found.x[:, k], found.normals[:, k] = (place.x, place.y), place.normal
-        found.height[k], found.on[k] = place.height, place.above
-    return found
 
 
 @compiled()

@@ -132,6 +132,7 @@ def overlap(length, width, x, y, turned):
 @pytest.mark.parametrize("size", [(0.02, 0.01), (0.041, 0.01), (0.05, 0.04), (0.005, 0.039)])
 @pytest.mark.parametrize("place", [(0.0, 0.0), (0.03, 0.0), (0.035, 0.025), (-0.04, -0.03)])
 @pytest.mark.parametrize("turned", [0.0, 30.0])
+@pytest.mark.kernel
 def test_a_flat_thing_is_felt_by_the_area_that_lies_on_the_skin(size, place, turned):
     carrier = FLAT.replace(".1 .1 .01", ".3 .3 .01")
     model = model_of(f'type="box" size="{size[0]} {size[1]} .01"', carrier, turned)
@@ -235,6 +236,7 @@ ENDS = {
 
 @pytest.mark.parametrize("end", ENDS)
 @pytest.mark.parametrize("skin", SKINS)
+@pytest.mark.kernel
 def test_a_round_geom_s_patch_follows_from_both_curvatures(end, skin):
     """Twin: columns of foam under the paraboloid that both surfaces leave, summed on a grid."""
     (carrier, form, own), (geom, others) = SKINS[skin], ENDS[end]
