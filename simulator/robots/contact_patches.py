@@ -79,6 +79,7 @@ class Pressed(NamedTuple):
 @compiled()
 def press_of_geom(
     points: NDArray,
+    carrier: int,
     other: int,
     geoms: GeomNumbers,
     pose: tuple[NDArray, NDArray],
@@ -91,11 +92,13 @@ def press_of_geom(
 ) -> Pressed:
     """Patches of the contact points of one geom, into `patches` behind the `found` first ones.
 
-    points: (n, POINT_COLUMNS). other: number of the geom, beyond all for soft bodies. pose: origin
-    and axes of the mount. patches: x, y, force, radius and curvature radius, (patch, 5).
+    points: (n, POINT_COLUMNS). carrier: number of the geom that carries the skin. other: number of
+    the touching one, beyond all for soft bodies. pose: origin and axes of the mount. patches: x, y,
+    force, radius and curvature radius, (patch, 5).
     """
-    if len(points) == 1 and points[0, DEPTH] >= foam.thickness:
-        points = _along_axis(points, other, geoms, pose, surface)
+    deep = points[0, DEPTH] >= foam.thickness
+    if len(points) == 1 and (deep or geoms.kind[carrier] in (CAPSULE, CYLINDER)):
+        points = _along_axis(points, carrier, other, geoms, pose, surface, SAME * foam.thickness)
     count, bottomed = len(points), False
     force, x, y, normal = 0.0, 0.0, 0.0, np.zeros(3)
     for k in range(count):
@@ -156,7 +159,7 @@ def press_of_geom(
 def _end_of_axis(
     other: int, side: float, geoms: GeomNumbers, pose: tuple[NDArray, NDArray]
 ) -> NDArray:
-    """An end of a cylinder's or capsule's axis in the frame of the mount, m. side: -1 or 1."""
+    """A place on a cylinder's or capsule's axis in the frame of the mount, m. side: -1..1."""
     (origin, axes), at = pose, np.zeros(3)
     for i in range(3):
         for j in range(3):
@@ -166,24 +169,45 @@ def _end_of_axis(
 
 
 @compiled()
+def _side_on_carrier(carrier: int, other: int, side: float, geoms: GeomNumbers) -> float:
+    """Part of half an axis, -1..1, up to an end of it or of a cylinder beside that carries it."""
+    if geoms.kind[carrier] not in (CAPSULE, CYLINDER):
+        return side
+    along, away = 0.0, 0.0
+    for i in range(3):
+        own, axis = geoms.axes[carrier, 3 * i + 2], geoms.axes[other, 3 * i + 2]
+        along += own * axis * geoms.size[other, 1]
+        away += own * (geoms.place[other, i] - geoms.place[carrier, i])
+    half = geoms.size[carrier, 1]
+    beyond = away + side * along
+    if abs(beyond) <= half or along == 0.0:
+        return side
+    return min(max((np.sign(beyond) * half - away) / along, -1.0), 1.0)
+
+
+@compiled()
 def _along_axis(
     points: NDArray,
+    carrier: int,
     other: int,
     geoms: GeomNumbers,
     pose: tuple[NDArray, NDArray],
     surface: SurfaceNumbers,
+    near: float,
 ) -> NDArray:
-    """The one point of a geom, or both ends of a capsule or cylinder that is below the skin.
+    """The one point of a geom, or both ends of a capsule or cylinder that lies on the skin.
 
-    The engine gives one point of it if its axis is below the surface of the other geom.
+    The engine gives one point of it on another cylinder, and if its axis is below the surface of
+    the other geom. near: largest height of its ends above the skin, m.
     """
     if other >= len(geoms.kind) or geoms.kind[other] not in (CAPSULE, CYLINDER):
         return points
     ends = np.empty((2, points.shape[1]))
     for k in range(2):
-        at = _end_of_axis(other, 2.0 * k - 1, geoms, pose)
+        side = _side_on_carrier(carrier, other, 2.0 * k - 1, geoms)
+        at = _end_of_axis(other, side, geoms, pose)
         place = place_of(surface, at[0], at[1], at[2])
-        if place.height > geoms.size[other, 0]:
+        if place.height > geoms.size[other, 0] + near:
             return points
         for column in range(points.shape[1]):
             ends[k, column] = points[0, column]

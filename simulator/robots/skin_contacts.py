@@ -138,7 +138,7 @@ def _felt(
                     own[count, column] = points[m, column]
                 count += 1
         press = press_of_geom(
-            own[:count], other, geoms, pose, surface, area, rule, foam, patches, found
+            own[:count], first, other, geoms, pose, surface, area, rule, foam, patches, found
         )
         found = press.found
         left = force - press.force if press.force < (1 - ROUNDING) * force else 0.0

@@ -354,3 +354,12 @@ def test_a_skin_on_a_part_of_a_mesh_feels_by_the_area_that_lies_on_it(geom):
     skin = MujocoSkin(model, small_scene(), uv="plate", rtol=RTOL)
     felt = shares(skin, model, [(x, 0.003) for x in (0.0, 0.04, 0.07)])
     assert felt == pytest.approx([1.0, 0.5, 0.0], abs=5e-3)
+
+
+@pytest.mark.parametrize("kind", ["capsule", "cylinder"])
+@pytest.mark.parametrize(("y", "part"), [(0.0, 0.6), (0.04, 0.4), (0.085, 0.0)])
+def test_a_rod_along_a_round_arm_is_felt_by_the_length_that_lies_on_the_skin(kind, y, part):
+    """The engine gives one point of two cylinders beside each other; the arm ends at 0.1 m."""
+    model = model_of(f'type="{kind}" size=".01 .05" euler="90 0 0"', ROUND)
+    skin = skin_of(model, small_scene(**BENT))
+    assert shares(skin, model, [(0.0, y)]) == pytest.approx(part, abs=1e-3)
