@@ -1,8 +1,9 @@
 """Mounted skins: time of a reading of one skin and of many, in a step with contacts.
 
 A step takes as long as a reading of the meter. Its contact is another one each time, or stays.
-Readings without noise are compared with the full model first. Times are of the processor, the
-shortest of many runs, because other programs change the clock on the wall more.
+Readings without noise are compared with the full model first. Rows of MuJoCo are of a strip under a
+finger, for a step of the engine: the engine's own time, and that with the skin. Times are of the
+processor, the shortest of many runs, because other programs change the clock on the wall more.
 
 Run: OMP_NUM_THREADS=1 python benchmarks/speed/sensor.py [--quick]
 """
@@ -11,7 +12,9 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator
+from importlib.util import find_spec
 from itertools import cycle, repeat
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -19,6 +22,18 @@ import rcskin
 from rcskin.benchmarks.bench import Run, launch, publish
 
 STEPS, RUNS = 20, 40
+STRIP, SETTLED = "strip-1x4", 500
+STRIP_CHANGES = {
+    "skin.foam": {
+        "thickness": 4e-3,
+        "mechanics": {
+            "porosity": 0.67,
+            "solid_permittivity": 2.79,
+            "modulus": 100e3,
+            "plateau_stress": 20e3,
+        },
+    },
+}
 READING = 0.005
 """Duration of a reading at the frequencies of these scenes, s."""
 
@@ -99,6 +114,59 @@ def measured(name: str, skins: int, rtol: float, runs: int) -> list[dict[str, ob
     ]
 
 
+def mounted_strip() -> tuple[rcskin.MujocoSkin, Any]:
+    """A strip that a multisine reads, on an arm under a finger, and the engine's data."""
+    import mujoco
+
+    scene = rcskin.load(STRIP).with_(STRIP_CHANGES)
+    length, width = scene.skin.sides
+    engine: Any = mujoco
+    model = engine.MjModel.from_xml_string(
+        f"""<mujoco><worldbody><body name="arm">
+        <geom type="box" size="{length / 2} {width / 2} .005" pos="0 0 -.005"/><site name="skin"/>
+        </body><body name="finger" pos="0 0 .012">
+        <joint name="down" type="slide" axis="0 0 -1" damping="1"/>
+        <geom type="capsule" euler="90 0 0" size=".008 .004" mass=".05"/></body></worldbody>
+        <actuator><motor joint="down"/></actuator></mujoco>"""
+    )
+    return rcskin.MujocoSkin(model, scene, "skin"), engine.MjData(model)
+
+
+def of_engine(runs: int) -> list[dict[str, object]]:
+    """Rows of a skin on MuJoCo: microseconds for a step of the engine with and without the skin."""
+    import mujoco
+
+    skin, data = mounted_strip()
+    rows: list[dict[str, object]] = []
+    engine: Any = mujoco
+    for what, push in (("untouched", -0.5), ("pressed", 1.5)):
+        data.ctrl = push
+        for _ in range(SETTLED):
+            engine.mj_step(skin.model, data)
+            skin.step(data)
+        touches = skin.contacts(data).count
+        if touches != (push > 0):
+            raise AssertionError(f"{touches} contacts of a strip that is {what}")
+
+        def alone() -> None:
+            for _ in range(STEPS):
+                engine.mj_step(skin.model, data)
+
+        def mounted() -> None:
+            for _ in range(STEPS):
+                engine.mj_step(skin.model, data)
+                skin.step(data)
+
+        for part, work in (
+            ("a step of MuJoCo", alone),
+            ("a step of MuJoCo with the skin", mounted),
+        ):
+            spent = 1e6 * processor_time(work, runs) / STEPS
+            given = {"scene": f"{STRIP}, {what}", "skins": 1, "what": part}
+            rows.append(given | {"us a skin and reading": f"{spent:.3g}"})
+    return rows
+
+
 def main(run: Run) -> None:
     """Check, measure, print, write the table."""
     rtol, runs = 1e-3, run.sized(RUNS, 2)
@@ -108,6 +176,8 @@ def main(run: Run) -> None:
         print(f"{name}: largest error {worst:.1e}, tolerance {rtol:g}")
         for skins in run.sized((1, 200), (1, 5)):
             rows += measured(name, skins, rtol, runs)
+    if find_spec("mujoco"):
+        rows += of_engine(runs)
     title = "Mounted skins: processor time of a reading"
     publish(run.results, "sensor", title, pd.DataFrame(rows))
 

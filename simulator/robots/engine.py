@@ -33,9 +33,7 @@ class Geom(NamedTuple):
     @property
     def name(self) -> str:
         """Name in quotes, or the number."""
-        mujoco = engine()
-        name = mujoco.mj_id2name(self.model, mujoco.mjtObj.mjOBJ_GEOM, self.number)
-        return repr(name) if name else str(self.number)
+        return named_geom(self.model, self.number)
 
     @property
     def size(self) -> Real:
@@ -51,3 +49,12 @@ class Geom(NamedTuple):
     def axes(self) -> Real:
         """Axes of the geom's frame in the world, as columns, (3, 3)."""
         return self.data.geom_xmat[self.number].reshape(3, 3)
+
+
+def named_geom(model: MjModel, number: int) -> str:
+    """Name in quotes, or the number, of a geom; of a soft body for numbers behind all geoms."""
+    mujoco, kind = engine(), engine().mjtObj.mjOBJ_GEOM
+    if number >= model.ngeom:
+        number, kind = number - model.ngeom, mujoco.mjtObj.mjOBJ_FLEX
+    name = mujoco.mj_id2name(model, kind, number)
+    return repr(name) if name else str(number)

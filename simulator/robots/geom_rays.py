@@ -15,6 +15,8 @@ def entry(kind: str, size: Real, origins: Real, directions: Real) -> Real:
     have length 1.
     """
     with np.errstate(divide="ignore", invalid="ignore"):
+        if kind == "plane":
+            return np.where(directions[2] < 0, -origins[2] / directions[2], np.inf)
         if kind in ("sphere", "ellipsoid"):
             axes = np.full(3, size[0]) if kind == "sphere" else size
             return _sphere(origins / axes[:, None], directions / axes[:, None])

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -11,15 +13,17 @@ import numpy as np
 from ..arrays import Real
 from ..requests.argument_types import scene_of, typed
 from ..scene.scene import Scene
-from ..sensor.contacts.contact_types import DepthImage, PointContacts
+from ..sensor.contacts.contact_types import DepthImage, KnownContacts, PointContacts, PressureImage
+from ..sensor.contacts.foam_tables import foam_tables
 from ..sensor.sensor import Sensor
 from ..sweeps import InputError
 from ..sweeps.optional_packages import require_packages
-from .contact_patches import PATCHES, Patches, PatchName, PatchRule
-from .engine import MjData, MjModel, engine
+from .contact_curvature import FIXED, PATCHES, PatchName, PatchRule
+from .engine import MjData, MjModel, engine, named_geom
 from .skin_contacts import SkinContacts, skin_contacts
 from .skin_mount import mounted, numbered
 from .tactile_image import TactileImager
+from .touching_geoms import check_geoms, round_meshes
 
 if TYPE_CHECKING:
     import gymnasium
@@ -35,19 +39,22 @@ class MujocoSkin:
     """A skin on a MuJoCo model, or on one model in several environments.
 
     Call `step` after each `mujoco.mj_step`: it takes the contacts from the engine's data, and the
-    time since the last call. Or call `install`: MuJoCo then fills a user sensor by itself.
+    time since the last call. Or call `install`: MuJoCo then fills a user sensor by itself. The
+    contacts of each geom press an area; what of it lies beside the skin is not felt, with its share
+    of the force. That force is `reading.beside`, and a warning says so once.
 
     model: a mujoco.MjModel. scene: the scene, its name or the path of its file. site: name of a
     site at the middle of the skin, with x along its length, y along its width and z outward; the
     skin is flat, or bent as `skin.shape` says; the origin of a mesh in space is at the site. uv:
     name of a mesh geom in place of a site, whose texture coordinates 0..1 are the length and the
     width of the skin. geoms: names of the geoms that carry the skin; default all of the site's
-    body. patch: the area that a contact point presses. "hertz": that of a sphere of the geom's
-    radius of curvature, by the foam's law. "applicator": a flat end as wide as the geom. "image":
-    all of the geom's shape, sunk in until the foam bears the force. A number: the radius in m.
-    curvature: radius of curvature of geoms by name, m; meshes need it for "hertz". sensor: name of
-    a user sensor of the model that `install` fills. envs: number of environments. options: of
-    `Sensor`. Raises InputError for a name that the model lacks, and for what `Sensor` refuses.
+    body. patch: the area that a contact point presses. "hertz": by the foam's law and the
+    curvatures of geom and skin. "applicator": a flat end as wide as the geom. "image": all of the
+    geom's shape, sunk in until the foam bears the force. A number: the radius in m. curvature:
+    radius of curvature of geoms by name, m; meshes that are no spheres need it for "hertz" and
+    "applicator". sensor: name of a user sensor of the model that `install` fills. envs: number of
+    environments. options: of `Sensor`. Raises InputError for a name that the model lacks, for a
+    geom that may touch the skin and that `patch` does not take, and for what `Sensor` refuses.
     """
 
     @typed
@@ -70,28 +77,25 @@ class MujocoSkin:
 
         self.model = model
         self.scene = scene_of(scene)
-        self.mount = mounted(model, self.scene, site, uv, geoms)
         foam = self.scene.skin.foam
         if foam.mechanics is None or foam.thickness is None:
             raise InputError(
                 f"MujocoSkin: forces on {self.scene.name} need `skin.foam.thickness` and the table "
                 "[skin.foam.mechanics]"
             )
-        self._reach = foam.thickness
-        known = {
+        known = round_meshes(model) | {
             numbered(model, mujoco.mjtObj.mjOBJ_GEOM, name): _positive(f"curvature of {name!r}", r)
             for name, r in (curvature or {}).items()
         }
+        self.mount = mounted(model, self.scene, site, uv, geoms, known)
+        self._rule, self._foam = _rule_of(patch), foam_tables(foam)
+        check_geoms(self.mount, patch)
         self.sensor = Sensor(self.scene, skins=envs, **options)
-        self._imager, self._rule = None, None
-        if patch == "image":
-            self._imager = TactileImager.of(self.scene, self.mount)
-        else:
-            law = foam.mechanics.elastic
-            self._rule = PatchRule(_checked(patch), law, foam.thickness, known)
+        self._imager = TactileImager.of(self.scene, self.mount) if patch == "image" else None
         self._slice = None if sensor is None else self._place_of(sensor)
-        self._at = np.zeros(envs)
+        self._at = [0.0] * envs
         self._reading: SensorReading | None = None
+        self._warned = False
 
     @property
     def envs(self) -> int:
@@ -114,62 +118,127 @@ class MujocoSkin:
         return self._reading
 
     def contacts(self, data: MjData) -> SkinContacts:
-        """Contact points of the engine on the skin: places, forces and touching geoms."""
-        return skin_contacts(self.model, data, self.mount, self._reach)
+        """Geoms that touch the skin: places, forces and areas, and the force beside it."""
+        return self._touching(data)[0]
 
     def patches(self, data: MjData | Sequence[MjData]) -> PointContacts | DepthImage | None:
         """Contacts for `Sensor.step`: patches or depth images of all environments."""
-        each = self._environments(data)
-        found = [self.contacts(one) for one in each]
-        if not any(one.count for one in found):
+        found = self._known(self._environments(data)).contacts
+        assert not isinstance(found, PressureImage)
+        return found
+
+    def known_contacts(self, each: Sequence[MjData]) -> KnownContacts | None:
+        """Contacts of all environments, with their places; None if nothing touches any.
+
+        It warns once of what lies beside the skin.
+        """
+        if not any(one.ncon for one in each):
             return None
-        if self._imager is not None:
-            pairs = zip(each, found, strict=True)
-            return DepthImage(np.stack([self._imager.depth(self.model, *one) for one in pairs]))
-        assert self._rule is not None
+        known = self._known(each, warn=True)
+        return known if known.contacts is not None or any(known.beside) else None
+
+    def _touching(self, data: MjData) -> tuple[SkinContacts, Real]:
+        return skin_contacts(self.model, data, self.mount, self._rule, self._foam)
+
+    def _known(self, each: Sequence[MjData], warn: bool = False) -> KnownContacts:
+        """Contacts of all environments, and what the engine knows of them."""
+        found, patches = zip(*map(self._touching, each), strict=True)
+        touches = [np.stack([*one.x, one.force, one.area], axis=-1) for one in found]
+        if warn and not self._warned and any(one.overhang > 0 for one in found):
+            self._warn(max(found, key=lambda one: one.overhang))
+        contacts = None
+        if any(one.count for one in found):
+            contacts = _padded(patches) if self._imager is None else self._imaged(each, found)
+        return KnownContacts(contacts, touches, [one.beside for one in found])
+
+    def _imaged(self, each: Sequence[MjData], found: Sequence[SkinContacts]) -> DepthImage:
+        assert self._imager is not None
         pairs = zip(each, found, strict=True)
-        return _padded([self._rule.patches(self.model, *one) for one in pairs])
+        return DepthImage(np.stack([self._imager.depth(self.model, *one) for one in pairs]))
+
+    def _warn(self, contacts: SkinContacts) -> None:
+        """Warn once that a geom presses beside the skin."""
+        self._warned = True
+        whole = contacts.overhang + contacts.force.sum()
+        warnings.warn(
+            f"MujocoSkin: {contacts.overhang:.3g} of {whole:.3g} N lie beside the skin "
+            f"{self.scene.name}, under geom {named_geom(self.model, contacts.overhanging)}, and "
+            "are not felt; `reading.beside` has the force of each step (this is said once)",
+            stacklevel=3,
+        )
 
     def step(self, data: MjData | Sequence[MjData]) -> SensorReading:
         """Latest readings at the time of the engine, with its contacts since the last call.
 
-        data: a mujoco.MjData, or a list of one for each environment. Where the time went back, it
-        begins again at 0; a single environment also resets the sensor. Raises InputError if no time
-        passed at the first call, or not the same time in all environments.
+        data: a mujoco.MjData, or a list of one for each environment. An environment whose time went
+        back begins again with an unpressed skin; the others go on. Contacts are worked out only if
+        a reading has its middle since the last call. Raises InputError if no time passed at the
+        first call, or not the same time in all environments.
         """
         each = self._environments(data)
-        now = np.array([one.time for one in each])
-        back = now < self._at
-        if back.any() and self.envs == 1:
-            self.sensor.reset()
-            self._reading = None
-        passed = now - np.where(back, 0.0, self._at)
-        if np.ptp(passed) > SAME_TIME:
+        now = [one.time for one in each]
+        back = [k for k in range(len(now)) if now[k] < self._at[k]]
+        if back:
+            self._begin_again(back)
+        passed = [
+            time - before
+            for k, (time, before) in enumerate(zip(now, self._at, strict=True))
+            if k not in back or len(back) == len(now)
+        ]
+        if max(passed) - min(passed) > SAME_TIME:
             raise InputError(
                 "MujocoSkin: all environments must advance by the same time, got "
-                f"{passed.min():g} to {passed.max():g} s"
+                f"{min(passed):g} to {max(passed):g} s"
             )
         self._at = now
         if passed[0] > 0:
-            self._reading = self.sensor.step(self.patches(each), float(passed[0]))
+            self._reading = self.sensor.step(partial(self.known_contacts, each), passed[0])
         elif self._reading is None:
             raise InputError("MujocoSkin: no time has passed; call `step` after mujoco.mj_step")
         return self._reading
 
-    def reset(self, data: MjData | Sequence[MjData] | None = None, seed: int | None = None) -> None:
+    def _begin_again(self, back: Sequence[int]) -> None:
+        """Reset the skins of environments, at their time 0."""
+        if len(back) == self.envs:
+            self.sensor.reset()
+            self._reading = None
+        else:
+            self.sensor.unpress(back)
+        self._at = [0.0 if k in back else at for k, at in enumerate(self._at)]
+
+    def reset(
+        self,
+        data: MjData | Sequence[MjData] | None = None,
+        seed: int | None = None,
+        env: int | None = None,
+    ) -> None:
         """Start again with unpressed skins, at the time of `data`, by default 0 s.
 
-        seed: a new one for the sensor, which draws other skins and errors of the meter.
+        seed: a new one for the sensor, which draws other skins and errors of the meter. env: number
+        of the only environment that starts again, from 0; `data` is then its own. Raises InputError
+        for another number, or for a seed of one environment.
         """
+        if env is not None:
+            if not 0 <= env < self.envs or seed is not None:
+                raise InputError(
+                    f"MujocoSkin: `env` must be in 0..{self.envs - 1}, without `seed`, got {env} "
+                    f"and {seed}"
+                )
+            self._begin_again([env])
+            if data is not None:
+                (self._at[env],) = [one.time for one in _listed(data)]
+            return
         self.sensor.reset(seed)
         self._reading = None
-        self._at = np.zeros(self.envs)
+        self._at = [0.0] * self.envs
         if data is not None:
-            self._at = np.array([one.time for one in self._environments(data)])
+            self._at = [one.time for one in self._environments(data)]
 
     def fill(self, data: MjData) -> None:
         """Write the readings at the time of `data` into its user sensor; NaN before the first."""
         assert self._slice is not None
+        if data.time < self._at[0]:
+            self._begin_again([0])
         started = self._reading is not None or data.time > 0
         data.sensordata[self._slice] = self.step(data).vector[0] if started else np.nan
 
@@ -195,7 +264,7 @@ class MujocoSkin:
         return SkinObservation(env, self, key, changes)
 
     def _environments(self, data: MjData | Sequence[MjData]) -> Sequence[MjData]:
-        each = data if isinstance(data, list | tuple) else [data]
+        each = _listed(data)
         if len(each) != self.envs:
             raise InputError(f"MujocoSkin: needs data of {self.envs} environments, got {len(each)}")
         return each
@@ -217,15 +286,18 @@ class MujocoSkin:
         return slice(first, first + size)
 
 
-def _checked(patch: PatchName | float) -> PatchName | float:
-    if isinstance(patch, str):
-        if patch not in PATCHES:
-            raise InputError(
-                f"MujocoSkin: patch must be one of {', '.join(PATCHES)} or a radius in m, "
-                f"got {patch!r}"
-            )
-        return patch
-    return _positive("patch", patch)
+def _listed(data: MjData | Sequence[MjData]) -> Sequence[MjData]:
+    return data if isinstance(data, list | tuple) else [data]
+
+
+def _rule_of(patch: PatchName | float) -> PatchRule:
+    if not isinstance(patch, str):
+        return PatchRule(FIXED, _positive("patch", patch))
+    if patch not in PATCHES:
+        raise InputError(
+            f"MujocoSkin: patch must be one of {', '.join(PATCHES)} or a radius in m, got {patch!r}"
+        )
+    return PatchRule(PATCHES.index(patch), 0.0)
 
 
 def _positive(name: str, value: float) -> float:
@@ -234,11 +306,11 @@ def _positive(name: str, value: float) -> float:
     return float(value)
 
 
-def _padded(each: Sequence[Patches]) -> PointContacts:
-    """Patches of environments as arrays of equal length."""
-    count = np.array([one.x.size for one in each])
-    columns: Real = np.ones((5, len(each), max(int(count.max()), 1)))
+def _padded(each: Sequence[Real]) -> PointContacts:
+    """Patches of environments, (patch, 5) each, as arrays of equal length."""
+    count = np.array([len(one) for one in each])
+    table = np.ones((len(each), int(count.max()), 5))
     for k, one in enumerate(each):
-        columns[:, k, : count[k]] = one
-    x, y, force, radius, curvature = columns
+        table[k, : count[k]] = one
+    x, y, force, radius, curvature = np.moveaxis(table, -1, 0)
     return PointContacts(x, y, force=force, radius=radius, curvature_radius=curvature, count=count)

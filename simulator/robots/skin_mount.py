@@ -2,40 +2,84 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from ..arrays import Real
 from ..scene.scene import Scene
+from ..scene.skin import Skin
 from ..sweeps import InputError
+from .contact_curvature import GeomNumbers
 from .engine import MjData, MjModel, engine
-from .skin_surface_in_space import MountedSurface, ShapedSurface, TriangleSurface
+from .skin_polygons import SkinArea
+from .skin_surface_in_space import (
+    MountedSurface,
+    ShapedSurface,
+    SurfaceNumbers,
+    TriangleSurface,
+)
 
 MAX_AREA_DEVIATION = 0.1
 """Largest relative deviation of the area of a mesh under texture coordinates from the skin's."""
 
 
-@dataclass(frozen=True)
+MASK_CELLS = 192
+"""Cells along each side of a skin that is no rectangle, for what there is of it."""
+
+
+@dataclass(frozen=True, eq=False)
 class SkinMount:
     """A skin's surface in the frame of a site or of a geom of a model.
 
     frame: number of the site, or of the geom if by_geom. geoms: numbers of the geoms that carry the
-    skin; contacts with others do not reach it.
+    skin; contacts with others do not reach it. curvature: radii of geoms by number, m.
     """
 
+    model: MjModel
+    skin: Skin
     surface: MountedSurface
     frame: int
     by_geom: bool
     geoms: tuple[int, ...]
+    curvature: Mapping[int, float]
 
     def pose(self, data: MjData) -> tuple[Real, Real]:
         """Origin (3,) and axes (3, 3), as columns, of the frame in the world."""
         if self.by_geom:
             return data.geom_xpos[self.frame], data.geom_xmat[self.frame].reshape(3, 3)
         return data.site_xpos[self.frame], data.site_xmat[self.frame].reshape(3, 3)
+
+    def geom_numbers(self, data: MjData) -> GeomNumbers:
+        """The geoms at the moment of some data, as kernels take them."""
+        kind, size, own, curvature = self._fixed
+        return GeomNumbers(kind, size, data.geom_xpos, data.geom_xmat, curvature, own)
+
+    @cached_property
+    def _fixed(self) -> tuple[Any, ...]:
+        own, curvature = np.zeros(self.model.ngeom, dtype=bool), np.full(self.model.ngeom, np.nan)
+        own[list(self.geoms)] = True
+        curvature[list(self.curvature)] = list(self.curvature.values())
+        return self.model.geom_type, self.model.geom_size, own, curvature
+
+    @cached_property
+    def numbers(self) -> SurfaceNumbers:
+        """The surface as kernels take it."""
+        return self.surface.numbers
+
+    @cached_property
+    def area(self) -> SkinArea:
+        """What there is of the unrolled skin."""
+        sides, by_shape = self.skin.sides, isinstance(self.surface, ShapedSurface)
+        if by_shape and self.skin.rectangular:
+            return SkinArea(*sides, np.zeros((0, 0), dtype=bool))
+        at = [(np.arange(MASK_CELLS) + 0.5) / MASK_CELLS * side for side in sides]
+        on = self.surface.holds(np.stack(np.meshgrid(*at)).reshape(2, -1))
+        mask = on.reshape(MASK_CELLS, MASK_CELLS)
+        return SkinArea(*sides, np.zeros((0, 0), dtype=bool) if mask.all() else mask)
 
 
 def mounted(
@@ -44,10 +88,12 @@ def mounted(
     site: str | None,
     uv: str | None,
     geoms: Sequence[str] | None,
+    curvature: Mapping[int, float] | None = None,
 ) -> SkinMount:
     """Mount of a scene's skin by a site, or by the texture coordinates of a mesh geom `uv`.
 
     geoms: names of the geoms that carry the skin; by default all of the site's body, or the mesh.
+    curvature: radii of curvature of geoms by number, m.
     Raises InputError for a name that the model lacks, and for a mesh that the skin does not fit.
     """
     mujoco = engine()
@@ -67,7 +113,8 @@ def mounted(
         own = np.array([numbered(model, mujoco.mjtObj.mjOBJ_GEOM, name) for name in geoms])
     if not own.size:
         raise InputError(f"MujocoSkin: the body of site {site!r} has no geom that could be touched")
-    return SkinMount(surface, frame, site is None, tuple(own.tolist()))
+    which = tuple(own.tolist())
+    return SkinMount(model, scene.skin, surface, frame, site is None, which, curvature or {})
 
 
 def numbered(model: MjModel, kind: Any, name: str) -> int:

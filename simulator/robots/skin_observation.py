@@ -58,7 +58,7 @@ class SkinObservation(gymnasium.Wrapper, gymnasium.utils.RecordConstructorArgs):
         observation, info = self.env.reset(seed=seed, options=options)
         data, skin = self.env.unwrapped.data, self.skin  # pyright: ignore[reportAttributeAccessIssue]
         skin.reset(data, seed=int(self.np_random.integers(2**31)))
-        contacts = skin.patches(data)
+        contacts = skin.known_contacts([data])
         reading = skin.sensor.step(contacts, FIRST_STEP)
         while np.isnan(reading.vector).any():
             reading = skin.sensor.step(contacts, FIRST_STEP)

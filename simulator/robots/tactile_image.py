@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from ..arrays import Mask, Real
 from ..scene.foam.foam_mechanics import Elastic
 from ..scene.scene import Scene
-from ..sweeps import InputError
 from .engine import Geom, MjData, MjModel, engine
 from .geom_rays import entry
 from .skin_contacts import SkinContacts
@@ -21,7 +20,9 @@ MAX_SIDE = 96
 PER_THICKNESS = 3
 """Image cells over the thickness of the foam."""
 HALVINGS = 40
-ANALYTIC = ("sphere", "ellipsoid", "capsule", "cylinder", "box")
+ANALYTIC = ("sphere", "ellipsoid", "capsule", "cylinder", "box", "plane")
+TAKEN = (*ANALYTIC, "mesh", "hfield")
+"""Kinds of geoms whose shape is known."""
 
 
 @dataclass(frozen=True)
@@ -62,22 +63,25 @@ class TactileImager:
         """Depth of each image cell, m, shape (row, column)."""
         found = np.zeros(self.points.shape[1])
         for number in np.unique(contacts.geom):
-            force = float(contacts.force[contacts.geom == number].sum())
-            near, gap = self._gaps(Geom(model, data, int(number)))
+            own = contacts.geom == number
+            force, deep = float(contacts.force[own].sum()), float(contacts.depth[own].max())
+            if deep >= self.thickness:
+                force = np.inf
+            near, gap = self._gaps(Geom(model, data, int(number)), self.thickness + deep)
             if not near.size:
                 continue
             found[near] = np.maximum(found[near], self._sunk(gap, force))
         return found.reshape(self.shape)
 
-    def _gaps(self, geom: Geom) -> tuple[NDArray[np.intp], Real]:
-        """Image cells under a geom, and its height above each, m."""
+    def _gaps(self, geom: Geom, deepest: float) -> tuple[NDArray[np.intp], Real]:
+        """Image cells under a geom, and its height above each, m; at most `deepest` below it."""
         origin, axes = self.mount.pose(geom.data)
         turned = geom.axes.T
         points = (turned @ (origin - geom.place))[:, None] + turned @ axes @ self.points
-        reach = float(geom.model.geom_rbound[geom.number]) + self.thickness
-        near = np.flatnonzero(self.on & (np.linalg.norm(points, axis=0) <= reach))
+        reach = float(geom.model.geom_rbound[geom.number]) or np.inf  # a plane has none
+        near = np.flatnonzero(self.on & (np.linalg.norm(points, axis=0) <= reach + self.thickness))
         gap = self._entries(geom, points[:, near], turned @ axes @ self.normals[:, near])
-        under = np.isfinite(gap) & (gap > -self.thickness)
+        under = np.isfinite(gap) & (gap > -deepest)
         return near[under], gap[under]
 
     def _entries(self, geom: Geom, points: Real, normals: Real) -> Real:
@@ -85,17 +89,21 @@ class TactileImager:
         kind = geom.kind
         if kind in ANALYTIC:
             return entry(kind, geom.size, points, normals)
-        if kind != "mesh":
-            raise InputError(f'MujocoSkin: patch="image" does not take geom {geom.name} ({kind})')
-        start = (geom.place[:, None] + geom.axes @ (points - self.thickness * normals)).T
+        back = float(geom.model.geom_rbound[geom.number]) + self.thickness
+        start = (geom.place[:, None] + geom.axes @ (points - back * normals)).T
         each = zip(*map(np.ascontiguousarray, (start, (geom.axes @ normals).T)), strict=True)
-        ray = engine().mj_rayMesh
+        ray = engine().mj_rayMesh if kind == "mesh" else engine().mj_rayHfield
         distance = np.array([ray(*geom, *pair) for pair in each])
-        return np.where(distance < 0, np.inf, distance - self.thickness)
+        return np.where(distance < 0, np.inf, distance - back)
 
     def _sunk(self, gap: Real, force: float) -> Real:
-        """Depth under a geom that is `gap` above the skin, m, by a force, N."""
+        """Depth under a geom that is `gap` above the skin, m, by a force, N.
+
+        It is all of the foam's thickness if the foam cannot bear the force.
+        """
         low, high = 0.0, self.law.greatest_strain * self.thickness
+        if self.cell * self.law.stress(self._strain(gap, high)).sum() < force:
+            return self.thickness * self._strain(gap, self.thickness)
         for _ in range(HALVINGS):
             middle = (low + high) / 2
             if self.cell * self.law.stress(self._strain(gap, middle)).sum() > force:

@@ -11,8 +11,8 @@ import numpy as np
 from ..arrays import Real
 from ..scene.scene import Scene
 from ..scene.scene_files import scene_text
-from ..sweeps import build
-from ..sweeps.schema import SENSOR
+from ..sweeps import InputError, build
+from ..sweeps.schema import CONTACT, CONTACTS, SENSOR
 from .given_press import PressLabel
 
 if TYPE_CHECKING:
@@ -35,23 +35,32 @@ def as_dataset(
 ) -> xr.Dataset:
     """Sweeps in the schema: those of the first skin, then those of the next one.
 
-    numbers: of the skins; they become sessions. rtol: relative tolerance.
+    Sweeps during which a skin began again are left out.
+
+    numbers: of the skins; they become sessions. rtol: relative tolerance. Contacts whose places are
+    known become the variables CONTACTS, NaN behind the last one of each sweep.
     """
+    import xarray as xr
+
     values = np.stack([sweep.values for sweep in sweeps], axis=2)
     quantities, skins, count = values.shape[:3]
     flat = values.reshape(quantities, skins * count, *values.shape[3:])
+    whole = np.isfinite(flat[..., scene.reading.read]).all(axis=(0, 2))
+    if not whole.any():
+        raise InputError("no sweep is complete since the skins began again")
     kind = scene.reading.kind
-    shown = dict(zip(kind.names, flat, strict=True))
+    shown = dict(zip(kind.names, flat[:, whole], strict=True))
     presses = [sweep.presses[skin] for skin in range(skins) for sweep in sweeps]
-    return build(
+    presses = [presses[k] for k in np.flatnonzero(whole).tolist()]
+    found = build(
         kind.reading(shown),
         scene.frequencies,
         interface=[each.name for each in scene.interfaces],
         press=[press.text for press in presses],
         row=[press.row for press in presses],
         column=[press.column for press in presses],
-        session=np.repeat(numbers, count).tolist(),
-        time=np.tile([sweep.time for sweep in sweeps], skins).tolist(),
+        session=np.repeat(numbers, count)[whole].tolist(),
+        time=np.tile([sweep.time for sweep in sweeps], skins)[whole].tolist(),
         shown=shown,
         kind=kind,
         taken=scene.taken,
@@ -62,4 +71,18 @@ def as_dataset(
             "seed": seed,
             "software": f"rcskin {version('rcskin')}",
         },
+    )
+    contacts = [press.contacts for press in presses]
+    most = max(map(len, contacts))
+    if not most:
+        return found
+    table = np.full((len(contacts), most, len(CONTACTS)), np.nan)
+    for row, own in zip(table, contacts, strict=True):
+        row[: len(own)] = own
+    each = zip(CONTACTS.items(), np.moveaxis(table, -1, 0), strict=True)
+    return found.assign(
+        {
+            name: xr.Variable(("sweep", CONTACT), own, {"units": units, "long_name": meaning})
+            for (name, (units, meaning)), own in each
+        }
     )

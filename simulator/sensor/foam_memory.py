@@ -6,6 +6,7 @@ recovers without one, and relaxes at a fixed depth.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from copy import copy
 from typing import Self
 
@@ -64,6 +65,17 @@ class FoamMemory:
         unloading = unloading_strain(strain, largest, self._foam.hysteresis or 0.0)
         self._at_once = np.where(loaded, unloading, strain)
         self._elsewhere = batch.where(~on_foam)
+
+    def unpress(self, skins: Sequence[int], now: float) -> None:
+        """Let some skins forget all that pressed them. now: s by the sensor's clock."""
+        again = np.isin(np.arange(len(self._since)), skins)
+        self._factor = np.where(again[:, None], 1.0, self._factor)
+        each = (self._strain, self._largest, self._at_once, self._y)
+        self._strain, self._largest, self._at_once, self._y = (
+            np.where(again[:, None], 0.0, own) for own in each
+        )
+        self._fixed, self._since = self._fixed & ~again, np.where(again, now, self._since)
+        self._elsewhere = self._elsewhere.where(~again[self._elsewhere.press])
 
     def pressed(self, now: float) -> PressBatch:
         """Equivalent presses of all skins at a time, s."""

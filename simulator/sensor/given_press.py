@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 from ..method_cache import cached_method
 from ..models.mechanics.force_depths import press_by_depths
@@ -19,12 +21,13 @@ from ..scene.scene import Scene
 from ..sweeps import UNPRESSED, InputError
 from ..sweeps.schema import UNKNOWN_PRESS
 from .cell_spreading import SkinCells
-from .contacts.contact_types import Contacts, PointContacts
+from .contacts.contact_types import Contacts, KnownContacts, PointContacts
 
 if TYPE_CHECKING:
+    from ..arrays import Real
     from .contacts.rasterizer import ContactRasterizer
 
-    AnyContacts = None | str | Press | Contacts
+    AnyContacts = None | str | Press | Contacts | KnownContacts
 
 TEXTS_KEPT = 1024
 ROUNDING = 1e-9
@@ -33,15 +36,39 @@ OVERSHOOT = (13 / 12) ** 2
 
 
 class PressLabel(NamedTuple):
-    """Press of a sweep in the schema of sweeps."""
+    """Press of a sweep in the schema of sweeps.
+
+    touches: x, y [m], force [N, NaN if unknown] and area [m²] of each contact, the bytes of an
+    array (touch, 4); empty for a press by text.
+    """
 
     text: str
     row: int
     column: int
+    touches: bytes = b""
+
+    @property
+    def contacts(self) -> Real:
+        """Numbers of each contact, see `touches`."""
+        return np.frombuffer(self.touches).reshape(-1, 4)
 
 
-UNKNOWN = PressLabel(UNKNOWN_PRESS, -1, -1)
-"""Label of a sweep whose contacts have no text, or changed."""
+UNKNOWN, NOTHING_PRESSED = PressLabel(UNKNOWN_PRESS, -1, -1), PressLabel(UNPRESSED, 0, 0)
+"""Label of a sweep whose contacts are not known as text, or whose text changed."""
+
+
+def label_of_contacts(contacts: Real) -> PressLabel:
+    """Label of contacts, (contact, 4): discs of their areas with their forces, as text."""
+    touches = contacts[contacts[:, 2] != 0]
+    if not len(touches):
+        return NOTHING_PRESSED
+    if np.isnan(touches).any():
+        return UNKNOWN._replace(touches=touches.tobytes())
+    text = "+".join(
+        f"disc({x:.6g},{y:.6g},{(area / np.pi) ** 0.5:.6g}):{force:.6g}N"
+        for x, y, force, area in touches.tolist()
+    )
+    return PressLabel(text, -1, -1, touches.tobytes())
 
 
 class GivenPress(NamedTuple):
@@ -49,13 +76,15 @@ class GivenPress(NamedTuple):
 
     batch: on the cells of the model; on fine cells if the foam creeps. fixed: True for presses that
     fix depths; others are loads, under which foam may creep. limited: True for presses that would
-    compress the foam further than it can be, or than the model covers.
+    compress the foam further than it can be, or than the model covers. beside: force beside the
+    skin, N.
     """
 
     batch: PressBatch
     labels: tuple[PressLabel, ...]
     fixed: tuple[bool, ...]
     limited: tuple[bool, ...]
+    beside: tuple[float, ...]
 
     def equals(self, other: GivenPress) -> bool:
         """True if all presses and labels are equal."""
@@ -69,7 +98,8 @@ class GivenPress(NamedTuple):
         if self.batch.count == skins:
             return self
         batch = PressBatch.of([self.batch.one(0)] * skins)
-        return GivenPress(batch, self.labels * skins, self.fixed * skins, self.limited * skins)
+        each = self.labels * skins, self.fixed * skins, self.limited * skins, self.beside * skins
+        return GivenPress(batch, *each)
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,9 +130,8 @@ class PressReader:
         if any(one.batch.count > 1 for one in each):
             raise InputError("`contacts` in a list must be those of one skin each, got more")
         batch = PressBatch.of(one.batch.one(0) for one in each)
-        _, labels, fixed, limited = zip(*each, strict=True)
-        given_press = GivenPress(batch, sum(labels, ()), sum(fixed, ()), sum(limited, ()))
-        return self._checked(given_press)
+        _, *others = zip(*each, strict=True)
+        return self._checked(GivenPress(batch, *(sum(other, ()) for other in others)))
 
     @cached_property
     def _rasterizer(self) -> ContactRasterizer:
@@ -115,6 +144,11 @@ class PressReader:
     def _one(self, given: AnyContacts) -> GivenPress:
         if given is None or isinstance(given, str | Press):
             return self._of_press(given)
+        if isinstance(given, KnownContacts):
+            labels = tuple(map(label_of_contacts, given.touches))
+            own = self._of_press(None) if given.contacts is None else self._of(given.contacts)
+            own = own.of_each(len(labels))
+            return own._replace(labels=labels, beside=tuple(given.beside))
         if not isinstance(given, Contacts):
             raise InputError(
                 "`contacts` must be None, the text of a press, a Press, PointContacts, "
@@ -125,12 +159,16 @@ class PressReader:
     @cached_method(1)
     def _of_points(self, given: PointContacts) -> GivenPress:
         """Contacts at points, which never change: the latest ones are known."""
-        return self._of(given)
+        return self._of(given, labelled=True)
 
-    def _of(self, given: Contacts) -> GivenPress:
+    def _of(self, given: Contacts, labelled: bool = False) -> GivenPress:
+        """labelled: True for point contacts whose labels follow from their numbers."""
         pressed, fixed = self._rasterizer(given), given.kind.startswith("depth")
         count, limited = pressed.batch.count, tuple(pressed.limited.tolist())
-        return GivenPress(pressed.batch, (UNKNOWN,) * count, (fixed,) * count, limited)
+        labels = (UNKNOWN,) * count
+        if labelled and isinstance(given, PointContacts):
+            labels = tuple(_labels(given, pressed.patches))
+        return GivenPress(pressed.batch, labels, (fixed,) * count, limited, (0.0,) * count)
 
     @cached_method(TEXTS_KEPT)
     def _of_press(self, given: str | Press | None) -> GivenPress:
@@ -145,12 +183,12 @@ class PressReader:
         if press.indented and spreads(self.scene):
             pressed = self._rasterizer(_indenters(self.scene, press))
             limited = bool(pressed.limited[0])
-            return GivenPress(pressed.batch, (label,), (fixed,), (limited,))
+            return GivenPress(pressed.batch, (label,), (fixed,), (limited,), (0.0,))
         by_factor = Press(tuple(map(self._by_factor, press_by_depths(self.scene, press).touches)))
         batch = PressBatch.of([touched_cells(self.scene, by_factor, self.cells.fine)])
         if not self.scene.skin.foam.in_time:
             batch = self.cells.spread(batch)
-        return GivenPress(batch, (label,), (fixed,), (False,))
+        return GivenPress(batch, (label,), (fixed,), (False,), (0.0,))
 
     def _fixes_depths(self, press: Press) -> bool:
         """True for touches by depth.
@@ -191,6 +229,17 @@ class PressReader:
                 f"`contacts` must be of 1 or {self.skins} skins, got {given.batch.count}"
             )
         return given
+
+
+def _labels(given: PointContacts, radius: Real) -> Iterator[PressLabel]:
+    """Labels of each skin under point contacts. radius: of the patches, m, (skin, contact)."""
+    x, y, strength, _, _, width, height = np.moveaxis(given.values, -1, 0)
+    force = strength if given.by == "force" else np.full(x.shape, np.nan)
+    area = np.where(radius > 0, np.pi * radius**2, width * height)
+    for skin, count in enumerate(given.counts.tolist()):
+        yield label_of_contacts(
+            np.stack([each[skin, :count] for each in (x, y, force, area)], axis=-1)
+        )
 
 
 def _indenters(scene: Scene, press: Press) -> PointContacts:

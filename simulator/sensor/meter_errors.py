@@ -17,7 +17,8 @@ from ..sweeps.reading_quantities import KINDS
 class MeterErrors:
     """Meters in their sessions: fixed errors of each, the noise of each reading, and the display.
 
-    Noise is drawn for whole sweeps, so that it does not depend on how steps are divided.
+    Noise is drawn for whole sweeps, so that it does not depend on how steps are divided. Deviations
+    are kept for each slot of a sweep, for readings that stay the same.
     """
 
     def __init__(self, scene: Scene, seed: int, numbers: Sequence[int], noise: bool) -> None:
@@ -32,6 +33,7 @@ class MeterErrors:
         self._noise = np.zeros((2, count, *self._shape))
         self._uniform = np.zeros((4, 1, 1)) if scene.readout.uniform or not noise else None
         self._randoms = []
+        self._latest: dict[tuple[int, int], tuple[Complex, Real]] = {}
         if noise:
             self._digits = scene.readout.display_digits
             self._randoms = [stream(seed, number, METER) for number in numbers]
@@ -44,6 +46,7 @@ class MeterErrors:
         """Independent meters in the same state."""
         other = copy(self)
         other._randoms, other._noise = deepcopy(self._randoms), self._noise.copy()
+        other._latest = {**self._latest}
         return other
 
     def shown(self, reading: Complex, sweep: int, interface: int, frequencies: slice) -> Real:
@@ -56,7 +59,11 @@ class MeterErrors:
             self._draw()
         frequency, deviation = self._frequency[frequencies], self._uniform
         if deviation is None:
-            deviation = self._deviation(reading, frequency)
+            slot = interface, frequencies.start
+            latest = self._latest.get(slot)
+            if latest is None or not np.array_equal(latest[0], reading):
+                latest = self._latest[slot] = reading.copy(), self._deviation(reading, frequency)
+            deviation = latest[1]
         noise = np.ascontiguousarray(self._noise[:, :, interface, frequencies])
         fixed = np.ascontiguousarray(self._fixed[:, :, interface])
         reading = np.ascontiguousarray(reading)

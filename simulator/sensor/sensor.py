@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from functools import cached_property
 from pathlib import Path
@@ -33,7 +33,7 @@ from .skin_family import family_scene, highest_factor, trained_family
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..arrays import Complex, Mask, Real
+    from ..arrays import Complex, Real
     from .given_press import AnyContacts
 
 
@@ -183,23 +183,32 @@ class Sensor:
         """Units of the numbers in `reading.vector`."""
         return self._layout.units
 
-    def step(self, contacts: AnyContacts | Sequence[AnyContacts], dt: float) -> SensorReading:
+    def step(
+        self,
+        contacts: AnyContacts | Sequence[AnyContacts] | Callable[[], AnyContacts],
+        dt: float,
+    ) -> SensorReading:
         """Latest readings after `dt` seconds with these contacts.
 
         contacts: None, the text of a press ("2,3", "disc(0.03,0.05,0.008):1.5"), a Press,
         PointContacts, a DepthImage or a PressureImage; one for all skins, or a list of one for each
-        skin. They stay the same during the step. dt: duration of the step, > 0, s, of at most
-        MAX_READINGS readings. Raises InputError for contacts that the scene does not take, and for
-        another time.
+        skin; or a function that returns them, which is called only if they matter: if the middle of
+        a reading falls into the step, or the foam remembers. They stay the same during the step.
+        dt: duration of the step, > 0, s, of at most MAX_READINGS readings. Raises InputError for
+        contacts that the scene does not take, and for another time.
         """
         if not (real(dt) and 0 < dt <= self._longest_step):
             raise InputError(
                 f"`dt` must be > 0 s and at most {self._longest_step:.3g} s, got {dt!r}; divide a "
                 "longer time into steps"
             )
-        self._press_skins(self._press(contacts))
         until = self._now + in_ticks(dt)
-        for due in self._clock.due(self._now, until):
+        readings = [*self._clock.due(self._now, until)]
+        if not callable(contacts):
+            self._press_skins(self._press(contacts))
+        elif readings or self._foam is not None:
+            self._press_skins(self._press(contacts()))
+        for due in readings:
             self._pending.append(TakenReading(due, self._taken(due), self._pressed.labels))
         self._now = until
         self._deliver()
@@ -210,6 +219,7 @@ class Sensor:
             self._fresh,
             self._limited,
             self._layout,
+            self._beside,
         )
 
     @cached_property
@@ -254,6 +264,23 @@ class Sensor:
     def _dataset(self, sweeps: Sequence[CompletedSweep]) -> xr.Dataset:
         return as_dataset(self.scene, sweeps, self.numbers, self.seed, self.rtol)
 
+    @typed
+    def unpress(self, skins: Sequence[int]) -> None:
+        """Begin again with some skins of the batch, from 0: unpressed, and without readings.
+
+        The meter goes on, so that they are NaN until their next readings; the sweep that it is
+        taking is left out for them. Raises InputError for a number that is not in the batch.
+        """
+        which = [*skins]
+        if not all(0 <= skin < self.skins for skin in which):
+            raise InputError(f"`skins` must be in 0..{self.skins - 1}, got {which}")
+        self._values = self._values.copy()
+        self._values[:, which] = np.nan
+        for taken in self._pending:
+            taken.values[:, which] = np.nan
+        if self._foam is not None:
+            self._foam.unpress(which, self.time)
+
     def _begin(self, seed: int) -> None:
         if not 0 <= seed <= MAX_SEED:
             raise InputError(f"`seed` must be in 0..{MAX_SEED}, got {seed}")
@@ -268,7 +295,7 @@ class Sensor:
         in_time = self.scene.skin.foam.in_time
         self._foam = FoamMemory(self.scene, foam, count) if in_time else None
         self._known: dict[int, Complex] = {}
-        self._limited = self._limited_skins(self._pressed)
+        self._report(self._pressed)
         self._pending: deque[TakenReading] = deque()
         self._values = np.full((len(setup.kind.names), count, *setup.shape), np.nan)
         self._taken_at = np.full(setup.shape, np.nan)
@@ -287,12 +314,15 @@ class Sensor:
             each = given.of_each(self.skins)
             self._foam.press(each.batch, np.array(each.fixed), self.time)
         self._pressed, self._known = given, {}
-        self._limited = self._limited_skins(given)
+        self._report(given)
 
-    def _limited_skins(self, given: GivenPress) -> Mask:
-        limited = np.array(given.limited * (self.skins // len(given.limited)))
-        limited.flags.writeable = False
-        return limited
+    def _report(self, given: GivenPress) -> None:
+        """Store which skins are limited, and the forces beside them."""
+        times = self.skins // len(given.limited)
+        self._limited = np.array(given.limited * times)
+        self._beside = np.array(given.beside * times)
+        for each in (self._limited, self._beside):
+            each.flags.writeable = False
 
     def _taken(self, due: DueReading) -> Real:
         """Quantities of one reading as displayed, shape (quantity, skin, frequency)."""
@@ -336,11 +366,20 @@ class Sensor:
     def _complete(self, end: int) -> None:
         """Stores the whole sweep that ends at a time in ticks."""
         each = [labels * (self.skins // len(labels)) for labels in self._labels]
-        labels = tuple(own[0] if len({*own}) == 1 else UNKNOWN for own in zip(*each, strict=True))
+        labels = tuple(map(self._label, zip(*each, strict=True)))
         middle = (end - self._clock.period / 2) / PER_SECOND
         self._sweeps.append(CompletedSweep(middle, labels, self._values.copy()))
         self._completed += 1
         self._labels = []
+
+    def _label(self, labels: Sequence[PressLabel]) -> PressLabel:
+        """Label of a sweep from those of its readings; of contacts, those at its middle."""
+        if len({*labels}) == 1:
+            return labels[0]
+        if not any(label.touches for label in labels):
+            return UNKNOWN
+        away = [abs(slot.middle - self._clock.period / 2) for slot in self._clock.slots]
+        return labels[int(np.argmin(away))]
 
 
 def _is_number(skin: object) -> bool:

@@ -58,7 +58,8 @@ class SensorReading:
     read-only. taken_at: end of each reading, s, shape (interface, frequency), NaN before the first
     one. fresh: True for readings that ended within the last step, shape (interface, frequency).
     limited: True for skins whose contacts would compress the foam further than it can be, or than
-    the model covers, and are limited to that, shape (skin,).
+    the model covers, and are limited to that, shape (skin,). beside: force that touches the body of
+    a mounted skin and not the skin, N, shape (skin,).
     """
 
     time: float
@@ -67,6 +68,7 @@ class SensorReading:
     fresh: Mask
     limited: Mask
     layout: VectorLayout
+    beside: Real
 
     @property
     def Rs(self) -> Real:

@@ -9,7 +9,7 @@ import numpy as np
 
 from .errors import InputError
 from .reading_quantities import kind_of
-from .schema import LABELS, TAKEN, TIME, taken_of
+from .schema import CONTACT, CONTACTS, LABELS, TAKEN, TIME, taken_of
 from .sweep_table import DIMENSIONS
 
 if TYPE_CHECKING:
@@ -35,8 +35,25 @@ def concatenate(parts: Sequence[xr.Dataset]) -> xr.Dataset:
                 raise InputError(f"sweeps of different `{name}` cannot be joined")
         if not same_taken(part, first):
             raise InputError("sweeps of different `frequencies` of interfaces cannot be joined")
-    masked = [part.set_coords(TAKEN) if TAKEN in part.variables else part for part in parts]
+    masked = [
+        part.set_coords(TAKEN) if TAKEN in part.variables else part for part in _padded(parts)
+    ]
     return xr.concat(masked, dim="sweep", combine_attrs="override", join="exact")
+
+
+def _padded(parts: Sequence[xr.Dataset]) -> Sequence[xr.Dataset]:
+    """Data sets with room for equal numbers of contacts, NaN where there are none."""
+    most = max(part.sizes.get(CONTACT, 0) for part in parts)
+    if not most:
+        return parts
+    import xarray as xr
+
+    padded = []
+    for part in parts:
+        none = xr.Variable(("sweep", CONTACT), np.full((part.sizes["sweep"], 0), np.nan))
+        whole = part.assign({name: none for name in CONTACTS if name not in part})
+        padded.append(whole.pad({CONTACT: (0, most - whole.sizes[CONTACT])}))
+    return padded
 
 
 def same_taken(one: xr.Dataset, other: xr.Dataset) -> bool:

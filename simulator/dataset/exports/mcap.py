@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from ...sweeps import InputError
 from ...sweeps.ros_messages import (
@@ -80,19 +82,25 @@ def _messages(exported: Exported, part: EpisodePart) -> Iterator[tuple[float, st
             READINGS_TOPIC,
             readings_message(time, own, vector.interfaces, vector.frequencies, clock.offsets),
         )
-        touches = range(int(labels["touches"][k]) if "touches" in labels else 0)
-        yield (
-            time,
-            TOUCH_TOPIC,
-            touch_message(
-                time,
-                str(labels["press"][k]),
-                pixel=(labels["row"][k], labels["column"][k]),
-                probability=1.0,
-                positions=[(labels["touch_x"][k, t], labels["touch_y"][k, t]) for t in touches],
-                capacitance_factors=[labels["touch_factor"][k, t] for t in touches],
-            ),
-        )
+        pixel = labels["row"][k], labels["column"][k]
+        touches = _touches({name: each[k] for name, each in labels.items()})
+        label = str(labels["press"][k])
+        yield time, TOUCH_TOPIC, touch_message(time, label, pixel=pixel, probability=1.0, **touches)
+
+
+def _touches(labels: Mapping[str, Any]) -> dict[str, Any]:
+    """Places and strengths in the labels of one sweep, by the names of `touch_message`."""
+    count, prefix, strengths = "touches", "touch", {"capacitance_factors": "factor"}
+    if "contacts" in labels:
+        count, prefix, strengths = "contacts", "contact", {"forces": "force", "areas": "area"}
+    if count not in labels:
+        return {}
+    first = slice(0, int(labels[count]))
+    x, y = (np.atleast_1d(labels[f"{prefix}_{axis}"])[first] for axis in "xy")
+    each = {
+        name: np.atleast_1d(labels[f"{prefix}_{own}"])[first] for name, own in strengths.items()
+    }
+    return {"positions": [*zip(x, y, strict=True)], **each}
 
 
 def _session(exported: Exported, part: EpisodePart, time: float) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import numpy as np
 from ...sweeps.digests import seal_text
 from ...sweeps.formats.csv import append_csv
 from ...sweeps.reading_quantities import kind_of
-from ...sweeps.schema import DIMENSIONS, TAKEN, taken_of
+from ...sweeps.schema import CONTACT, DIMENSIONS, TAKEN, taken_of
 from .exported_sweeps import Exported
 from .sweep_parts import parts
 
@@ -53,9 +53,8 @@ def wide_table(sweeps: xr.Dataset) -> pd.DataFrame:
     """Table with one row per sweep: labels of the press, then all quantities of all readings."""
     import pandas as pd
 
-    known = [
-        name for name in sweeps.variables if sweeps[name].dims in (("sweep",), ("sweep", "touch"))
-    ]
+    several = ("sweep",), ("sweep", "touch"), ("sweep", CONTACT)
+    known = [name for name in sweeps.variables if sweeps[name].dims in several]
     columns, taken = {}, taken_of(sweeps)
     for name in sorted(map(str, known)):
         columns |= _columns(name, sweeps[name].values)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...measure.sweep_touches import MAX_TOUCHES, NUMBERS, SweepTouches, touches_of
 from ...sweeps import InputError
-from ...sweeps.schema import UNKNOWN_PRESS
+from ...sweeps.schema import CONTACT, CONTACTS, UNKNOWN_PRESS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,6 +45,10 @@ TOUCHES = [
 ]
 
 
+COUNT = "contacts"
+"""Label: number of contacts of each sweep whose simulator knows them."""
+
+
 @dataclass(frozen=True, eq=False)
 class TouchLabels:
     """Labels of sweeps. touches: of all sweeps, where the file has texts of presses only."""
@@ -59,6 +63,13 @@ class TouchLabels:
             "row": sweeps["row"].values.astype(np.int64),
             "column": sweeps["column"].values.astype(np.int64),
         }
+        if any(label.name == COUNT for label in self.labels):
+            own = {name: sweeps[name].values for name in CONTACTS}
+            texts[COUNT] = np.isfinite(own["contact_x"]).sum(axis=1)
+            each = {name: np.nan_to_num(own).astype(np.float32) for name, own in own.items()}
+            return texts | {
+                name: own.squeeze(1) if own.shape[1] == 1 else own for name, own in each.items()
+            }
         if len(self.labels) == len(TEXTS):
             return texts
         if self.touches is None:
@@ -76,6 +87,14 @@ class TouchLabels:
 
 def touch_labels(sweeps: xr.Dataset, data: Path) -> TouchLabels:
     """The labels of sweeps; a note says why the places of touches are unknown, if they are."""
+    if all(name in sweeps for name in CONTACTS):
+        size = sweeps.sizes[CONTACT]
+        contacts = [
+            Label(name, "float32", size, units, meaning)
+            for name, (units, meaning) in CONTACTS.items()
+        ]
+        count = Label(COUNT, "int64", 1, "1", "number of contacts; those behind it are 0")
+        return TouchLabels([*TEXTS, count, *contacts], None)
     if all(name in sweeps for name in NUMBERS):
         return TouchLabels(TEXTS + TOUCHES, None)
     unknown = int((sweeps["press"].values == UNKNOWN_PRESS).sum())

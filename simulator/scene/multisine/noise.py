@@ -62,18 +62,21 @@ def multisine_deviation(reader: Multisine, Z: Complex, frequency: Real) -> Real:
     frequency). Raises InputError where the output at all tones of the scene exceeds the ADC's
     range.
     """
-    if np.array_equal(frequency, reader.tones):
-        check_range(reader, Z, frequency)
     size = np.abs(output(reader, Z, frequency))
+    if np.array_equal(frequency, reader.tones):
+        check_range(reader, Z, frequency, size)
     return np.sqrt(output_density(reader, Z, frequency) / reader.seconds) / size
 
 
-def check_range(reader: Multisine, Z: Complex, frequency: Real) -> None:
-    """Raises InputError if the sweep with the highest output power exceeds the ADC's range."""
-    every = Z.reshape(-1, len(frequency))
-    if not every.size:
+def check_range(reader: Multisine, Z: Complex, frequency: Real, size: Real) -> None:
+    """Raises InputError if the sweep with the highest output power exceeds the ADC's range.
+
+    size: of the output at each tone, V, shape of Z. No peak is above the sum of its tones.
+    """
+    every, sizes = Z.reshape(-1, len(frequency)), size.reshape(-1, len(frequency))
+    if not every.size or sizes.sum(axis=-1).max() <= reader.full_scale:
         return
-    power = (np.abs(output(reader, every, frequency)) ** 2).sum(axis=-1)
+    power = (sizes**2).sum(axis=-1)
     peak = float(output_peak(reader, every[[int(np.argmax(power))]], frequency)[0])
     if peak > reader.full_scale:
         raise InputError(

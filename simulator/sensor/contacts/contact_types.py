@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import ClassVar
 
@@ -191,3 +192,17 @@ class PressureImage(SkinImage):
 
 
 Contacts = PointContacts | DepthImage | PressureImage
+
+
+@dataclass(frozen=True, eq=False)
+class KnownContacts:
+    """Contacts of all skins, and what an engine knows of them, which sweeps keep.
+
+    contacts: as a sensor takes them, None for none. touches: x, y [m], force [N] and area [m²] of
+    what touches each skin, one array (touch, 4) a skin. beside: force beside each skin, which it
+    does not feel, N, (skin,).
+    """
+
+    contacts: Contacts | None
+    touches: Sequence[Real]
+    beside: Sequence[float]

@@ -22,6 +22,7 @@ from .patch_kernel import ADDED, FACTOR, FINE, Fault, Stacks
 from .refusals import invalid_contact, invalid_value, refusals, too_deep_message
 from .spread_points import SpreadPoints
 
+NO_PATCHES = np.zeros((0, 0))
 TooDeep = Literal["limit", "refuse"]
 RasterizedPoints = tuple[PressBatch, Mask, Real, Fault]
 """Presses; True for limited ones; radius of each patch, m; the first invalid contact."""
@@ -31,11 +32,13 @@ class ContactCells(NamedTuple):
     """Contacts as cells of a grid, and presses whose foam was limited to its largest strain.
 
     batch: one press if the contacts apply to any skin, else one of each skin. limited: shape
-    (press,).
+    (press,). patches: radius under each contact, m, (press, contact); 0 for rectangles; empty for
+    images.
     """
 
     batch: PressBatch
     limited: Mask
+    patches: Real = NO_PATCHES
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +112,7 @@ class ContactRasterizer:
             none = PressBatch.of([NOTHING] * contacts.skins)
             fine = with_fingers(self.scene, contacts, none, patches, self.grid)
             batch = batch.and_(self._on_coarse(fine))
-        return ContactCells(batch, limited)
+        return ContactCells(batch, limited, patches)
 
     def _points_alone(self, contacts: PointContacts) -> RasterizedPoints:
         """Contacts of which each presses its patch alone."""

@@ -60,12 +60,14 @@ def touch_message(
     deviations: Sequence[Sequence[float]] = (),
     capacitance_factors: Sequence[float] = (),
     pixel_probabilities: ArrayLike | None = None,
+    forces: Sequence[float] = (),
+    areas: Sequence[float] = (),
     frame: str = FRAME,
 ) -> dict[str, Any]:
     """Content of a SkinTouch.
 
     time: see `header`. pixel: row and column, as in sweeps. positions, deviations: x and y of each
-    touch, m. pixel_probabilities: shape (row, column).
+    touch, m. pixel_probabilities: shape (row, column). forces, areas: of each touch, N and m².
     """
     pixels = np.zeros((0, 0)) if pixel_probabilities is None else np.asarray(pixel_probabilities)
     return {
@@ -80,6 +82,8 @@ def touch_message(
         "pixel_rows": pixels.shape[0],
         "pixel_columns": pixels.shape[1],
         "pixel_probabilities": _flat(pixels),
+        "forces": [float(each) for each in forces],
+        "areas": [float(each) for each in areas],
     }
 
 

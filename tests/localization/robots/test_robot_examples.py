@@ -12,8 +12,7 @@ from rcskin.localization.robots.gripper import GRIPPER
 from rcskin.localization.robots.robot_example import TouchRecord, simulate, trained
 from rcskin.localization.robots.stroke import STROKE
 from rcskin.localization.robots.touch_film import FilmCamera, write_film
-from rcskin.simulator.robots.skin_contacts import skin_contacts
-from rcskin.simulator.robots.skin_mount import mounted
+from rcskin.simulator.robots.mujoco_skin import MujocoSkin
 from rcskin.simulator.sweeps import InputError
 
 
@@ -37,15 +36,13 @@ def test_both_jaws_of_a_gripper_read_the_ball(model):
 
 def test_an_arm_turns_under_the_ball_on_its_curved_skin():
     engine = mujoco.MjModel.from_xml_string(FOREARM.xml)
-    data, mount = (
-        mujoco.MjData(engine),
-        mounted(engine, FOREARM.load_scene(), "forearm", None, None),
-    )
+    data = mujoco.MjData(engine)
+    skin = MujocoSkin(engine, FOREARM.load_scene(), "forearm", rtol=1e-2)
     places = []
     while data.time < 1.0:
         FOREARM.control(data, data.time)
         mujoco.mj_step(engine, data)
-        contacts = skin_contacts(engine, data, mount, 4e-3)
+        contacts = skin.contacts(data)
         places += [*contacts.x.T]
         turned = data.joint("turn").qpos[0]
         if contacts.count and data.time > 0.5:

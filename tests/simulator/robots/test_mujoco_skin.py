@@ -221,3 +221,62 @@ def test_a_mesh_needs_its_curvature(skin_on):
         skin_on(model).patches(data)
     patches = skin_on(model, curvature={"ball": 2e-3}).patches(data)
     assert np.asarray(patches.curvature_radius) == pytest.approx(2e-3)
+
+
+def test_one_environment_begins_again_alone(skin_on):
+    model = model_with(touching=ball())
+    each = [mujoco.MjData(model) for _ in range(2)]
+    skin, whole = skin_on(model, envs=2, seed=4), skin_on(model, envs=2, seed=4)
+
+    def stepped(mounted, steps):
+        for _ in range(steps):
+            for data in each:
+                mujoco.mj_step(model, data)
+            reading = mounted.step(each)
+        return reading
+
+    stepped(skin, 30)
+    mujoco.mj_resetData(model, each[1])
+    reading = stepped(skin, 1)
+    assert np.isfinite(reading.vector[0]).all() and np.isnan(reading.vector[1]).all()
+    assert np.isfinite(stepped(skin, 10).vector).all()
+    sessions = skin.sensor.sweeps()["session"].values
+    assert (sessions == 0).sum() == (sessions == 1).sum() + 1
+    each[0].time = each[1].time = 0.0
+    stepped(whole, 5)
+    whole.reset(each[1], env=1)
+    assert np.isnan(stepped(whole, 1).vector[1]).all()
+    with pytest.raises(InputError, match=r"`env` must be in 0\.\.1, without `seed`, got 2"):
+        whole.reset(env=2)
+
+
+def test_contacts_are_worked_out_only_where_a_reading_falls(skin_on, monkeypatch):
+    model = model_with(touching=ball())
+    skin, data, found = skin_on(model), mujoco.MjData(model), []
+    working_out = skin._touching
+    monkeypatch.setattr(skin, "_touching", lambda data: found.append(1) or working_out(data))
+    for _ in range(40):
+        mujoco.mj_step(model, data)
+        skin.step(data)
+    assert len(found) == pytest.approx(40 * model.opt.timestep / 8e-3, abs=1)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_a_rollout_fills_one_data_and_refuses_several(skin_on, threads):
+    """Several are stepped in threads of MuJoCo, where an error would end the process."""
+    rollout = pytest.importorskip("mujoco.rollout", reason="this MuJoCo has no rollout")
+    model = model_with(touching=ball(), sensor=USER)
+    each, kind = [mujoco.MjData(model) for _ in range(threads)], mujoco.mjtState
+    start = np.zeros(mujoco.mj_stateSize(model, kind.mjSTATE_FULLPHYSICS.value))
+    mujoco.mj_getState(model, each[0], start, kind.mjSTATE_FULLPHYSICS.value)
+    skin = skin_on(model, sensor="skin")
+    skin.install()
+    try:
+        if threads > 1:
+            with pytest.raises(InputError, match="an installed skin has one MjData"):
+                rollout.rollout(model, each, np.tile(start, (4, 1)), nstep=20)
+        else:
+            _, filled = rollout.rollout(model, each[0], np.tile(start, (4, 1)), nstep=20)
+            assert np.isfinite(filled[:, -1]).all()
+    finally:
+        skin.uninstall()

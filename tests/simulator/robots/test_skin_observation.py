@@ -81,3 +81,8 @@ def test_a_skin_of_another_model_and_a_taken_name_are_refused(skin_on):
     once = skin_on(bare.model).observed(bare)
     with pytest.raises(InputError, match="have a 'skin' already"):
         skin_on(bare.model, scene=small_scene()).observed(once)
+
+
+def test_gymnasium_s_own_environments_can_carry_a_skin():
+    pytest.importorskip("imageio", reason="imageio is not installed: pip install '.[mujoco]'")
+    assert gymnasium.make("Pusher-v5").unwrapped.model.ngeom > 0

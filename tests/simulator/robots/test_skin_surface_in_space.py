@@ -2,7 +2,11 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.robots.skin_surface_in_space import ShapedSurface, TriangleSurface
+from rcskin.simulator.robots.skin_surface_in_space import (
+    ShapedSurface,
+    TriangleSurface,
+    place_of,
+)
 from rcskin.simulator.scene.scene import Scene
 
 from .conftest import SIDES, small_scene
@@ -20,6 +24,17 @@ def places(n=40):
     return np.random.default_rng(2).uniform(0.001, 0.999, (2, n)) * np.array(SIDES)[:, None]
 
 
+class Found:
+    """Places that are nearest to points, m, (3, n)."""
+
+    def __init__(self, mounted, points):
+        each = [place_of(mounted.numbers, *point) for point in points.T.tolist()]
+        self.x = np.array([(place.x, place.y) for place in each]).T
+        self.height = np.array([place.height for place in each])
+        self.normals = np.array([place.normal for place in each]).T
+        self.on = np.array([place.above for place in each]) & mounted.holds(self.x)
+
+
 def surface(scene: Scene):
     return ShapedSurface(scene.skin)
 
@@ -29,7 +44,7 @@ def test_points_above_a_skin_are_at_their_places(shape):
     mounted = surface(small_scene(**SHAPES[shape]))
     x = places()
     points, normals, on = mounted.points(x)
-    found = mounted.places(points + 2e-3 * normals)
+    found = Found(mounted, points + 2e-3 * normals)
     assert on.all() and found.on.all()
     assert found.x == pytest.approx(x, abs=1e-12)
     assert found.height == pytest.approx(2e-3, abs=1e-12)
@@ -60,15 +75,16 @@ def test_triangles_of_a_cylinder_unroll_like_the_cylinder():
     assert mesh.area == pytest.approx(np.prod(SIDES), rel=1e-4)
     x = places()
     points, normals, _ = bent.points(x)
-    found = mesh.places(points + 1e-3 * normals)
+    found = Found(mesh, points + 1e-3 * normals)
     assert found.on.all() and found.x == pytest.approx(x, abs=2e-5)
     assert found.height == pytest.approx(1e-3, abs=1e-5)
+    assert mesh.holds(x).all() and not mesh.holds(x + SIDES[0]).any()
     back, _, on = mesh.points(x)
     assert on.all() and back == pytest.approx(points, abs=1e-5)
-    beside = mesh.places(np.array([[0.0], [0.05], [0.0]]))
+    beside = Found(mesh, np.array([[0.0], [0.05], [0.0]]))
     assert not beside.on.any()
 
 
 def test_a_place_beside_a_skin_is_not_on_it():
-    found = surface(small_scene()).places(np.array([[0.041], [0.0], [0.001]]))
+    found = Found(surface(small_scene()), np.array([[0.041], [0.0], [0.001]]))
     assert not found.on.any()

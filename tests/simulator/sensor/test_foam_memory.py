@@ -113,3 +113,17 @@ def on_pixels(numbers, rises):
     found = np.zeros(3)
     found[numbers] = rises
     return found
+
+
+def test_a_skin_that_begins_again_alone_has_forgotten():
+    scene = strip(relaxation=ONE)
+    sensor = rcskin.Sensor(scene, skins=2, noise=False, rtol=3e-3)
+    fresh = sensor.step(None, PERIOD).Cp[0]
+    sensor.step("1,2:1.9", PERIOD)
+    sensor.unpress([1])
+    reading = sensor.step(None, PERIOD)
+    np.testing.assert_allclose(reading.Cp[1], fresh, rtol=1e-9)
+    assert (reading.Cp[0] / fresh - 1).max() > 1e-3
+    assert np.isfinite(sensor.sweeps().Cp.values).all()
+    with pytest.raises(rcskin.InputError, match=r"`skins` must be in 0\.\.1, got \[2\]"):
+        sensor.unpress([2])

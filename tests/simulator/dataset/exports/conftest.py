@@ -10,7 +10,14 @@ from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import write
 from rcskin.simulator.sweeps.reading_quantities import GAIN
 
-CASES = ("simulated", "measured", "gains", "one reading")
+CASES = ("simulated", "measured", "gains", "contacts", "one reading")
+CONTACTS = {
+    "contact_x": [[0.01, 0.02], [np.nan, np.nan], [0.03, np.nan]],
+    "contact_y": [[0.02, 0.03], [np.nan, np.nan], [0.01, np.nan]],
+    "contact_force": [[1.0, 0.5], [np.nan, np.nan], [2.0, np.nan]],
+    "contact_area": [[1e-4, 2e-4], [np.nan, np.nan], [5e-5, np.nan]],
+}
+"""Two contacts, none, and one."""
 
 
 @pytest.fixture(scope="session")
@@ -43,6 +50,17 @@ def sweeps_of(make_sweeps, make_scene):
         if case == "gains":  # gain and phase, and no labels
             return make_sweeps(
                 4, ("node",), kind=GAIN, press=["unknown"] * 4, row=[-1] * 4, column=[-1] * 4
+            )
+        if case == "contacts":  # of a simulator that knows what touches the skin
+            texts = ["disc(0.01,0.02,0.006):1N+disc(0.02,0.03,0.008):0.5N", "none"]
+            sweeps = make_sweeps(
+                3,
+                press=[*texts, "disc(0.03,0.01,0.004):2N"],
+                row=[-1, 0, -1],
+                column=[-1, 0, -1],
+            )
+            return sweeps.assign(
+                {name: (("sweep", "contact"), each) for name, each in CONTACTS.items()}
             )
         return make_sweeps(1, ("left",), np.array([1e3]))
 

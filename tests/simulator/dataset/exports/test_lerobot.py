@@ -171,3 +171,15 @@ def test_datasets_reads_the_folder_by_its_card(out, sweeps, tmp_path):
     assert found["label.press"][:] == sweeps["press"].values.tolist()
     size = _json(out / "meta/info.json")["features"]["observation.skin"]["shape"][0]
     assert np.shape(found[0]["observation.skin"]) == ((size,) if size > 1 else ())
+
+
+def test_contacts_that_a_simulator_knows_are_labels(sweeps_of, tmp_path):
+    write(sweeps_of("contacts"), tmp_path / "data.nc")
+    export(tmp_path / "data.nc", tmp_path / "out", "lerobot")
+    table = pd.concat(map(pd.read_parquet, sorted((tmp_path / "out/data").rglob("*.parquet"))))
+    assert table["label.contacts"].tolist() == [2, 0, 1]
+    assert np.stack(table["label.contact_force"]) == pytest.approx(
+        np.array([[1.0, 0.5], [0.0, 0.0], [2.0, 0.0]])
+    )
+    units = _json(tmp_path / "out/meta/info.json")["features"]["label.contact_area"]["units"]
+    assert units == ["m2", "m2"]

@@ -69,6 +69,18 @@ def test_a_second_library_reads_them_by_the_definitions_in_the_file(path, sweeps
     _check(found["/skin/readings"], found["/skin/touch"], sweeps)
 
 
+def test_contacts_that_a_simulator_knows_travel(sweeps_of, tmp_path):
+    from rcskin.simulator.sweeps import write
+
+    write(sweeps_of("contacts"), tmp_path / "data.nc")
+    export(tmp_path / "data.nc", tmp_path / "out.mcap")
+    touch = [message for _, message in _messages(tmp_path / "out.mcap")["/skin/touch"]]
+    assert [len(each.positions) for each in touch] == [2, 0, 1]
+    assert [at.x for at in touch[0].positions] == pytest.approx([0.01, 0.02])
+    assert [[*each.forces] for each in touch] == [[1.0, 0.5], [], [2.0]]
+    assert [*touch[0].areas] == pytest.approx([1e-4, 2e-4])
+
+
 def test_places_of_touches_and_the_scene_travel(sweeps_of, tmp_path):
     from mcap.reader import make_reader
     from rcskin.simulator.sweeps import write
