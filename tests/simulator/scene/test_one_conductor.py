@@ -136,17 +136,22 @@ def test_touches_of_two_sheets_and_mixed_strengths_are_refused(yarn, make_scene)
 
 
 @pytest.mark.parametrize(
-    ("command", "message"),
+    ("command", "output", "message"),
     [
         (
             "view",
+            "out.vtu",
             "knit-36: view shows the field of one source, and interface 'left' is `driven_with`",
         ),
-        ("page", "knit-36: a page shows impedances, and the readings of this scene are gains"),
+        (
+            "page",
+            "out.html",
+            "knit-36: a page shows impedances, and the readings of this scene are gains",
+        ),
     ],
 )
-def test_commands_that_show_one_impedance_refuse_gains(run, tmp_path, command, message):
-    code, _, err = run(command, "knit-36", "-o", tmp_path / "out.html")
+def test_commands_that_show_one_impedance_refuse_gains(run, tmp_path, command, output, message):
+    code, _, err = run(command, "knit-36", "-o", tmp_path / output)
     assert code == 2 and message in err.splitlines()[-1]
 
 

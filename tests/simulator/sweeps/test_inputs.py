@@ -251,14 +251,14 @@ def test_a_mesh_that_includes_other_files_is_refused(tmp_path, keyword):
     ("name", "text"),
     [
         ("a.vtk", "DATASET STRUCTURED_POINTS\nDIMENSIONS 5000 5000 5000\nORIGIN 0 0 0\n"),
-        ("b.vtk", "DATASET RECTILINEAR_GRID\n dimensions 99999999999 1 1\n"),
-        ("a.inp", "*NODE\n1, 0, 0\n*NSET, NSET=a, GENERATE\n1, 9000000000, 1\n"),
-        ("b.inp", "*NODE\n1, 0, 0\n*Elset, elset=a, generate\n1, 5\n  1,  9000000000\n"),
+        ("b.vtk", "DATASET RECTILINEAR_GRID\n dimensions 99999999 9999 1\n"),
+        ("a.inp", "*NODE\n1, 0, 0\n*NSET, NSET=a, GENERATE\n1, 90000000, 1\n"),
+        ("b.inp", "*NODE\n1, 0, 0\n*Elset, elset=a, generate\n1, 5\n  1,  90000000\n"),
     ],
 )
 def test_a_mesh_that_declares_much_is_refused(tmp_path, name, text):
     (tmp_path / name).write_text(f"# vtk DataFile Version 3.0\nany\nASCII\n{text}", "utf-8")
-    assert "GiB of numbers" in refusal(read_surface, tmp_path / name)
+    assert re.search("GiB of numbers|has the number", refusal(read_surface, tmp_path / name))
 
 
 @pytest.mark.parametrize("key", ["filters", "compressor"])
@@ -288,7 +288,11 @@ DEEP = "[" * 100_000
 @pytest.mark.parametrize("blank", ["\t", " ", " /"])
 def test_a_long_line_of_blanks_is_split_at_once(tmp_path, blank):
     (tmp_path / "a.txt").write_text(f"f (Hz){blank * 400_000}Rs X\n100 1 2\n", encoding="utf-8")
-    assert "a.txt: " in refusal(import_file, tmp_path / "a.txt")
+    if blank.isspace():
+        sweeps = import_file(tmp_path / "a.txt")
+        assert (float(sweeps["Rs"].item()), float(sweeps["X"].item())) == (1, 2)
+    else:
+        assert "a.txt: " in refusal(import_file, tmp_path / "a.txt")
 
 
 @pytest.mark.parametrize("reader", [read, import_file])
