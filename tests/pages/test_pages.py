@@ -84,6 +84,6 @@ def test_lines_of_commands_can_be_pasted(page):
 
 def test_the_version_is_the_same_everywhere():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    latest = re.search(r"^## (\S+)", text("CHANGELOG.md"), flags=re.MULTILINE)[1]
+    latest = re.search(r"^## (\d\S*)", text("CHANGELOG.md"), flags=re.MULTILINE)[1]
     cited = re.search(r"^version: (\S+)", (ROOT / "CITATION.cff").read_text("utf-8"), flags=re.M)[1]
     assert project["version"] == latest == cited
