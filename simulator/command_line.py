@@ -85,6 +85,9 @@ class _StandardStream(io.TextIOWrapper):
         with self._failing():
             super().flush()
 
+    def close(self) -> None:
+        """Leave the stream open: it belongs to whoever made it, also if nothing refers to this."""
+
     @contextmanager
     def _failing(self) -> Iterator[None]:
         try:
