@@ -37,17 +37,18 @@ def run(app: typer.Typer, failures: tuple[type[Exception], ...] = ()) -> None:
 
     failures: further exception types whose message is complete as it is.
     """
-    output, errors = _guard_streams()
+    guarded = _guard_streams()
     os.environ["MPLBACKEND"] = "agg"  # charts go to files only
     show_log_as_notes("rcskin")
     heard = EndSignal()
     try:
         _run(app, failures, heard)
     except SystemExit as end:
-        output.failure = None  # it was reported
+        for each in guarded:
+            each.failure = None  # it was reported
         if heard.is_set():  # libraries' threads may keep or break the usual end
             leave(heard.code)
-        if errors.lost and not end.code:
+        if not end.code and any(each.lost for each in guarded):
             sys.exit(FAILURE)
         raise
 
@@ -114,10 +115,11 @@ def _output_failure(error: OSError) -> Exception:
     return OutputError(f"standard output: cannot be written: {DISKS.get(error.errno or 0, reason)}")
 
 
-def _guard_streams() -> tuple[_StandardStream, _StandardStream]:
+def _guard_streams() -> list[_StandardStream]:
     """Replace standard output and standard error by streams whose failures end in order.
 
     A closed one is opened so that each write fails: otherwise the next file would get its number.
+    Streams of a host program that lead to no file stay as they are.
     """
     for number in range(3):
         try:
@@ -125,10 +127,13 @@ def _guard_streams() -> tuple[_StandardStream, _StandardStream]:
         except OSError:
             os.open(os.devnull, os.O_RDONLY)
     sys.stdin = sys.stdin or open(0, closefd=False)
-    output = _StandardStream(sys.stdout or open(1, "w", closefd=False), ends_work=True)
-    errors = _StandardStream(sys.stderr or open(2, "w", closefd=False), ends_work=False)
-    sys.stdout, sys.stderr = output, errors
-    return output, errors
+    guarded = []
+    for number, name in enumerate(("stdout", "stderr"), 1):
+        stream = getattr(sys, name) or open(number, "w", closefd=False)
+        if hasattr(stream, "buffer"):
+            guarded.append(_StandardStream(stream, ends_work=name == "stdout"))
+            setattr(sys, name, guarded[-1])
+    return guarded
 
 
 def _run(app: typer.Typer, failures: tuple[type[Exception], ...], received: EndSignal) -> NoReturn:

@@ -30,15 +30,15 @@ MEASURED, VIRTUAL = "measured", "virtual meter"
 """Values of the attribute `model` for sweeps of a real and of the virtual meter."""
 SENSOR = "sensor"
 """Value of the attribute `model` for sweeps of a mounted skin, whose times are of its own clock."""
-CONTACT = "contact"
-"""Dimension of what touched a skin whose simulator knows it."""
+CONTACT = "patch"
+"""Dimension of what touched a skin whose simulator knows it; `contact` is that of foils."""
 CONTACTS = {
     "contact_x": ("m", "middle of each contact along the length"),
     "contact_y": ("m", "middle of each contact along the width"),
     "contact_force": ("N", "force of each contact normal to the skin"),
     "contact_area": ("m2", "area of each contact on the skin"),
 }
-"""Variables of sweeps under known contacts, (sweep, contact): units and meaning; NaN for none."""
+"""Variables of sweeps under known contacts, (sweep, patch): units and meaning; NaN for none."""
 LABELS = {
     "press": "the press as text",
     "row": "pressed pixel's row: 0 nothing pressed, -1 no single pixel",

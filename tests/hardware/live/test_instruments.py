@@ -62,5 +62,5 @@ def test_no_answer_is_shown_from_quantities_that_another_client_changed(
     live.run(4)
     assert live.display.labels == [none, "column 2", "column 2", none]
     assert live.failed == 1 and "check" in live.display.told[-1]
-    live.meter.release()
+    live.meter.station.release()
     assert instrument.settings == case.found()

@@ -182,7 +182,7 @@ def test_a_live_session_reads_lines(described, press_control):
         try:
             session.run(5)
         finally:
-            meter.release()
+            meter.station.release()
     assert (display.labels[2], display.labels[4]) == ("pixel 1,2", "pixel 2,3")
     assert session.failed == 0
 

@@ -149,7 +149,7 @@ def test_quantities_that_are_changed_between_trigger_and_answer_cost_the_sweep(
             execute(meter, line)
 
     monkeypatch.setattr(type(instrument), "keep", keep_and_change)
-    remarks = recorded(task, operator, pillow, show)
-    assert len(remarks) == 1 and "check" in remarks[0]
-    assert remarks[0].endswith("the sweep is measured again")
+    failure, success = recorded(task, operator, pillow, show)
+    assert "check" in failure and failure.endswith("the sweep is measured again")
+    assert success == "the sweep that was measured again is whole"
     assert instrument.settings == case.found()

@@ -312,7 +312,7 @@ def test_what_touches_stays_with_the_sweeps(tmp_path):
         assert felt["contact_area"].values[k] == pytest.approx(contacts.area)
         (touch,) = parse_touches(str(felt["press"].values[k]))
         assert touch.strength.unit == "N" and touch.numbers[:2] == pytest.approx((x, y), rel=1e-5)
-    joined = concatenate([felt.isel(sweep=[0]).drop_dims("contact"), felt])
+    joined = concatenate([felt.isel(sweep=[0]).drop_dims("patch"), felt])
     assert np.isnan(joined["contact_x"].values[0]).all()
 
 

@@ -60,7 +60,7 @@ def sweeps_of(make_sweeps, make_scene):
                 column=[-1, 0, -1],
             )
             return sweeps.assign(
-                {name: (("sweep", "contact"), each) for name, each in CONTACTS.items()}
+                {name: (("sweep", "patch"), each) for name, each in CONTACTS.items()}
             )
         return make_sweeps(1, ("left",), np.array([1e3]))
 
