@@ -6,7 +6,7 @@ Measured sweeps need an option of their own, because nobody can make them again.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass
 from itertools import chain
@@ -99,15 +99,28 @@ def _measured(path: Path) -> str | None:
     """
     if path.suffix not in MARKS:
         return None
+    before = _identity(path)
     try:
         names, attributes = MARKS[path.suffix](path)
     except Exception:  # of whatever library
+        if (now := _identity(path)) is None:
+            return None
+        if now != before:  # another writer replaced it meanwhile
+            return _measured(path)
         return "already exists, and cannot be read whole: it may hold measured sweeps"
     recorded = attributes.get("model") in (MEASURED, VIRTUAL)
     if not recorded and ("rtol" in attributes or not names & {"Rs", "Cp", "gain"}):
         return None
     begun = attributes.get("begun")
     return "already exists with measured sweeps" + (f", begun {begun}" if begun else "")
+
+
+def _identity(path: Path) -> tuple[int, int] | None:
+    """Number and time of what is at a path, which differ once it was replaced; None if nothing."""
+    with suppress(FileNotFoundError):
+        found = path.stat()
+        return found.st_ino, found.st_mtime_ns
+    return None
 
 
 Marks = tuple[set[str], dict[str, Any]]

@@ -13,7 +13,13 @@ import pytest
 import xarray as xr
 from rcskin.simulator.sweeps import InputError, OutputError, checked_output, read, whole_file, write
 from rcskin.simulator.sweeps.schema import MEASURED, VIRTUAL
-from rcskin.simulator.sweeps.writing import WriteContext, in_write_context, present, whole
+from rcskin.simulator.sweeps.writing import (
+    WriteContext,
+    in_write_context,
+    present,
+    replacing,
+    whole,
+)
 from rcskin.tests.spoiling import spoilt
 
 DIARY = "dear diary"
@@ -111,6 +117,27 @@ def test_writers_at_once_leave_one_whole_result(path):
         each.join()
     assert content(path).read_text() in {str(k) * 1000 for k in range(3)}
     assert names(path.parent) == [path.name]
+
+
+@pytest.mark.parametrize("then", ["replaced", "gone"])
+def test_what_another_writer_replaces_meanwhile_is_looked_at_again(tmp_path, monkeypatch, then):
+    path, looks = tmp_path / "out.nc", []
+    path.write_text("0")
+
+    def marks(path):
+        looks.append(path)
+        if len(looks) == 1:
+            path.unlink()
+            if then == "replaced":
+                (tmp_path / "new").write_text("1")
+                os.replace(tmp_path / "new", path)
+            raise OSError("it was half there")
+        return set(), {}
+
+    monkeypatch.setitem(replacing.MARKS, ".nc", marks)
+    put(path, "2", OVERWRITE)
+    assert content(path).read_text() == "2"
+    assert len(looks) == (3 if then == "replaced" else 1)
 
 
 def test_a_writer_leaves_nothing_where_another_frees_the_name_just_then(tmp_path, monkeypatch):
