@@ -82,7 +82,8 @@ def _pipes_of_code(code: re.Match[str]) -> str:
 
 
 def _shown() -> Iterator[Path]:
-    yield from (ROOT / "docs" / "assets").iterdir()
+    for folder in ("assets", "examples"):
+        yield from (file for file in (ROOT / "docs" / folder).iterdir() if file.is_file())
     for room in ROOMS:
         yield from (file for file in (ROOT / room).rglob("*") if file.suffix in SHOWN)
 
