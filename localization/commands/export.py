@@ -85,12 +85,12 @@ def export(
         _export_sweeps(data, output, format_)
 
 
-def _refuse_options(data: Path, given: Mapping[str, object], meant_for: str) -> None:
+def _refuse_options(data: Path, given: Mapping[str, object], purpose: str) -> None:
     """Raises InputError if an option is given that applies to the other kind of file."""
     from ...simulator.sweeps import InputError
 
     for name in (name for name, value in given.items() if value):
-        raise InputError(f"{data}: {name} applies to {meant_for}")
+        raise InputError(f"{data}: {name} applies to {purpose}")
 
 
 def _export_sweeps(data: Path, output: Path, name: str | None) -> None:

@@ -218,11 +218,18 @@ def _along_axis(
 
 
 @compiled()
+def _middle(points: NDArray) -> tuple[float, float]:
+    """Mean place of points on the skin, m."""
+    x, y = 0.0, 0.0
+    for k in range(len(points)):
+        x, y = x + points[k, X] / len(points), y + points[k, Y] / len(points)
+    return x, y
+
+
+@compiled()
 def _spread(points: NDArray) -> tuple[float, float, tuple[float, float]]:
     """Length and width of points, m, and the direction of the length, by their moments."""
-    count, mean_x, mean_y = len(points), 0.0, 0.0
-    for k in range(count):
-        mean_x, mean_y = mean_x + points[k, X] / count, mean_y + points[k, Y] / count
+    count, (mean_x, mean_y) = len(points), _middle(points)
     xx, xy, yy = 0.0, 0.0, 0.0
     for k in range(count):
         u, v = points[k, X] - mean_x, points[k, Y] - mean_y
@@ -240,9 +247,7 @@ def _spread(points: NDArray) -> tuple[float, float, tuple[float, float]]:
 @compiled()
 def _rectangle(points: NDArray, direction: tuple[float, float], wide: float) -> NDArray:
     """Corners of a strip of a width along points, m, (4, 2)."""
-    count, x, y = len(points), 0.0, 0.0
-    for k in range(count):
-        x, y = x + points[k, X] / count, y + points[k, Y] / count
+    count, (x, y) = len(points), _middle(points)
     (ux, uy), low, high = direction, np.inf, -np.inf
     for k in range(count):
         along = (points[k, X] - x) * ux + (points[k, Y] - y) * uy

@@ -144,7 +144,7 @@ class MujocoSkin:
         """Contacts of all environments, and what the engine knows of them."""
         found, patches = zip(*map(self._touching, each), strict=True)
         touches = [np.stack([*one.x, one.force, one.area], axis=-1) for one in found]
-        if warn and not self._warned and any(one.overhang > 0 for one in found):
+        if warn and not self._warned and any(one.overhangs for one in found):
             self._warn(max(found, key=lambda one: one.overhang))
         contacts = None
         if any(one.count for one in found):

@@ -30,6 +30,8 @@ from .skin_surface_in_space import SurfaceNumbers, place_of
 MIN_COSINE = 0.5
 """Smallest cosine between the normals of a contact and of the skin: 60°; steeper ones press an edge
 or another side of the geom that carries the skin."""
+NOTABLE = 0.01
+"""Part of a force beside the skin from which it is worth a warning, which comes once."""
 
 
 class SkinContacts(NamedTuple):
@@ -59,6 +61,11 @@ class SkinContacts(NamedTuple):
     def count(self) -> int:
         """Number of touching geoms that the skin feels."""
         return self.force.size
+
+    @property
+    def overhangs(self) -> bool:
+        """True if a notable part of the force lies beside the skin."""
+        return self.overhang > NOTABLE * (self.overhang + self.force.sum())
 
 
 class EngineContacts(NamedTuple):
@@ -101,14 +108,14 @@ def skin_contacts(
     )
     geoms = mount.geom_numbers(data)
     on = mount.pose(data), mount.numbers, mount.area, rule, foam
-    table, geom, patches, beside, overhang, worst = _felt(given, geoms, *on)
+    table, geom, patches, beside, overhang, worst = _pressed_by_geoms(given, geoms, *on)
     x, normals, points, (force, area, depth) = np.split(table.T, [2, 5, 8])
     contacts = SkinContacts(x, force, geom, normals, points, area, depth, beside, overhang, worst)
     return contacts, patches
 
 
 @compiled()
-def _felt(
+def _pressed_by_geoms(
     contacts: EngineContacts,
     geoms: GeomNumbers,
     pose: tuple[NDArray, NDArray],

@@ -24,7 +24,7 @@ from .cell_spreading import SkinCells
 from .contacts.contact_types import Contacts, KnownContacts, PointContacts
 
 if TYPE_CHECKING:
-    from ..arrays import Real
+    from ..arrays import Mask, Real
     from .contacts.rasterizer import ContactRasterizer
 
     AnyContacts = None | str | Press | Contacts | KnownContacts
@@ -164,11 +164,26 @@ class PressReader:
     def _of(self, given: Contacts, labelled: bool = False) -> GivenPress:
         """labelled: True for point contacts whose labels follow from their numbers."""
         pressed, fixed = self._rasterizer(given), given.kind.startswith("depth")
-        count, limited = pressed.batch.count, tuple(pressed.limited.tolist())
+        batch, limited = pressed.batch, pressed.limited
+        if given.kind != "factor":
+            batch, limited = self._within_foam(batch, limited)
+        count = batch.count
         labels = (UNKNOWN,) * count
         if labelled and isinstance(given, PointContacts):
             labels = tuple(_labels(given, pressed.patches))
-        return GivenPress(pressed.batch, labels, (fixed,) * count, limited, (0.0,) * count)
+        return GivenPress(batch, labels, (fixed,) * count, tuple(limited.tolist()), (0.0,) * count)
+
+    def _within_foam(self, batch: PressBatch, limited: Mask) -> tuple[PressBatch, Mask]:
+        """Presses with no more rise than at the end of the foam, and which of them that limits.
+
+        Several patches on coarse cells overshoot by more than one does.
+        """
+        foam, highest = self._limits
+        beyond = (batch.rises > highest) & (batch.cells < foam)
+        if not beyond.any():
+            return batch, limited
+        ended = np.bincount(batch.press[beyond], minlength=batch.count) > 0
+        return batch._replace(rises=np.where(beyond, highest, batch.rises)), limited | ended
 
     @cached_method(TEXTS_KEPT)
     def _of_press(self, given: str | Press | None) -> GivenPress:

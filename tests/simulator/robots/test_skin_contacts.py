@@ -185,6 +185,17 @@ def test_what_lies_beside_is_reported_and_warned_of_once():
         skin.step(_later(data, 0.02))
 
 
+def test_a_trace_of_force_beside_the_skin_does_not_use_up_the_warning():
+    model = model_of(GEOMS["box"])
+    skin = skin_of(model)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        reading = skin.step(_later(pressed(model, 0.02 + 1e-4, 0.0), 0.01))
+    assert 0 < reading.beside < 0.01 * engine_force(model, pressed(model, 0.02 + 1e-4, 0.0))
+    with pytest.warns(UserWarning, match="lie beside the skin"):
+        skin.step(_later(pressed(model, 0.04, 0.0), 0.02))
+
+
 def _later(data, time):
     data.time = time
     return data

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin import PointContacts
+from rcskin import PointContacts, Sensor
 from rcskin.simulator.models.mechanics.indentation import deformation
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.capacitance import touched_cells
@@ -79,3 +79,16 @@ def test_a_model_s_largest_factor_limits_as_closed_cells_do(sharp, tension):
     found = ContactRasterizer.of(scene, GRID, highest=3.0)(PointContacts(0.05, 0.05, 1e3, 0.02))
     assert found.limited.tolist() == [True]
     assert found.batch.rises.max() == pytest.approx(2.0, rel=1e-5)
+
+
+@pytest.mark.parametrize(("count", "radius"), [(8, 6e-3), (3, 1e-2), (2, 3e-3)])
+def test_patches_that_overlap_end_with_the_foam(sharp, count, radius):
+    """Loads that compress the foam whole are limited, however their patches lie on the cells."""
+    sensor, middle = Sensor(sharp), np.array(sharp.skin.sides) / 2
+    x = middle[0] + 2e-3 * np.arange(count)
+    readings = [
+        sensor.step(PointContacts(at, [middle[1]] * len(at), [1e4] * len(at), radius), 1.0)
+        for at in (x[:1], x)
+    ]
+    assert readings[1].limited.all()
+    assert readings[1].Cp[0, 0, 0] > 0.98 * readings[0].Cp[0, 0, 0]  # the meter has noise
