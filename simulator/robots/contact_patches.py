@@ -113,9 +113,16 @@ def press_of_geom(
         total, area_sum, at_x, at_y = 0.0, 0.0, 0.0, 0.0
         for k in range(count):
             one = _disc(
-                points[k : k + 1], points[k, X], points[k, Y], (rule.radius, np.inf), bottomed,
-                area, foam, patches, found,
-            )  # fmt: skip
+                points[k : k + 1],
+                points[k, X],
+                points[k, Y],
+                (rule.radius, np.inf),
+                bottomed,
+                area,
+                foam,
+                patches,
+                found,
+            )
             found, total, area_sum = one.found, total + one.force, area_sum + one.area
             at_x, at_y = at_x + one.force * one.x, at_y + one.force * one.y
         if total == 0.0:

@@ -63,11 +63,13 @@ def _copies(table: ImportedTable, columns: list[Column], left: list[Column]) -> 
         each
         for each in left
         if any(
-            one.place < each.place and one.holds == each.holds
-            and one.factor == each.factor and table.text(one) == table.text(each)
+            one.place < each.place
+            and one.holds == each.holds
+            and one.factor == each.factor
+            and table.text(one) == table.text(each)
             for one in columns
         )
-    ]  # fmt: skip
+    ]
 
 
 def _refuse_incomplete(table: ImportedTable, columns: list[Column], left: list[Column]) -> None:

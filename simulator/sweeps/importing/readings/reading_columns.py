@@ -131,9 +131,14 @@ def joined_readings(parts: Sequence[ImportedReadings]) -> ImportedReadings:
         for name in ("frequency", "Z", "failed")
     )
     return replace(
-        first, table=table, frequency=frequency, Z=Z, failed=failed, shown=shown,
+        first,
+        table=table,
+        frequency=frequency,
+        Z=Z,
+        failed=failed,
+        shown=shown,
         beside=tuple(others),
-    )  # fmt: skip
+    )
 
 
 def _with_prefixes(table: ImportedTable) -> ImportedTable:
@@ -146,9 +151,10 @@ def _with_prefixes(table: ImportedTable) -> ImportedTable:
     columns = {column.place: column for column in table.columns}
     for of_frequency, unit in units:
         group = [
-            each for each in table.columns
+            each
+            for each in table.columns
             if unit and (each.holds == "frequency", each.unit.casefold()) == (of_frequency, unit)
-        ]  # fmt: skip
+        ]
         if not group:
             continue
         sizes = np.abs([table.readable(each, table.forms(each)[0]) for each in group])
