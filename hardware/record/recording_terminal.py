@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import cmath
 import math
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import TracebackType
@@ -229,7 +230,10 @@ class PersonOperator:
 
     def _ask(self, prompt: str) -> str:
         raise_pending_signal()
-        try:
-            return self.console.input(prompt, markup=False).strip()
-        except (EOFError, OSError):  # the input ended, or its terminal is gone
-            raise KeyboardInterrupt from None
+        try:  # without a stream it calls `input`, which drops what a signal raises as it flushes
+            line = self.console.input(prompt, markup=False, stream=sys.stdin)
+        except OSError:  # the terminal is gone
+            line = ""
+        if not line:
+            raise KeyboardInterrupt
+        return line.strip()

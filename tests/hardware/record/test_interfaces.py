@@ -187,7 +187,7 @@ def test_a_person_is_asked_to_connect(recorded, ports, instrument, rig_skins, mo
             instrument.press = "none"
         else:
             instrument.press = ",".join(question.split("row ")[1][:11:10])
-        return ""
+        return "\n"
 
     monkeypatch.setattr(Console, "input", typed)
     sweeps = recorded("--interface", "left", "--interface", "bottom")

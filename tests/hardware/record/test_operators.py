@@ -2,16 +2,22 @@
 
 import io
 import shlex
+import signal
 import sys
 
 import numpy as np
 import pytest
 from rcskin.hardware.meter.errors import MeterError
 from rcskin.hardware.meter.meter_reading import MeterReading, ReadingStatus
+from rcskin.hardware.meter.restoring.termination import interruptible, orderly_termination
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
 from rcskin.hardware.record.operators import press_by_command
 from rcskin.hardware.record.press_order import PressStep
-from rcskin.hardware.record.recording_terminal import RecordingScreen, sparkline
+from rcskin.hardware.record.recording_terminal import (
+    PersonOperator,
+    RecordingScreen,
+    sparkline,
+)
 from rcskin.simulator.sweeps import InputError
 from rich.console import Console
 
@@ -109,3 +115,34 @@ def test_a_pressing_command_that_fails_is_reported():
 def test_a_pressing_command_that_cannot_be_filled_in_is_refused(command):
     with pytest.raises(InputError, match="`press-with` must be a command"):
         press_by_command(command)
+
+
+class SignallingStream(io.StringIO):
+    """A stream of which flush number `at` sends a signal to this process."""
+
+    def __init__(self, at):
+        super().__init__()
+        self.at, self.flushes = at, 0
+
+    def flush(self):
+        self.flushes += 1
+        if self.flushes == self.at:
+            signal.raise_signal(signal.SIGTERM)
+
+
+@pytest.mark.parametrize("at", [1, 2, 3])
+def test_a_signal_while_a_prompt_is_shown_ends_the_work(monkeypatch, at):
+    """None is dropped, whatever flushes when it comes."""
+    stream = SignallingStream(at)
+    monkeypatch.setattr("sys.stdout", stream)
+    monkeypatch.setattr("sys.stderr", stream)
+    monkeypatch.setattr("sys.stdin", io.StringIO("\n"))
+    person = PersonOperator(Console(file=stream), RecordingScreen(Console(file=stream)))
+    code = None
+    try:
+        with orderly_termination(), interruptible():
+            person.connect("left")
+    except SystemExit as end:
+        code = end.code
+    assert stream.flushes >= 1
+    assert code == (128 + signal.SIGTERM if stream.flushes >= at else None)
