@@ -51,7 +51,7 @@ def as_dataset(
     kind = scene.reading.kind
     shown = dict(zip(kind.names, flat[:, whole], strict=True))
     presses = [sweep.presses[skin] for skin in range(skins) for sweep in sweeps]
-    presses = [presses[k] for k in np.flatnonzero(whole).tolist()]
+    presses = [presses[k].in_words for k in np.flatnonzero(whole).tolist()]
     found = build(
         kind.reading(shown),
         scene.frequencies,

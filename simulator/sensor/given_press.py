@@ -39,7 +39,8 @@ class PressLabel(NamedTuple):
     """Press of a sweep in the schema of sweeps.
 
     touches: x, y [m], force [N, NaN if unknown] and area [m²] of each contact, the bytes of an
-    array (touch, 4); empty for a press by text.
+    array (touch, 4); empty for a press by text. The text of contacts is empty until `in_words`,
+    because it takes longer than a reading.
     """
 
     text: str
@@ -49,8 +50,25 @@ class PressLabel(NamedTuple):
 
     @property
     def contacts(self) -> Real:
-        """Numbers of each contact, see `touches`."""
-        return np.frombuffer(self.touches).reshape(-1, 4)
+        """Numbers of each contact with a force, see `touches`."""
+        every = np.frombuffer(self.touches).reshape(-1, 4)
+        return every[every[:, 2] != 0]
+
+    @property
+    def in_words(self) -> PressLabel:
+        """The label with its text: contacts are discs of their areas with their forces."""
+        if self.text:
+            return self
+        touches = self.contacts
+        if not len(touches):
+            return NOTHING_PRESSED
+        if np.isnan(touches).any():
+            return self._replace(text=UNKNOWN_PRESS)
+        text = "+".join(
+            f"disc({x:.6g},{y:.6g},{(area / np.pi) ** 0.5:.6g}):{force:.6g}N"
+            for x, y, force, area in touches.tolist()
+        )
+        return self._replace(text=text)
 
 
 UNKNOWN, NOTHING_PRESSED = PressLabel(UNKNOWN_PRESS, -1, -1), PressLabel(UNPRESSED, 0, 0)
@@ -58,17 +76,8 @@ UNKNOWN, NOTHING_PRESSED = PressLabel(UNKNOWN_PRESS, -1, -1), PressLabel(UNPRESS
 
 
 def label_of_contacts(contacts: Real) -> PressLabel:
-    """Label of contacts, (contact, 4): discs of their areas with their forces, as text."""
-    touches = contacts[contacts[:, 2] != 0]
-    if not len(touches):
-        return NOTHING_PRESSED
-    if np.isnan(touches).any():
-        return UNKNOWN._replace(touches=touches.tobytes())
-    text = "+".join(
-        f"disc({x:.6g},{y:.6g},{(area / np.pi) ** 0.5:.6g}):{force:.6g}N"
-        for x, y, force, area in touches.tolist()
-    )
-    return PressLabel(text, -1, -1, touches.tobytes())
+    """Label of contacts, (contact, 4), see `PressLabel.touches`."""
+    return PressLabel("", -1, -1, contacts.tobytes()) if len(contacts) else NOTHING_PRESSED
 
 
 class GivenPress(NamedTuple):
@@ -248,13 +257,12 @@ class PressReader:
 
 def _labels(given: PointContacts, radius: Real) -> Iterator[PressLabel]:
     """Labels of each skin under point contacts. radius: of the patches, m, (skin, contact)."""
-    x, y, strength, _, _, width, height = np.moveaxis(given.values, -1, 0)
-    force = strength if given.by == "force" else np.full(x.shape, np.nan)
-    area = np.where(radius > 0, np.pi * radius**2, width * height)
-    for skin, count in enumerate(given.counts.tolist()):
-        yield label_of_contacts(
-            np.stack([each[skin, :count] for each in (x, y, force, area)], axis=-1)
-        )
+    table = given.values[..., :4].copy()
+    if given.by != "force":
+        table[..., 2] = np.nan
+    table[..., 3] = np.where(radius > 0, np.pi * radius**2, given.values[..., 5:].prod(axis=-1))
+    for own, count in zip(table, given.counts.tolist(), strict=True):
+        yield label_of_contacts(own[:count])
 
 
 def _indenters(scene: Scene, press: Press) -> PointContacts:

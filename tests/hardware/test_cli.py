@@ -139,10 +139,8 @@ def by_hand(command, ports, tmp_path, instrument, monkeypatch):
 
         def typed(console, prompt, **_):
             console.print(prompt, markup=False, soft_wrap=True)
-            if not left:
-                raise EOFError
-            instrument.press, keys = left.pop(0)
-            return keys
+            instrument.press, keys = left.pop(0) if left else (instrument.press, None)
+            return "" if keys is None else keys + "\n"
 
         monkeypatch.setattr(Console, "input", typed)
         where = ["--resource", ports.resource, "--order", order, "-o", tmp_path / "a.nc", *more]
