@@ -11,6 +11,8 @@ from .errors import InputError
 
 SHARE = 0.9
 """Fraction of the free space that one piece of work may take; the rest is a reserve."""
+ALWAYS_FREE = 2**20
+"""Bytes that are not checked: an interpreter takes a hundred times as much, a question 50 µs."""
 PREFIXES = ("bytes", "kB", "MB", "GB", "TB", "PB")
 CONTROL_GROUP = Path("/sys/fs/cgroup")
 """Folder in which Linux states the memory limits of a container."""
@@ -21,8 +23,7 @@ def check_memory(needed: float, what: str, instead: str) -> None:
 
     what: the data in plural. instead: advice for the user.
     """
-    free = SHARE * free_memory()
-    if needed > free:
+    if needed > ALWAYS_FREE and needed > (free := SHARE * free_memory()):
         raise InputError(
             f"{what} would need {amount(needed)} of memory; at most {amount(free)} are free here: "
             f"{instead}"

@@ -17,7 +17,8 @@ CORNER = Press((Touch(1, 1, 2.0),))
 
 @pytest.fixture
 def machine(monkeypatch):
-    """A machine with so many bytes of memory and of disk free."""
+    """A machine with so many bytes of memory and of disk free, and every byte checked."""
+    monkeypatch.setattr(free_space, "ALWAYS_FREE", 0)
 
     def machine(memory=1e12, disk=1e12):
         usage = type(shutil.disk_usage("."))
