@@ -39,6 +39,7 @@ SKINS = {  # name: built-in scene, changes of it, relative tolerance, presses
     "leaking": ("glove", {"skin.foam.leak": 50.0}, 1e-8, PRESSES),
     "anisotropic": ("glove", {"skin.top.anisotropy": {"ratio": 1.7, "angle": 0.4}}, 1e-5, PRESSES),
     "gradient": ("glove", {"skin.top.map": {"kind": "gradient", "x": 0.3}}, 1e-5, PRESSES),
+    "constant map": ("glove", {"skin.foam.map": {"kind": "constant", "value": 1.2}}, 1e-8, PRESSES),
     "leads": ("glove", {"leads": {"stray_capacitance": 5e-12, "resistance": 3.0}}, 1e-8, PRESSES),
     "earth": ("strip-1x4", {"skin.foam.thickness": 4e-3, "surroundings": EARTH}, 1e-8, PRESSES),
     "a body": (
@@ -50,6 +51,18 @@ SKINS = {  # name: built-in scene, changes of it, relative tolerance, presses
     "rim and thickness": (
         "strip-1x4",
         {"skin.foam.thickness": 4e-3, "surroundings": {"rim": True, "thickness": True}},
+        1e-6,
+        PRESSES,
+    ),
+    "rim by a body": (
+        "strip-1x4",
+        {"skin.foam.thickness": 4e-3, "surroundings": {"rim": True, "body": BODY}},
+        1e-6,
+        PRESSES,
+    ),
+    "floating": (
+        "strip-1x4",
+        {"skin.foam.thickness": 4e-3, "surroundings": {"low": "floating", "rim": True}},
         1e-6,
         PRESSES,
     ),
@@ -93,13 +106,17 @@ def _sweeps() -> Iterator[tuple[str, float, float]]:
 
 
 def _calibration() -> Iterator[tuple[str, float, float]]:
-    """Parameters fitted to sweeps of a skin that is not the scene's, without noise."""
-    scene = rcskin.load("strip-1x5").with_({"sweep.frequencies": [1e3, 3e3, 1e4, 3e4, 1e5]})
-    true = {"skin.sheet_resistance": 61e3, "skin.foam.capacitance_per_area": 6.1e-9}
-    found = rcskin.calibrate(scene, rcskin.sweep(scene.with_(true)))
-    sheet, foam = found.scene.skin.top, found.scene.skin.foam
-    for what, value in (("sheet", sheet.sheet_resistance), ("foam", foam.capacitance_per_area)):
-        yield f"calibrated {what}", float(value), 1e-4 * value
+    """Intervals of what is fitted to sweeps with noise of skins that are not the scene's."""
+    scene = rcskin.load("strip-1x5").with_({"sweep.frequencies": [1e3, 3e3, 1e4, 1e5]})
+    scene = scene.with_({"skin.foam.loss_tangent": 0.01})
+    other = {"skin.sheet_resistance": 61e3, "skin.foam.loss_tangent": 0.02}
+    gradient = {"skin.foam.map": {"kind": "gradient", "x": 0.2}}
+    for what, true, uneven in (("even", other, False), ("uneven", gradient, True)):
+        sweeps = rcskin.measured(rcskin.sweep(scene.with_(true)))
+        found = rcskin.calibrate(scene, sweeps, uneven=uneven)
+        for name, (low, high) in found.intervals.items():
+            yield f"{what} calibration: {name} from", float(low), 0.02 * (high - low)
+            yield f"{what} calibration: {name} to", float(high), 0.02 * (high - low)
 
 
 def _limits() -> Iterator[tuple[str, float, float]]:
@@ -113,10 +130,8 @@ def _limits() -> Iterator[tuple[str, float, float]]:
 def _predictions() -> Iterator[tuple[str, float, float]]:
     """Probabilities of a classifier that learned from a data set, of sweeps with noise."""
     scene = rcskin.load("sheet-3x3").with_({"dataset.press": PRESSED})
-    for estimator in ("ksvm-ovo", "gaussian"):
-        model = rcskin.train(
-            rcskin.dataset(scene, 200), "column", estimator, quantities="dlnZ,dphase"
-        )
+    for estimator, quantities in (("ksvm-ovo", "dlnZ,dphase"), ("gaussian", None)):
+        model = rcskin.train(rcskin.dataset(scene, 200), "column", estimator, quantities=quantities)
         found = rcskin.localize(model, rcskin.measured(rcskin.sweep(scene), seed=3))
         for place in np.ndindex(np.shape(found.chances)):
             sweep, label = place
