@@ -45,6 +45,13 @@ def facts(scene: Scene) -> list[Fact]:
     return [Fact(*each) for each in _facts(scene)]
 
 
+def described(scene: Scene) -> str:
+    """The scene in words: its name and description, then a line for each fact."""
+    found = facts(scene)
+    room = max(len(each.about) for each in found) + 2
+    return "\n".join([scene.title, *(f"  {each.about:{room}}{each.text}" for each in found)])
+
+
 def key_facts(scene: Scene) -> list[Fact]:
     """Facts about skin, wiring and meter that need no solution of the skin."""
     return [Fact(*each) for each in (*_of_skin(scene), *_of_meter(scene))]
