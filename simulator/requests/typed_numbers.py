@@ -41,7 +41,7 @@ def _with_units(callback: Callable[..., Any], command: str) -> Callable[..., Any
         annotation = annotations[name] = parameter.annotation
         kind, *metadata = get_args(annotation) if get_origin(annotation) is Annotated else [None]
         if kind in NUMBERS:
-            option = copy(metadata[0])
+            option: Any = copy(metadata[0])
             option.parser = _parser(command, name, option_name(callback, name), *NUMBERS[kind])
             option.metavar = f"<{getattr(kind, '__name__', str(kind)).removesuffix(' | None')}>"
             annotations[name] = Annotated[kind, option]

@@ -41,6 +41,8 @@ STRENGTH_WITH_UNIT = re.compile(r"(?P<number>(?:.*?\S)??)\s*(?P<unit>[cmuµ]?m|[
 PER_M = {"m": 1, "cm": 100, "mm": 1000, "um": 1_000_000, "µm": 1_000_000}
 PER_N = {"N": 1, "mN": 1000, "kN": 1e-3}
 WEIGHT = re.compile(r"(?P<number>[\d.]+)\s*(?P<unit>g|kg|gf|kgf)")
+WITH_LETTERS = re.compile(r"[\d.]+\s*[a-zA-Z]+")
+UNITS = "; a force is in N, a depth in mm, a factor has no unit"
 KILOGRAM = 9.80665
 """Weight of a kilogram, N."""
 FARAD = re.compile(r"(?P<number>(?:.*?\S)??)\s*(?P<prefix>[fpnuµm]?)F")
@@ -221,7 +223,7 @@ def _check_maximum(value: float, name: str, maximum: float, given: str, text: st
 def _positive(given: str, name: str, text: str) -> float:
     value = plain_number(given)
     if not (math.isfinite(value) and value > 0):
-        hint = suggestion(given)
+        hint = suggestion(given) or (UNITS if WITH_LETTERS.fullmatch(given.strip()) else "")
         raise InputError(
             f"press {text!r}: {name} must be finite and > 0, got {given.strip()}{hint}"
         )

@@ -55,6 +55,7 @@ def test_the_command_line_takes_frequencies_and_lengths_with_their_units(run):
         (("sweep", "sheet-3x3", "--sheet-resistance", "3"), "the key `skin.top.sheet_resistance`"),
         (("sweep", "sheet-3x3", "--press", "2,3:500g"), "a force is in N; did you mean 4.9N?"),
         (("sweep", "sheet-3x3", "--press", "2,3:0.2 kg"), "did you mean 1.96N?"),
+        (("sweep", "sheet-3x3", "--press", "2,3:1lb"), "a force is in N, a depth in mm, a factor"),
         (("sweep", "sheet-3x3", "--press", "disc(45,30,10)"), "mean mm, disc(0.045,0.03,0.01)?"),
         (("sweep", "sheet-3x3", "--press", "poly(9,9,30,9,9,30)"), "poly(0.009,0.009,0.03,0.009,"),
     ],
