@@ -42,7 +42,7 @@ def outside_band(
     shown += f" and {len(outside) - 3} more" if len(outside) > 3 else ""
     are = "is" if len(outside) == 1 else "are"
     others = reaching(wanted)
-    read_by = f", which {' or '.join(others)} reads" if others else ""
+    read_by = f" (within reach of {', '.join(others)})" if others else ""
     return f"meter {model} reads {_hertz(low)} to {_hertz(high)}; {shown} {are} outside{read_by}"
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 from rcskin.simulator.requests.plausibility import suspicious_values
-from rcskin.simulator.scene.scene_files import load_scene
+from rcskin.simulator.scene.scene_files import load_scene, write_scene
 from rcskin.simulator.sweeps.units import quantity
 
 
@@ -84,3 +84,24 @@ def test_forces_and_depths_take_prefixes(run, tmp_path):
     presses = ("--press", "2,3:0.002kN", "--press", "2,3:2N", "--press", "2,3:200um")
     code, out, _ = run("sweep", "foam", *presses, "-o", tmp_path / "a.nc")
     assert code == 0 and out.startswith("3 sweeps")
+
+
+@pytest.mark.parametrize(
+    ("frequency", "model", "instead"),
+    [(250e3, "IM3523", "or give --model E4980A"), (3e6, "E4980A", "or give --model E4990A")],
+)
+def test_a_meter_that_does_not_reach_a_frequency_names_one_that_does(
+    run, tmp_path, frequency, model, instead
+):
+    scene = load_scene("sheet-3x3").with_({"sweep.frequencies": [1e3, frequency]})
+    write_scene(tmp_path / "fast.toml", scene)
+    code, _, err = run("meter", "serve", "--scene", tmp_path / "fast.toml", "--model", model)
+    assert code == 2 and err.rstrip().endswith(instead) and "is outside (within reach of " in err
+
+
+def test_a_choice_of_frequencies_says_what_it_is_optimal_for(run):
+    asked = ("frequencies", "strip-1x3", "-n", 2, "--grid", 6)
+    for more, goal in (((), "position error, rms"), (("--criterion", "column"), "two columns in")):
+        last = run(*asked, *more)[2].splitlines()[-1]
+        assert last.startswith("optimal: ") and goal in last
+        assert "for one touch of 33.3 x 20 mm" in last and "candidates from 707 Hz to 6.37" in last
