@@ -10,6 +10,7 @@ from .simulator.cli import app, with_short_help
 from .simulator.command_line import run
 from .simulator.requests.number_ranges import with_ranges
 from .simulator.requests.overwrite_options import with_overwrite_options
+from .simulator.requests.typed_numbers import with_units
 
 __all__ = ["app", "main"]
 
@@ -24,6 +25,7 @@ for commands in (app, meter):
     with_overwrite_options(commands)
     with_short_help(commands)
     with_ranges(commands)
+    with_units(commands)
 
 
 def main() -> None:

@@ -14,6 +14,7 @@ import typer
 
 from .interrupt import EndSignal, end_on_signals, leave
 from .requests.console import show_log_as_notes
+from .requests.mistyped import mistyped
 from .safe_text import say
 
 BAD_INPUT, FAILURE = 2, 1
@@ -145,7 +146,7 @@ def _run(app: typer.Typer, failures: tuple[type[Exception], ...], received: EndS
         if _is_help(error):  # a group of commands without a command
             say(*error.format_message().splitlines(), err=True)
             sys.exit(BAD_INPUT)
-        _end(error.format_message() + _example(error), BAD_INPUT)
+        _end(error.format_message() + _hint(error), BAD_INPUT)
     except (KeyboardInterrupt, typer.Abort):
         _end("interrupted", received.code)
     except BrokenPipeError:
@@ -200,8 +201,10 @@ def _is_help(error: typer.TyperException) -> bool:
     return error.format_message().startswith("Usage: ")
 
 
-def _example(error: typer.TyperException) -> str:
-    """The example of the command if an argument is missing or superfluous, else nothing."""
+def _hint(error: typer.TyperException) -> str:
+    """What was likely meant; the example of the command if an argument is missing or too many."""
+    if meant := mistyped(error):
+        return f"{_full_stop(error)} {meant}"
     context = getattr(error, "ctx", None)
     example = context.command.epilog if context is not None else None
     of_arguments = error.format_message().startswith(("Missing ", "Got unexpected extra "))

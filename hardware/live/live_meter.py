@@ -127,12 +127,18 @@ class LiveMeter:
         self._checked_at = time.monotonic()
         self._recovered()
 
-    def wait_after_failure(self, failure: MeterError) -> float:
+    @property
+    def patience(self) -> float:
+        """Time without a whole sweep until the session gives up, s."""
+        return self._patience
+
+    def wait_after_failure(self, failure: MeterError, shown: bool = False) -> float:
         """Time to wait before the next sweep, s; longer after each successive failure.
 
-        Raises NoConnectionError or NoSwitchError when patience is over. A reading that failed by
-        the meter's own status causes no reconnection. A failed switch does not disconnect the
-        meter.
+        shown: True if the user has read of this failure. Raises NoConnectionError or NoSwitchError
+        when patience is over; the error then names a failure that was not shown. A reading that
+        failed by the meter's own status causes no reconnection. A failed switch does not disconnect
+        the meter.
         """
         if isinstance(failure, FailedReadingError):
             self._recovered()
@@ -145,9 +151,8 @@ class LiveMeter:
         self._failing_since = self._failing_since or time.monotonic()
         left = self._failing_since + self._patience - time.monotonic()
         if left <= 0:
-            raise gone(
-                f"the {what} gave no sweep for {self._patience:g} s; the last failure: {failure}"
-            ) from failure
+            last = "" if shown else f"; the last failure: {failure}"
+            raise gone(f"the {what} gave no sweep for {self._patience:g} s{last}") from failure
         wait, self._wait = min(self._wait, left), min(2 * self._wait, LONGEST_WAIT)
         return wait
 

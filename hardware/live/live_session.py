@@ -81,7 +81,10 @@ class TimedSweep:
 
 
 class SessionDisplay(Protocol):
-    """Shows a session."""
+    """Shows a session. lasting: True if what is shown stays after the session."""
+
+    @property
+    def lasting(self) -> bool: ...
 
     def reading(self, frequency: float, reading: MeterReading) -> None:
         """Show a reading of the present sweep, at a frequency in Hz."""
@@ -118,6 +121,7 @@ class LiveSession:
     failed: int = field(default=0, init=False)
     _begun: float | None = field(default=None, init=False)
     _ended: float | None = field(default=None, init=False)
+    _failure: str = field(default="", init=False)
     _latest: MeasuredSweep | None = field(default=None, init=False)
     _reading_times: ReadingTimes = field(init=False)
     _ends: deque[float] = field(default_factory=lambda: deque(maxlen=RATE_ANSWERS), init=False)
@@ -162,6 +166,7 @@ class LiveSession:
             self.failed += 1
             self.display.no_answer(f"the sweep is unsound: {'; '.join(unsound)}")
             return
+        self._failure = ""
         wanted = self.baseline.complete
         if measured.part is None:
             press = UNKNOWN if wanted else UNPRESSED
@@ -188,8 +193,11 @@ class LiveSession:
 
     def _fail(self, failure: MeterError) -> None:
         self.failed += 1
-        wait = self.meter.wait_after_failure(failure)
-        self.display.no_answer(f"{failure}; trying again" + (f" in {wait:.2g} s" if wait else ""))
+        why, before = str(failure), self._failure
+        wait = self.meter.wait_after_failure(failure, self.display.lasting and why == before)
+        self._failure = why
+        until = f" for up to {self.meter.patience:g} s" if wait else ""
+        self.display.no_answer(f"{why}; trying again{until}")
         time.sleep(wait)
 
     def _prepare(self) -> None:

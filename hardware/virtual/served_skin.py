@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...simulator.meters.accuracy_table import DERIVED_TABLE, read_table
-from ...simulator.meters.meter_bands import VIRTUAL_MODEL, outside_band
+from ...simulator.meters.meter_bands import VIRTUAL_MODEL, outside_band, reaching
 from ...simulator.sweeps import UNPRESSED, InputError
 from ...simulator.sweeps.reading_quantities import IMPEDANCE
 from .instrument import Instrument
 from .measurement import MeasurementSetup, Readout
 from .recorded_skin import RecordedSkin, exact_readout
-from .virtual_models import virtual_model
+from .virtual_models import VIRTUAL_MODELS, virtual_model
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -121,7 +121,9 @@ def instrument(
         frequencies = served.scene.sweep.frequencies
         if beyond := outside_band(meter.model, frequencies, meter.band):
             meter.worker.end()
-            raise InputError(f"{served.scene.name}: {beyond}; change `sweep.frequencies`")
+            others = [name for name in reaching(frequencies) if name in VIRTUAL_MODELS]
+            instead = f", or give --model {others[0]}" if others else ""
+            raise InputError(f"{served.scene.name}: {beyond}; change `sweep.frequencies`{instead}")
     meter.worker.submit(served.skin.impedance, meter.press, served.frequency).result()
     return meter
 
@@ -140,7 +142,7 @@ def notes(meter: Instrument, served: ServedSkin) -> list[str]:
     elif scene is not None and named and not scene.readout.exact:
         if scene.readout != scene.with_({"readout": meter.model}).readout:
             found.append(
-                f"readings err as the readout of {scene.name} states; "
+                f"readings have the errors that the readout of {scene.name} states; "
                 f'readout = "{meter.model}" in the scene takes the data sheet of this meter'
             )
     return found

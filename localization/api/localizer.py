@@ -3,21 +3,24 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from .arguments import checked, model_of, path_of, sweeps_of
 
 if TYPE_CHECKING:
     import xarray as xr
-    from numpy.typing import NDArray
 
     from ..evaluation.result import Evaluation
+    from ..inputs.feature_arrays import Features
     from ..inputs.targets import Target
     from ..inversion.estimators import EstimatorName
     from ..model.localizer_model import Model
     from ..trust.answers import Answers
+
+LOG = logging.getLogger(__name__)
 
 
 @checked
@@ -25,20 +28,27 @@ def features(
     sweeps: xr.Dataset | str | Path,
     target: Target = "column",
     quantities: str | Sequence[str] | None = None,
-) -> tuple[NDArray[Any], NDArray[Any]]:
+) -> Features:
     """Compute features X, shape (sweep, feature), and targets y of sweeps.
 
-    y has shape (sweep,), for positions (sweep, 3): x and y in mm, and the strength. Sweeps whose
-    press has no such target are left out. sweeps: the sweeps or the path of their file. target:
+    y has shape (sweep,), for positions (sweep, 3): x and y in mm, and the strength. The result
+    unpacks into X and y; its `index`, shape (sweep,), numbers their sweeps among the given ones.
+    Sweeps whose press has no such target, without a baseline that the features need or with a
+    reading that is no finite number are left out; `left_out` says how many and why, and a warning
+    is logged. sweeps: the sweeps or the path of their file. target:
     "column", "row", "pixel", "pair", "touches" or "position". quantities: names such as
     "dlnZ,dphase", as one text or a list; by default changes from the unpressed skin or, if most
     presses have no baseline sweep before them, Rs and Cp. Raises InputError for a target or a
     quantity that these sweeps do not have.
     """
+    from ..inputs.feature_arrays import Features
     from ..inputs.samples import samples_of
 
     samples = samples_of(sweeps_of(sweeps), target, quantities)
-    return samples.X, samples.y
+    found = Features.of(samples)
+    if any(samples.left_out):
+        LOG.warning("features of %s: %s", target, found.left_out)
+    return found
 
 
 @checked

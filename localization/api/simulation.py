@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -17,6 +18,8 @@ if TYPE_CHECKING:
     from ...simulator.models.solver import ModelName
     from ...simulator.press.press import Press
     from ...simulator.scene.scene import Scene
+
+LOG = logging.getLogger(__name__)
 
 
 def load(scene: str | Path) -> Scene:
@@ -98,14 +101,18 @@ def dataset(
 
     scene: the scene, its name or its path, see `load`; its tables `dataset.press` and
     `dataset.session` define the distributions. sweeps: number of sweeps, all in memory. seed: seed
-    of all random numbers. rtol: largest relative error of Rs and of Cp before the noise. Raises
-    InputError if a number is out of range, ToleranceError if rtol cannot be kept.
+    of all random numbers. rtol: largest relative error of Rs and of Cp before the noise. Logs a
+    warning if all sweeps are of one skin, and if the meter has no noise. Raises InputError if a
+    number is out of range, ToleranceError if rtol cannot be kept.
     """
     from ...simulator.dataset.dataset_plan import Plan
     from ...simulator.dataset.memory_dataset import in_memory
     from ...simulator.models.mechanics.force_depths import foldable
+    from ...simulator.requests.requested_scene import noise_free
 
     plan = Plan(foldable(scene_of(scene), "a data set", creeps=True), sweeps, seed, rtol)
+    for text in filter(None, (noise_free(plan.scene), plan.one_skin("sweeps={}"))):
+        LOG.warning("%s: %s", plan.scene.name, text)
     return with_view(in_memory(plan))
 
 

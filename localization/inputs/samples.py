@@ -21,7 +21,7 @@ from .features import (
     packed,
     taken_rows,
 )
-from .targets import PIXELS, has_target, labels, positions
+from .targets import PIXELS, UNLABELLED, has_target, labels, positions
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -84,18 +84,16 @@ class LeftOutSweeps(NamedTuple):
     not_finite: int = 0
 
     def describe(self, target: str) -> str:
-        """These numbers as text."""
-        parts = [f"{self.other} without {'a count of ' if target == 'touches' else 'a '}{target}"]
-        if self.without_baseline:
-            plural = "" if self.sessions == 1 else "s"
-            parts.append(
-                f"{self.without_baseline} of {self.sessions} session{plural} without a baseline"
-            )
-        if self.early:
-            parts.append(f"{self.early} before the first baseline sweep of their session")
-        if self.not_finite:
-            parts.append(f"{self.not_finite} with a reading that is no finite number")
-        return f"{', '.join(parts)} left out"
+        """These numbers and the reasons as text."""
+        plural = "" if self.sessions == 1 else "s"
+        reasons = {
+            UNLABELLED[target]: self.other,
+            f"in {self.sessions} session{plural} without an unpressed sweep": self.without_baseline,
+            "with no unpressed sweep before them": self.early,
+            "with a reading that is no finite number": self.not_finite,
+        }
+        parts = [f"{number} {reason}" for reason, number in reasons.items() if number]
+        return f"left out: {', '.join(parts)}" if parts else "none left out"
 
 
 class SeveralTouches(NamedTuple):

@@ -19,6 +19,13 @@ PIXELS = ("column", "row", "pixel")
 CLASSES = (*PIXELS, "touches", "pair")
 Target = Literal["column", "row", "pixel", "touches", "pair", "position"]
 TARGETS: tuple[str, ...] = get_args(Target)
+UNLABELLED = {
+    **dict.fromkeys(PIXELS, "not of a press of one pixel"),
+    "touches": f"of more than {MAX_TOUCHES} touches",
+    "pair": f"not of a press of at most {MAX_TOUCHES} whole pixels",
+    "position": "not of one touch",
+}
+"""Descriptions of the sweeps that do not have a target."""
 COORDINATES = ("x_mm", "y_mm", "factor")
 """Columns of `positions`."""
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.units import quantity
 from .scene_keys import ALL_PIXELS, BOTH_SHEETS, Key, find_key
 
 SYNTAX = (
@@ -112,9 +113,8 @@ def _real_range(text: str, key: Key, parts: Sequence[str]) -> Axis:
 
 
 def _number(text: str, key: Key, written: str) -> float:
-    kind = int if key.whole else float
     try:
-        value = kind(written)
+        value = int(written) if key.whole else quantity(written, None)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):

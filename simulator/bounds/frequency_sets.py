@@ -11,6 +11,7 @@ from ..models.line import interrogation_frequency
 from ..scene.frequency import parse_band
 from ..scene.scene import Scene
 from ..sweeps import InputError
+from ..sweeps.units import quantity
 
 EQUATION_6, LOGARITHMIC, OPTIMAL = "Eq. 6", "log spacing", "optimal"
 DISTINCT = 1.1
@@ -87,7 +88,7 @@ def frequencies_among(text: str | None, scene: Scene) -> Real | None:
     if text is None or text == "scene":
         return None if text is None else scene.frequencies
     try:
-        found = np.unique([float(each) for each in text.split(",")])
+        found = np.unique([quantity(each, "Hz") for each in text.split(",")])
     except ValueError:
         found = np.zeros(1)
     if not (np.isfinite(found).all() and (found > 0).all()):

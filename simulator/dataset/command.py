@@ -67,9 +67,10 @@ def dataset(
         raise InterruptedWorkError("the same command continues from here") from None
     attributes = finished_attributes(output) or {}
     say(
-        f"{output}: certified {attributes['audit_sample']} of the "
-        f"{plan.sessions * plan.session_sweeps} sweeps of whole sessions, largest bound on the "
-        f"relative error {attributes['audit_bound']:.1e}; {attributes['fallbacks']} solved in full"
+        f"{output}: the errors of {attributes['audit_sample']} of "
+        f"{plan.sessions * plan.session_sweeps} simulated sweeps were bounded, the largest by "
+        f"{attributes['audit_bound']:.1e} of Rs and Cp; {attributes['fallbacks']} sweeps were "
+        "solved without the reduced model"
     )
     if "cells_error" in attributes:
         changed = " and ".join(plan.scene.reading.kind.with_errors)
@@ -82,11 +83,8 @@ def dataset(
             f"{output}: of that change, solving the foam's deflection on a lattice causes up to "
             f"{attributes['deflection_error']:.1e}"
         )
-    if plan.sessions == 1:
-        say(
-            f"{output}: all sweeps are of one skin, because a session has {plan.session_sweeps}; "
-            f"--sweeps {20 * plan.session_sweeps} draws 20 skins to train on"
-        )
+    if one_skin := plan.one_skin("--sweeps {}"):
+        say(f"{output}: {one_skin}")
     report_written(sizes_text(readings_along(plan)), output)
 
 

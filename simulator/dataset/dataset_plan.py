@@ -67,6 +67,18 @@ class Plan:
         """Total number of sessions; the last may be incomplete."""
         return -(-self.sweeps // self.session_sweeps)
 
+    def one_skin(self, more: str) -> str:
+        """Text that says so if all sweeps are of one skin, else empty.
+
+        more: format of the argument that draws more skins, with the place of a number.
+        """
+        if self.sessions > 1:
+            return ""
+        return (
+            f"all sweeps are of one skin, because a session has {self.session_sweeps}; "
+            f"{more.format(20 * self.session_sweeps)} draws 20 skins to train on"
+        )
+
     @cached_property
     def block_sessions(self) -> int:
         """Number of sessions in a block."""

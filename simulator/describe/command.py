@@ -28,18 +28,13 @@ def describe(
     from ..requests.console import report_written
     from ..requests.requested_scene import requested_scene, warn_of_model
     from ..sweeps import checked_output
-    from .facts import facts
+    from .facts import described
     from .scene_drawing import ENDINGS, draw_scene
 
     if output is not None:
         checked_output(output, ENDINGS)
     loaded = requested_scene(scene)
     warn_of_model(scene, loaded)
-    found = facts(loaded)
-    room = max(len(each.about) for each in found) + 2
-    about = f": {loaded.description}" if loaded.description else ""
-    say(f"{loaded.name}{about}")
-    for each in found:
-        say(f"  {each.about:{room}}{each.text}")
+    say(*described(loaded).splitlines())
     if output is not None:
         report_written("drawing", draw_scene(loaded, pixels_with_skin(loaded), output))

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from ..measure.symmetry import describe_repeated
-from ..meters.meter_bands import METER_BANDS, VIRTUAL_MODEL, outside_band
+from ..meters.meter_bands import VIRTUAL_MODEL, outside_band
 from ..models.line import cut_off_frequency
 from ..models.uniform import equivalent_scene
 from ..press.pixels import pixels_with_skin
@@ -43,6 +43,13 @@ class Fact(NamedTuple):
 def facts(scene: Scene) -> list[Fact]:
     """All facts about a scene, in order of presentation."""
     return [Fact(*each) for each in _facts(scene)]
+
+
+def described(scene: Scene) -> str:
+    """The scene in words: its name and description, then a line for each fact."""
+    found = facts(scene)
+    room = max(len(each.about) for each in found) + 2
+    return "\n".join([scene.title, *(f"  {each.about:{room}}{each.text}" for each in found)])
 
 
 def key_facts(scene: Scene) -> list[Fact]:
@@ -178,7 +185,8 @@ def _foam(skin: Skin) -> str:
     if foam.map is not None:
         text += f", {_varying(foam.map)}"
     if foam.mechanics is not None:
-        text += f"; porosity {foam.mechanics.porosity:g}, {prefixed(foam.mechanics.young, 'Pa')}"
+        porosity = f"{foam.mechanics.air:.4g}{foam.mechanics.derivation}"
+        text += f"; porosity {porosity}, {prefixed(foam.mechanics.young, 'Pa')}"
     return text
 
 
@@ -242,10 +250,7 @@ def _frequencies(scene: Scene) -> str:
     first, last = (prefixed(each, "Hz") for each in f[[0, -1]])
     text = f"{len(f)}, from {first} to {last}" if len(f) > 1 else first
     outside = outside_band(VIRTUAL_MODEL, f)
-    if not outside or scene.reading.gain:
-        return text
-    others = [model for model in METER_BANDS if not outside_band(model, f)]
-    return f"{text}; {outside}" + (f" (all can be read by {', '.join(others)})" if others else "")
+    return text if not outside or scene.reading.gain else f"{text}; {outside}"
 
 
 def _cut_off(scene: Scene, interface: Interface) -> str:

@@ -39,8 +39,7 @@ def _table(scene: Scene) -> Table:
     found = sorted(
         key_facts(scene), key=lambda fact: LAST.index(fact.about) + 1 if fact.about in LAST else 0
     )
-    name = f"{scene.name}: {scene.description}" if scene.description else scene.name
-    return f"Scene {name}", [("about", "value"), *found]
+    return f"Scene {scene.title}", [("about", "value"), *found]
 
 
 def _chart(scene: Scene) -> SmallChart:

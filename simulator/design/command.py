@@ -157,11 +157,12 @@ def _request(scene: Scene, given: dict[str, object]) -> Design:
 
 def _bounds(option: str, text: str | None) -> tuple[float, float] | None:
     from ..sweeps import InputError
+    from ..sweeps.units import quantity
 
     if text is None:
         return None
     try:
-        low, high = map(float, text.split(":"))
+        low, high = (quantity(part, None) for part in text.split(":"))
     except ValueError:
         raise InputError(f"{option} must be LOW:HIGH, got {text!r}") from None
     return low, high

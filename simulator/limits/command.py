@@ -121,9 +121,10 @@ def limits(
 
 def _listed(text: str | None) -> list[float]:
     from ..sweeps import InputError
+    from ..sweeps.units import quantity
 
     try:
-        return [float(part) for part in text.split(",")] if text is not None else []
+        return [quantity(part, "ohm/sq") for part in text.split(",")] if text is not None else []
     except ValueError:
         raise InputError(f"--sheet-resistance must be R,R,... in ohm/sq, got {text}") from None
 

@@ -55,7 +55,8 @@ def frequencies(
     """Choose the best n frequencies; compare with Eq. 6 of the paper and log spacing.
 
     Any two differ by at least 10 %, if there is room for n of them: nearer
-    ones would repeat a reading. For positions, the table shows the median
+    ones would repeat a reading. The last line says what the choice is optimal
+    for: touch, noise, criterion and candidates. For positions, the table shows the median
     error as `limits` does; sets are compared by the rms bound. In a pipe the
     output is one frequency in Hz per line, and the comparison goes to standard
     error.
@@ -90,11 +91,13 @@ def frequencies(
     console = terminal()
     if console.is_terminal:
         console.print(_table(found))
+        say(found.optimal_for)
         return
     for frequency in found.best:
         say(f"{frequency:.6g}")
     for name in found.sets:
         say(f"{name}: {found.comparison(name)}", err=True)
+    say(found.optimal_for, err=True)
 
 
 def _table(found: FrequencyDesign) -> Table:

@@ -15,6 +15,7 @@ from ..bounds.position_bound import Slopes, TouchSize, places_on, position_slope
 from ..progress import ProgressCallback, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError
+from ..sweeps.units import prefixed
 from .criteria import Criterion, identity_criterion, position_criterion
 
 GRID = 60
@@ -31,7 +32,8 @@ class FrequencyDesign:
 
     figures: minimized values; in m for position, for column and pixel 1 over the distance in the
     meter's errors. left_out: number of coordinates, or pairs of pixels, that no set resolves.
-    errors: for position, the median error in m of each set, as in `limits`.
+    errors: for position, the median error in m of each set, as in `limits`. assumptions: text on
+    the touch, the meter and the candidates.
     """
 
     criterion: str
@@ -39,6 +41,18 @@ class FrequencyDesign:
     figures: dict[str, float]
     left_out: int
     errors: dict[str, float]
+    assumptions: str
+
+    @property
+    def optimal_for(self) -> str:
+        """Sentence on what the choice is optimal for."""
+        if self.criterion == "position":
+            goal = "the smallest bound on the position error, rms over the sheet"
+        else:
+            goal = (
+                f"the largest distance of the nearest two {self.criterion}s in the meter's errors"
+            )
+        return f"{OPTIMAL}: {goal}, {self.assumptions}"
 
     @property
     def best(self) -> Real:
@@ -110,6 +124,20 @@ def design(
         {}
         if slopes is None
         else {name: slopes.bounds(every[k]).median_error() for name, k in chosen.items()},
+        _assumptions(touch, own, against_rest),
+    )
+
+
+def _assumptions(touch: TouchSize, candidates: Real, against_rest: int) -> str:
+    """Text on what a choice of frequencies takes as given."""
+    low, high = (prefixed(each, "Hz") for each in (candidates[0], candidates[-1]))
+    size = f"{1e3 * touch.width:.3g} x {1e3 * touch.height:.3g} mm"
+    baseline = f", compared with {against_rest} unpressed sweeps" if against_rest else ""
+    finger = f" by a finger of {1e12 * touch.finger:.3g} pF" if touch.finger else ""
+    return (
+        f"for one touch of {size} and {1 + touch.rise:.3g} times the capacitance{finger} "
+        f"on a known skin, with the noise of the scene's readout{baseline}; the best found of "
+        f"{len(candidates)} candidates from {low} to {high}"
     )
 
 

@@ -62,15 +62,15 @@ class SurveyOptions:
         """Text of what the estimate of the bounds knows and what it does not."""
         size = f"{1e3 * self.touch.width:.3g} x {1e3 * self.touch.height:.3g} mm"
         skin = "" if self.unknown_skin else "the skin and "
-        unknown = ", and the skin within dataset.session" if self.unknown_skin else ""
+        unknown = ", and the skin as dataset.session draws it," if self.unknown_skin else ""
         by_depth = (
             "; presses by depth: the strength is that under the touch" if self.by_depth else ""
         )
         finger = self.touch.finger
-        of_finger = f", and the capacitance of a finger of {1e12 * finger:.3g} pF" if finger else ""
+        of_finger = f", the capacitance of a finger of {1e12 * finger:.3g} pF" if finger else ""
         return (
-            f"known: {skin}the touch's sides, {size}; unknown: x, y and strength, without prior"
-            f"{of_finger}{unknown}{by_depth}"
+            f"the estimator knows {skin}the sides of the touch, {size}; it estimates x, y and "
+            f"strength{of_finger}{unknown} from the sweep alone{by_depth}"
         )
 
 

@@ -176,13 +176,13 @@ def identity(
 
 def _assumptions(scene: Scene, size: float | None) -> str:
     """Text of what the classifier of the bounds knows and what it does not."""
-    press, none = scene.press, " or none" if scene.experiment.unpressed else ""
+    press, none = scene.press, "at most" if scene.experiment.unpressed else "exactly"
     area = "a whole pixel" if size is None else f"{1e3 * size:.3g} mm around the middle of a pixel"
     factor = f"{scene.pressed_factor:g} times the capacitance{by_finger(scene, size)}"
-    spread = f", with a spread of {100 * press.factor_spread:.3g} % of the rise"
+    spread = f", give or take {100 * press.factor_spread:.3g} % of the rise"
     return (
-        f"known: the skin; the number of touches, one{none}; the touched area, {area}; the "
-        f"strength, {factor}{spread if press.factor_spread else ' exactly'}; unknown: the pixel"
+        f"the classifier knows the skin, that {none} one touch is there, its area ({area}) and its "
+        f"strength ({factor}{spread if press.factor_spread else ''}); it looks for the pixel"
     )
 
 

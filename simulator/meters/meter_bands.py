@@ -29,16 +29,31 @@ def outside_band(
 ) -> str:
     """Message with a model's range and the frequencies [Hz] outside it; empty if there are none.
 
+    It names the models that read all of them.
+
     band: lowest and highest frequency, Hz; default: that of METER_BANDS.
     """
     low, high = band or METER_BANDS[model]
-    outside = [each for each in frequencies if not low <= each <= high]
+    wanted = list(frequencies)
+    outside = [each for each in wanted if not low <= each <= high]
     if not outside:
         return ""
     shown = ", ".join(_hertz(each) for each in outside[:3])
     shown += f" and {len(outside) - 3} more" if len(outside) > 3 else ""
     are = "is" if len(outside) == 1 else "are"
-    return f"meter {model} reads {_hertz(low)} to {_hertz(high)}; {shown} {are} outside"
+    others = reaching(wanted)
+    read_by = f" (within reach of {', '.join(others)})" if others else ""
+    return f"meter {model} reads {_hertz(low)} to {_hertz(high)}; {shown} {are} outside{read_by}"
+
+
+def reaching(frequencies: Iterable[float]) -> list[str]:
+    """Models that read all of these frequencies [Hz]."""
+    wanted = list(frequencies)
+    return [
+        model
+        for model, (low, high) in METER_BANDS.items()
+        if all(low <= each <= high for each in wanted)
+    ]
 
 
 def _hertz(frequency: float) -> str:

@@ -10,6 +10,7 @@ from ..scene.form.outline import check_simple
 from ..scene.pixel_grid import Pressing
 from ..scene.planar import SAME_LINE
 from ..scene.scene import Scene
+from ..scene.skin import Skin
 from ..scene.surroundings import NO_EARTH
 from ..scene.touch_capacitance import per_pixel
 from ..sweeps import UNPRESSED, InputError
@@ -305,10 +306,22 @@ def _check_place(touch: Rectangle | Disc | Polygon, press: Press, scene: Scene) 
         if low < -rounding or high > length + rounding:
             raise InputError(
                 f"press {press}: touches must lie within {axis} = 0..{length:g} m on {scene.name}, "
-                f"got {low:g}..{high:g} m"
+                f"got {low:g}..{high:g} m{_meant_in_mm(touch, skin)}"
             )
         if not high - low >= MIN_TOUCH_SIZE * length:
             raise InputError(
                 f"press {press}: touches must be at least {MIN_TOUCH_SIZE * length:g} m large "
                 f"along {axis} on {scene.name}, got {high - low:g} m"
             )
+
+
+def _meant_in_mm(touch: Rectangle | Disc | Polygon, skin: Skin) -> str:
+    """Suggests the touch in metres if it lies on the skin when its numbers are millimetres."""
+    if isinstance(touch, Polygon):
+        small = replace(touch, points=tuple((x / 1000, y / 1000) for x, y in touch.points))
+    else:
+        lengths = {"x", "y", "width", "height", "radius"} & vars(touch).keys()
+        small = replace(touch, **{name: getattr(touch, name) / 1000 for name in lengths})
+    box = small.box
+    fits = box.left >= 0 and box.right <= skin.length and box.bottom >= 0 and box.top <= skin.width
+    return f"; did you mean mm, {small.where}?" if fits else ""

@@ -14,21 +14,31 @@ MAX_SEED = 2**32 - 1
 
 
 class AllowedRange(NamedTuple):
-    """Smallest and largest accepted number, both included, and the reason for the limits."""
+    """Smallest and largest accepted number, both included, the reason for the limits, the unit.
+
+    unit: empty for a number without one, None for one of several.
+    """
 
     low: float
     high: float
     why: str
+    unit: str | None = ""
+
+
+def any_finite(unit: str | None = "") -> AllowedRange:
+    """Any finite number in a unit."""
+    return AllowedRange(-float("inf"), float("inf"), "", unit)
 
 
 RTOL = AllowedRange(1e-8, 1e-2, "smaller ones are lost in rounding, larger ones are useless")
 DRAWS = AllowedRange(2, 10**6, "two draws have a spread; a million give an accuracy to 0.05 %")
-SECONDS = AllowedRange(1e-3, 1e6, "from a fast reading to days")
+SECONDS = AllowedRange(1e-3, 1e6, "from a fast reading to days", "s")
 PORT = AllowedRange(0, 65535, "ports of TCP")
 SHARE = AllowedRange(0.0, 1.0, "a fraction")
 ERROR = AllowedRange(1e-9, 1.0, "a fraction of |Z|")
-MILLIMETRES = AllowedRange(1e-2, 1e6, "mm: from a foam's cell to the longest skin")
+MILLIMETRES = AllowedRange(1e-2, 1e6, "mm: from a foam's cell to the longest skin", "mm")
 FACTOR = AllowedRange(1e-6, 1e6, "foam cannot be pressed or lifted further")
+HERTZ = AllowedRange(1e-6, 1e12, "Hz: as in a scene", "Hz")
 SWEEPS = AllowedRange(1, 10**12, "more than a million meters measure in a year")
 
 RANGES: dict[str, AllowedRange] = {
@@ -54,16 +64,20 @@ RANGES: dict[str, AllowedRange] = {
     "most": AllowedRange(1, 10**6, "the kernel matrix grows with the square of the sweeps"),
     "touch_lasts": SECONDS,
     "touch_every": SECONDS,
-    "touch_speed": AllowedRange(0.0, 1e6, "mm/s"),
-    "settle": AllowedRange(0.0, 3600.0, "s: an hour at most"),
+    "touch_speed": AllowedRange(0.0, 1e6, "mm/s", "mm/s"),
+    "settle": AllowedRange(0.0, 3600.0, "s: an hour at most", "s"),
     "retries": AllowedRange(0, 1000, "after so many failures, check the meter"),
     "calibration_touches": AllowedRange(0, 10**6, "pressed sweeps"),
     "port": PORT,
     "control_port": PORT,
     "page_port": PORT,
     "exaggerate": AllowedRange(0.0, 1e9, "times: a nanometre becomes a metre"),
-    "frequency": AllowedRange(1e-6, 1e12, "Hz: as in a scene"),
-    "max_frequency": AllowedRange(1e-6, 1e12, "Hz: as in a scene"),
+    "frequency": HERTZ,
+    "max_frequency": HERTZ,
+    **dict.fromkeys(("timeout", "patience", "seconds", "delay", "random"), any_finite("s")),
+    "cable": any_finite("m"),
+    "range_": any_finite("ohm"),
+    "amplitude": any_finite(None),
     "cells": AllowedRange(1, 6, "the page grows with their square"),
 }
 """Ranges by parameter name. Scene keys check other numbers, or the code that uses them does."""
@@ -77,8 +91,7 @@ OWN: dict[tuple[str, str], AllowedRange] = {
 
 def range_of(command: str, name: str) -> AllowedRange:
     """The range of a command's parameter; any finite number if none is listed."""
-    any_finite = AllowedRange(-float("inf"), float("inf"), "")
-    return OWN.get((command, name), RANGES.get(name, any_finite))
+    return OWN.get((command, name), RANGES.get(name, any_finite()))
 
 
 def with_ranges(commands: typer.Typer) -> None:
@@ -94,7 +107,7 @@ def with_ranges(commands: typer.Typer) -> None:
 def _checked(callback: Callable[..., Any], command: str) -> Callable[..., Any]:
     @functools.wraps(callback)
     def checked(*arguments: Any, **given: Any) -> Any:
-        check_numbers(command, given, lambda name: _option(callback, name))
+        check_numbers(command, given, lambda name: option_name(callback, name))
         return callback(*arguments, **given)
 
     return checked
@@ -129,7 +142,7 @@ def _number(bound: float) -> str:
     return str(bound) if isinstance(bound, int) else f"{bound:g}"
 
 
-def _option(callback: Callable[..., Any], name: str) -> str:
+def option_name(callback: Callable[..., Any], name: str) -> str:
     """The option of a parameter as it is typed on the command line."""
     annotation = inspect.signature(callback, eval_str=True).parameters[name].annotation
     metadata = get_args(annotation)[1:] if get_origin(annotation) is Annotated else ()

@@ -40,10 +40,17 @@ def warn_of_earth(name: str, scene: Scene) -> None:
 
 def note_if_noise_free(name: str, scene: Scene) -> None:
     """Prints a note if the meter of a scene reads without error."""
-    if scene.readout.exact:
-        given = (
-            "[readout.converter] sets noise in volts or bits"
-            if scene.reading.gain
-            else 'readout = "IM3523", above the first table, sets those of such a meter'
-        )
-        note(f"{name}: the readout is free of noise because [readout] sets no errors; {given}")
+    if text := noise_free(scene):
+        note(f"{name}: {text}")
+
+
+def noise_free(scene: Scene) -> str:
+    """Text that says so if the meter of a scene reads without error, else empty."""
+    if not scene.readout.exact:
+        return ""
+    given = (
+        "[readout.converter] sets noise in volts or bits"
+        if scene.reading.gain
+        else 'readout = "IM3523", above the first table, sets those of such a meter'
+    )
+    return f"the readout is free of noise because [readout] sets no errors; {given}"

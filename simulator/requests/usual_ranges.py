@@ -76,7 +76,7 @@ USUAL = {
     "skin.foam.mechanics.tension": UsualRange("N/m", 1e-3, 0.1, 1e3, 1e4, (MILLI,)),
     "skin.top.anisotropy.angle": ANGLE,
     "skin.bottom.anisotropy.angle": ANGLE,
-    "skin.shape.radius": UsualRange("m", 1e-3, 5e-3, 3.0, 5.0, (MILLI, CENTI)),
+    "skin.shape.radius": UsualRange("m", 1e-3, 2e-3, 1.0, 2.0, (MILLI, CENTI)),
     "leads.stray_capacitance": FARAD,
     # A coil has a millihenry; a metre of cable a microhenry and a tenth of an ohm.
     "leads.inductance": UsualRange("H", 1e-10, 1e-9, 1e-4, 1e-3, (MICRO, NANO, MILLI)),
@@ -85,11 +85,11 @@ USUAL = {
     "contact.resistance": UsualRange("ohm m", 1e-9, 1e-6, 1e3, 1e5, (MILLI, MICRO)),
     # Copper foil under tape overlaps a sheet by a tenth of a millimetre to a few centimetres.
     "contact.width": UsualRange("m", 1e-6, 1e-5, 0.1, 0.5, (MILLI, CENTI, MICRO)),
-    # From the liner of a sleeve to the wall of a room.
-    "surroundings.body.distance": UsualRange("m", 1e-6, 1e-5, 2.0, 10.0, (MILLI, CENTI, MICRO)),
+    # From the liner of a sleeve to where air adds no more than a thousandth to thin foam.
+    "surroundings.body.distance": UsualRange("m", 1e-6, 1e-5, 0.3, 0.5, (MILLI, CENTI, MICRO)),
     "surroundings.cover.thickness": THICKNESS,
     "surroundings.cover.relative_permittivity": UsualRange("", 1.0, 1.0, 100.0, 1e4, (CENTI,)),
-    "surroundings.air": UsualRange("m", 1e-6, 1e-5, 0.3, 2.0, (MILLI, CENTI, MICRO)),
+    "surroundings.air": UsualRange("m", 1e-6, 1e-5, 0.3, 0.5, (MILLI, CENTI, MICRO)),
     "press.depth": THICKNESS,
     # A finger presses by 0.1 to 50 N; in grams a force is a hundred times that.
     "press.force": UsualRange("N", 1e-3, 1e-2, 200.0, 1e3, (MILLI, 9.81e-3)),
@@ -99,7 +99,7 @@ USUAL = {
     "readout.magnitude_noise": SHARE,
     "readout.phase_accuracy": TURN,
     "readout.phase_noise": TURN,
-    "design.within": UsualRange("m", 1e-5, 1e-4, 0.5, 1.0, (MILLI, CENTI)),
+    "design.within": UsualRange("m", 1e-5, 1e-4, 0.2, 0.5, (MILLI, CENTI)),
     "design.seconds": UsualRange("s", 1e-3, 1e-2, 1e4, 1e5, (MILLI,)),
     "design.sheet_resistance": SHEET,
     "design.foam_thickness": THICKNESS,

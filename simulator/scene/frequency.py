@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Complex, Real
 from ..sweeps import InputError
+from ..sweeps.units import quantity
 
 REFERENCE = 1e3
 """Frequency in Hz at which a constant-phase capacitance has its nominal value."""
@@ -91,7 +92,7 @@ def parse_band(text: str, own: tuple[float, float]) -> tuple[float, float]:
     Raises InputError for other texts, and unless 0 <= LOW < HIGH.
     """
     try:
-        low, high = (float(part) if part.strip() else None for part in text.split(":"))
+        low, high = (quantity(part, "Hz") if part.strip() else None for part in text.split(":"))
     except ValueError:
         raise InputError(f"--band must be LOW:HIGH in Hz, got {text!r}") from None
     band = own[0] if low is None else low, own[1] if high is None else high

@@ -52,8 +52,8 @@ BOTH = {
     "skin.sheet_resistance": ("skin.top.sheet_resistance", "skin.bottom.sheet_resistance"),
 }
 
-VIEW = "..describe.notebook_scene"
-"""Module that shows a scene in a notebook; it is imported then, because its room lies above."""
+IN_WORDS, IN_NOTEBOOKS = "..describe.facts", "..describe.notebook_scene"
+"""Modules that show a scene; they are imported then, because their package lies above."""
 
 
 def _spent(readings: object) -> None:
@@ -103,9 +103,17 @@ class Scene(Table):
         kept = everything(self)
         return without_earth(kept) if self.skin.one_conductor else kept
 
+    def __str__(self) -> str:
+        """The scene in words, as `rcskin describe` prints them."""
+        return import_module(IN_WORDS, __package__).described(self)
+
     def _repr_html_(self) -> str:
-        above = import_module(VIEW, __package__)
-        return above.scene_display(self)
+        return import_module(IN_NOTEBOOKS, __package__).scene_display(self)
+
+    @property
+    def title(self) -> str:
+        """The name with the description, if there is one."""
+        return f"{self.name}: {self.description}" if self.description else self.name
 
     @property
     def frequencies(self) -> np.ndarray:

@@ -32,6 +32,9 @@ AROUND = """
 low = "{low}"                    # of an LCR meter; "floating": of a meter without earth
 """
 """Text added to a new scene, because the meters of built-in scenes float."""
+GRID = re.compile(r"(?m)^(frequencies *= *\{.*?) *\}")
+DIGITS = 4
+"""Significant digits of frequencies that every LCR meter sets: the E4980A has no more."""
 MAX_SHOWN = 200
 """Number of characters shown of a line that is no TOML."""
 AT_LINE = re.compile(r"at line (\d+)")
@@ -69,11 +72,17 @@ def write_new(path: Path, like: str, low: LowTerminal) -> None:
     Raises InputError for another ending, a missing folder, a file that may not be overwritten, and
     an unknown scene.
     """
-    text = builtin_text(like) + AROUND.format(low=low)
+    text = new_text(like, low)
     with whole_file(checked_output(path, (".toml",))) as unfinished:
         name = json.dumps(path.stem, ensure_ascii=False)
         own = f'name = {name}\ndescription = "begun from {like}"'
         unfinished.write_text(NAME.sub(lambda _: own, text, count=1), encoding="utf-8")
+
+
+def new_text(like: str, low: LowTerminal) -> str:
+    """A built-in scene with surroundings, and with frequencies as meters set them."""
+    text = builtin_text(like) + AROUND.format(low=low)
+    return GRID.sub(rf"\1, digits = {DIGITS} }}", text)
 
 
 def write_scene(path: str | Path, scene: Scene) -> None:

@@ -37,8 +37,14 @@ TOUCH = re.compile(
     re.ASCII,
 )
 PIXEL = re.compile(r"(\d+),(\d+)", re.ASCII)
-STRENGTH_WITH_UNIT = re.compile(r"(?P<number>(?:.*?\S)??)\s*(?P<unit>mm|cm|m|N)")
-PER_M = {"m": 1, "cm": 100, "mm": 1000}
+STRENGTH_WITH_UNIT = re.compile(r"(?P<number>(?:.*?\S)??)\s*(?P<unit>[cmuµ]?m|[mk]?N)")
+PER_M = {"m": 1, "cm": 100, "mm": 1000, "um": 1_000_000, "µm": 1_000_000}
+PER_N = {"N": 1, "mN": 1000, "kN": 1e-3}
+WEIGHT = re.compile(r"(?P<number>[\d.]+)\s*(?P<unit>g|kg|gf|kgf)")
+WITH_LETTERS = re.compile(r"[\d.]+\s*[a-zA-Z]+")
+UNITS = "; a force is in N, a depth in mm, a factor has no unit"
+KILOGRAM = 9.80665
+"""Weight of a kilogram, N."""
 FARAD = re.compile(r"(?P<number>(?:.*?\S)??)\s*(?P<prefix>[fpnuµm]?)F")
 FINGERS: dict[str, WrittenFinger] = {"finger": EARTHED, "rod": 0.0}
 LENGTH = re.compile(r"\s*(?P<number>\S(?:.*?\S)??)\s*(?P<unit>mm|cm|m)\s*")
@@ -185,17 +191,28 @@ def _corners(given: list[str], text: str) -> tuple[float, ...]:
 def _strength(given: str, text: str) -> WrittenStrength:
     match = STRENGTH_WITH_UNIT.fullmatch(given)
     if match is None:
+        _refuse_weight(given, text)
         factor = _positive(given, "FACTOR", text)
         _check_maximum(factor, "FACTOR", MAX_FACTOR, given, text)
         if factor < MIN_FACTOR:
             raise InputError(f"press {text!r}: FACTOR must be >= {MIN_FACTOR:g}, got {factor:g}")
         return WrittenStrength(factor, "")
-    if match["unit"] == "N":
-        force = _positive(match["number"], "force in N", text)
+    if match["unit"] in PER_N:
+        force = _positive(match["number"], f"force in {match['unit']}", text) / PER_N[match["unit"]]
         _check_maximum(force, "force in N", MAX_FORCE, given, text)
         return WrittenStrength(force, "N")
     depth = _positive(match["number"], f"depth in {match['unit']}", text)
     return WrittenStrength(depth / PER_M[match["unit"]], "m")
+
+
+def _refuse_weight(given: str, text: str) -> None:
+    """Raises InputError with the force in N if a strength is written as a mass."""
+    match = WEIGHT.fullmatch(given)
+    mass = plain_number(match["number"]) if match else math.nan
+    if match is None or not math.isfinite(mass):
+        return
+    force = KILOGRAM * mass * (1 if match["unit"].startswith("k") else 1e-3)
+    raise InputError(f"press {text!r}: a force is in N; did you mean {force:.3g}N?")
 
 
 def _check_maximum(value: float, name: str, maximum: float, given: str, text: str) -> None:
@@ -206,7 +223,7 @@ def _check_maximum(value: float, name: str, maximum: float, given: str, text: st
 def _positive(given: str, name: str, text: str) -> float:
     value = plain_number(given)
     if not (math.isfinite(value) and value > 0):
-        hint = suggestion(given)
+        hint = suggestion(given) or (UNITS if WITH_LETTERS.fullmatch(given.strip()) else "")
         raise InputError(
             f"press {text!r}: {name} must be finite and > 0, got {given.strip()}{hint}"
         )

@@ -29,14 +29,38 @@ def in_si(text: str) -> str | None:
     match = NUMBER_WITH_UNIT.fullmatch(text.strip())
     if match is None or (match["unit"] is None and "," not in match["number"]):
         return None
-    power = _power((match["unit"] or "").strip().split("/")[0])
-    if power is None:
+    parts = _parts((match["unit"] or "").strip())
+    if parts is None:
         return None
     try:
-        number = Decimal(match["number"].replace(",", ".").replace("_", "")).scaleb(power)
+        number = Decimal(match["number"].replace(",", ".").replace("_", "")).scaleb(parts[0])
     except DecimalException:
         return None
     return f"{float(number):g}"
+
+
+def quantity(text: str, unit: str | None = "") -> float:
+    """The number of a text in a unit: "10 kHz" is 10000 in Hz, "0.5cm" is 5 in mm.
+
+    A number without a unit is in that unit already. unit: empty for a number without a unit, None
+    for a number of any unit in SI. Raises ValueError for other text and for another unit.
+    """
+    try:
+        return float(text)
+    except ValueError:
+        match = NUMBER_WITH_UNIT.fullmatch(text.strip())
+    wanted, of = _parts(unit or "") or (0, "")
+    power, base = (match and _parts((match["unit"] or "").strip())) or (None, "")
+    if power is None or not (
+        unit is None or base in (of, of.partition("/")[0]) or (base == "" and wanted == 0)
+    ):
+        raise ValueError(f"no number in {unit}: {text!r}")
+    assert match is not None
+    try:
+        number = Decimal(match["number"].replace(",", ".").replace("_", ""))
+    except DecimalException as error:
+        raise ValueError(str(error)) from error
+    return float(number.scaleb(power - wanted))
 
 
 def suggestion(text: str) -> str:
@@ -45,14 +69,19 @@ def suggestion(text: str) -> str:
     return "" if plain is None else f"; did you mean {plain}?"
 
 
-def _power(unit: str) -> int | None:
-    """Power of ten of an SI unit with its prefix, or of a prefix alone; None if unknown."""
-    if unit == "%":
-        return -2
-    if unit in ("", *BASES):
-        return 0
-    prefix, base = unit[0], unit[1:]
-    return PREFIXES.get(prefix) if base in ("", *BASES) else None
+def _parts(unit: str) -> tuple[int, str] | None:
+    """Power of ten of an SI unit with its prefix, or of a prefix alone, and the unit without it.
+
+    None if it is unknown. Hz may be written in any case.
+    """
+    above, slash, below = re.sub("hz$", "Hz", unit, flags=re.IGNORECASE).partition("/")
+    if above == "%":
+        return -2, slash + below
+    power = 0 if above in ("", *BASES) else PREFIXES.get(above[0])
+    base = above if above in ("", *BASES) else above[1:]
+    if power is None or base not in ("", *BASES):
+        return None
+    return power, f"{base.replace('Ω', 'ohm')}{slash}{below}"
 
 
 PREFIX_OF_POWER = {0: "", 3: "k", 6: "M", 9: "G", -3: "m", -6: "u", -9: "n", -12: "p", -15: "f"}

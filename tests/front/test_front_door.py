@@ -157,6 +157,39 @@ def test_features_are_named_as_on_the_command_line(skins):
     np.testing.assert_array_equal(rcskin.features(pressed)[0], as_read)
 
 
+def test_features_number_their_sweeps_and_say_which_are_left_out(scene, caplog):
+    mixed = rcskin.sweep(scene, ["2,1", "none", "1,2", "1,1+2,2", "3,3"], rtol=1e-3)
+    found = rcskin.features(mixed, "column")
+    X, y = found
+    assert list(found.index) == [2, 4] and list(y) == [2, 3] and X is found.X
+    why = "1 not of a press of one pixel, 2 with no unpressed sweep before them"
+    assert found.left_out == f"left out: {why}" and why in repr(found)
+    assert [each.getMessage() for each in caplog.records] == [
+        f"features of column: left out: {why}"
+    ]
+    assert rcskin.features(mixed[{"sweep": [2]}], "column", "Rs,Cp").left_out == "none left out"
+    assert len(caplog.records) == 1
+
+
+def test_a_scene_prints_as_the_command_describes_it(run, scene):
+    assert f"{scene}\n" == run("describe", "sheet-3x3")[1]
+
+
+def test_a_data_set_of_one_skin_or_without_noise_says_so(run, tmp_path, caplog):
+    told = ("--sweeps", 20, "--workers", 1, "-o", tmp_path / "a.zarr")
+    _, out, _ = run("dataset", "strip-1x3", *told)
+    exact = rcskin.load("strip-1x3").with_({"readout": {}})
+    rcskin.dataset(exact, 20)
+    noise, one = (each.getMessage() for each in caplog.records)
+    assert "free of noise" in noise
+    assert one.startswith("strip-1x3: all sweeps are of one skin, because a session has 500; ")
+    assert one.removeprefix("strip-1x3: ").replace("sweeps=", "--sweeps ") in out
+    caplog.clear()
+    several = {"dataset.session.sweeps_per_session": 10}
+    rcskin.dataset(rcskin.load("strip-1x3").with_(several), 20)
+    assert not caplog.records
+
+
 def test_noise_is_the_meters_of_the_scene(scene, sweeps):
     shown = rcskin.measured(sweeps, seed=3)
     off = np.log(np.hypot(shown["Rs"], shown["X"]) / np.hypot(sweeps["Rs"], sweeps["X"]))

@@ -4,11 +4,13 @@ import re
 import shlex
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
 from rcskin.__main__ import app, main
-from rcskin.simulator.scene.scene_files import AROUND, builtin_names, builtin_text, load_scene
+from rcskin.simulator.scene.scene_files import builtin_names, load_scene, new_text
+from typer import TyperException
 from typer.main import get_command
 
 from .reading import NOTEBOOKS, blocks, commands, pages, prose
@@ -109,11 +111,40 @@ def test_the_examples_run_one_after_the_other(page, tmp_path, monkeypatch):
     assert names
 
 
-def test_the_shell_block_of_the_front_page_can_be_pasted():
-    """Line by line it is commands of rcskin, and what a shell takes for comments."""
-    (block,) = blocks("README.md", "")
-    words = [shlex.split(line, comments=True) for line in block.splitlines()]
-    assert [shlex.join(each) for each in words] == commands("README.md")
+FORMULAS = "docs/reference/formulas.md"
+SIGNATURES = "docs/reference/api.md"
+PROGRAMS = {"rcskin", "python", "python3", "pip", "dask", "openssl"}
+PROGRAMS |= {"export", "mkdir", "for", "done", "OMP_NUM_THREADS=1"}
+"""First words of the lines that a shell takes."""
+
+
+@pytest.mark.parametrize("page", [page for page in pages() if page != FORMULAS])
+def test_every_shell_block_can_be_pasted(page):
+    """A shell takes each line, and each command of rcskin takes the words that are left of it."""
+    for line in "".join(blocks(page, "") + blocks(page, "sh")).splitlines():
+        words = shlex.split(re.split(r" [&|]+( |$)", line)[0], comments=True)
+        program = Path(words[0]).name if words else ""
+        assert not words or program in PROGRAMS, line
+        if program == "rcskin":
+            check_arguments(get_command(app), words[1:], line)
+
+
+def check_arguments(command, words, line):
+    """Asserts that a command of rcskin takes these arguments, without running it."""
+    while hasattr(command, "commands"):
+        words, command = words[1:], command.commands[words[0]]
+    try:
+        command.make_context("rcskin", words)
+    except TyperException as error:
+        raise AssertionError(line) from error
+
+
+@pytest.mark.parametrize("page", pages())
+def test_every_block_of_another_language_can_be_pasted(page):
+    for block in blocks(page, "toml"):
+        tomllib.loads(block)
+    for block in blocks(page, "python") + (blocks(page, "py") if page != SIGNATURES else []):
+        compile(block, page, "exec")
 
 
 def missing_inputs(line, made):
@@ -165,7 +196,7 @@ def test_the_front_page_run_twice_says_how_to_replace_what_is_there(tmp_path, mo
 
 def test_the_skin_of_ones_own_is_a_built_in_scene():
     (scene,) = blocks(OWN_SKIN, "toml")
-    assert scene == builtin_text("glove") + AROUND.format(low="virtual earth")
+    assert scene == new_text("glove", "virtual earth")
 
 
 def scene_of_fingers(folder):

@@ -23,6 +23,11 @@ class LineOutput:
     _last_note: str = field(default="", init=False)
     _remarks: tuple[str, ...] = field(default=(), init=False)
 
+    @property
+    def lasting(self) -> bool:
+        """True: lines stay."""
+        return True
+
     def reading(self, frequency: float, reading: MeterReading) -> None:
         """Show nothing."""
 

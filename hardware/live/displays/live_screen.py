@@ -26,6 +26,8 @@ OTHER_LINES = 14
 class LiveScreen:
     """Picture that each reading updates while the block runs; it is removed at the end."""
 
+    lasting = False
+
     def __init__(self, console: Console, localizer: LiveLocalizer) -> None:
         from rich.live import Live
 

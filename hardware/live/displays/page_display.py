@@ -27,6 +27,7 @@ UPDATE_INTERVAL = 0.25
 class PageDisplay:
     """Posts the state of a session, as numbers and text, at each change."""
 
+    lasting = False
     model: Model
     post: Callable[[Mapping[str, Any]], None]
     _state: dict[str, Any] = field(init=False)

@@ -21,6 +21,11 @@ class CombinedDisplay:
 
     displays: Sequence[SessionDisplay]
 
+    @property
+    def lasting(self) -> bool:
+        """True if the first display, the terminal's, stays after the session."""
+        return self.displays[0].lasting
+
     def reading(self, frequency: float, reading: MeterReading) -> None:
         """Show a reading at a frequency in Hz."""
         for show in self.displays:

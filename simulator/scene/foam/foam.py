@@ -135,8 +135,17 @@ class Foam(Table):
             raise ValueError("needs thickness where mechanics is given")
         if None not in given:
             raise ValueError("takes capacitance_per_area or relative_permittivity, not both")
-        if given == (None, None) and mechanics.unpressed_permittivity is None:
+        constant = mechanics.effective_medium == "constant"
+        if given == (None, None) and constant:
             raise ValueError(
                 "needs capacitance_per_area or relative_permittivity where "
                 'mechanics.effective_medium = "constant"'
             )
+        object.__setattr__(self, "mechanics", mechanics.with_permittivity(self._permittivity))
+
+    @property
+    def _permittivity(self) -> float | None:
+        """Relative permittivity that the keys of the foam give, None if they give none."""
+        if self.capacitance_per_area is None or self.thickness is None:
+            return self.relative_permittivity
+        return self.capacitance_per_area * self.thickness / VACUUM_PERMITTIVITY

@@ -8,7 +8,7 @@ from typing import Annotated, Literal, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
-from pydantic import Field, model_validator
+from pydantic import Field, PrivateAttr, model_validator
 
 from ...arrays import Real
 from ..ranges import Permittivity, Stress, Tension
@@ -133,6 +133,13 @@ LAWS: dict[str, Law] = {
 BUCKLING_STRAIN = 0.05
 """Plateau stress over Young's modulus of elastomeric foams: Gibson and Ashby, eq. 5.18 over 5.6."""
 
+ASSUMED_SOLID_PERMITTIVITY = 3.0
+"""Relative permittivity of the solid where only that of the foam is known: silicone rubber has 2.7
+to 3.2, polyurethane and natural rubber 2.5 to 3.5."""
+CONSTANT = 'effective_medium = "constant"'
+POROSITIES = (1e-3, 0.999)
+"""Limits of porosity and strain: foam with less air is solid; strain ends when the air is gone."""
+
 STEP = 1e-6
 HALVINGS = 53
 
@@ -145,8 +152,7 @@ def strain_of(factor: ArrayLike) -> Real:
     return np.maximum(1 - 1 / np.asarray(factor, dtype=np.float64), 0.0)
 
 
-Strain = Annotated[Number, Field(ge=1e-3, le=0.999)]
-"""Limits of porosity and strain: foam with less air is solid; strain ends when the air is gone."""
+Strain = Annotated[Number, Field(ge=POROSITIES[0], le=POROSITIES[1])]
 
 
 class Mechanics(Table):
@@ -154,16 +160,18 @@ class Mechanics(Table):
 
     Pores close as its volume falls: at strain e the porosity is (porosity - e)/(1 - e), from which
     the law `effective_medium` gives the permittivity; "constant" leaves it unchanged. porosity:
-    fraction of air in the volume of the unpressed foam. solid_permittivity: relative permittivity
-    of the solid; needed unless effective_medium is "constant". effective_medium: law of the
-    permittivity of the mixture. solid_modulus: Young's modulus of the solid. stress_strain:
-    "elastomer", with a plateau and densification; "linear", stress in proportion to strain. modulus
-    [Pa]: Young's, or `solid_modulus` (1 - porosity)², that of open cells (Gibson and Ashby, eq.
-    5.6). plateau_stress [Pa]: default 0.05 of the modulus. densification_strain: default the
-    porosity. tension [N/m]: of both electrode skins together, equal in all directions.
+    fraction of air in the volume of the unpressed foam; by default the one at which the law gives
+    the permittivity of the foam, or for "constant" the densification_strain. solid_permittivity:
+    relative permittivity of the solid; 3 where both it and the porosity are left out.
+    effective_medium: law of the permittivity of the mixture. solid_modulus: Young's modulus of the
+    solid. stress_strain: "elastomer", with a plateau and densification; "linear", stress in
+    proportion to strain. modulus [Pa]: Young's, or `solid_modulus` (1 - porosity)², that of open
+    cells (Gibson and Ashby, eq. 5.6). plateau_stress [Pa]: default 0.05 of the modulus.
+    densification_strain: default the porosity. tension [N/m]: of both electrode skins together,
+    equal in all directions.
     """
 
-    porosity: Strain
+    porosity: Strain | None = None
     solid_permittivity: Permittivity | None = None
     effective_medium: Literal[
         "looyenga", "bruggeman", "lichtenecker", "maxwell-garnett", "constant"
@@ -174,6 +182,60 @@ class Mechanics(Table):
     plateau_stress: Stress | None = None
     densification_strain: Strain | None = None
     tension: Tension = 0.0
+    _derived: float = PrivateAttr(0.0)
+
+    @property
+    def air(self) -> float:
+        """Porosity, given or derived."""
+        return self._derived if self.porosity is None else self.porosity
+
+    def with_permittivity(self, foam: float | None) -> Self:
+        """The mechanics with its porosity. foam: relative permittivity of the unpressed foam.
+
+        Raises ValueError if the porosity is not given and does not follow.
+        """
+        found = self.model_copy()
+        if self.porosity is None:
+            found._derived = self._derived_porosity(foam)
+        found._check_densification()
+        return found
+
+    def _derived_porosity(self, foam: float | None) -> float:
+        if self.effective_medium == "constant":
+            if self.densification_strain is None:
+                raise ValueError(
+                    f"mechanics needs porosity or densification_strain with {CONSTANT}"
+                )
+            return self.densification_strain
+        if foam is None:
+            raise ValueError(
+                "mechanics needs porosity, unless relative_permittivity or capacitance_per_area of "
+                "the foam is given"
+            )
+        highest, lowest = (float(self._mixed(np.array(each))) for each in POROSITIES)
+        if not lowest <= foam <= highest:
+            raise ValueError(
+                f"mechanics needs porosity or another solid_permittivity: that of the solid, "
+                f"{self._solid:g}, gives foams of {lowest:.4g} to {highest:.4g}, got {foam:.4g}"
+            )
+        low, high = POROSITIES
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2
+            above = float(self._mixed(np.array(middle))) > foam
+            low, high = (middle, high) if above else (low, middle)
+        return high
+
+    @property
+    def derivation(self) -> str:
+        """Text on how the porosity was derived; empty if it was given."""
+        if self.porosity is not None:
+            return ""
+        if self.effective_medium == "constant":
+            return " (the densification_strain)"
+        assumed = " assumed" if self.solid_permittivity is None else ""
+        return (
+            f" (from the permittivity, by {self.effective_medium}; solid {self._solid:g}{assumed})"
+        )
 
     @property
     def young(self) -> float:
@@ -181,20 +243,20 @@ class Mechanics(Table):
         if self.modulus is not None:
             return self.modulus
         assert self.solid_modulus is not None
-        return self.solid_modulus * (1 - self.porosity) ** 2
+        return self.solid_modulus * (1 - self.air) ** 2
 
     @property
     def elastic(self) -> Elastic:
         """The stress-strain law of the foam."""
-        densified = self.densification_strain or self.porosity
+        densified = self.densification_strain or self.air
         if self.stress_strain == "linear":
             return Hookean(self.young, densified)
         return Elastomer(self.young, self.plateau_stress or BUCKLING_STRAIN * self.young, densified)
 
     @property
     def unpressed_permittivity(self) -> float | None:
-        """Relative permittivity of the unpressed foam; None if the law is "constant"."""
-        if self.effective_medium == "constant":
+        """Relative permittivity of the unpressed foam; None if the law does not give it."""
+        if self.effective_medium == "constant" or self.porosity is None:
             return None
         return float(self._permittivity(np.array(0.0)))
 
@@ -204,7 +266,7 @@ class Mechanics(Table):
 
     def strain_at(self, factor: Real) -> Real:
         """Strain at a capacitance factor, by bisection; 0 for factors < 1, at most the porosity."""
-        low, high = np.zeros(np.shape(factor)), np.full(np.shape(factor), self.porosity)
+        low, high = np.zeros(np.shape(factor)), np.full(np.shape(factor), self.air)
         for _ in range(HALVINGS):
             middle = (low + high) / 2
             beyond = self.factor(middle) > factor
@@ -213,30 +275,41 @@ class Mechanics(Table):
 
     def gain(self, strain: Real) -> Real:
         """d ln factor / d strain, by central difference."""
-        inside = np.clip(strain, 0.0, self.porosity)
-        low, high = np.maximum(inside - STEP, 0.0), np.minimum(inside + STEP, self.porosity)
+        inside = np.clip(strain, 0.0, self.air)
+        low, high = np.maximum(inside - STEP, 0.0), np.minimum(inside + STEP, self.air)
         return np.log(self.factor(high) / self.factor(low)) / (high - low)
 
     def _permittivity(self, strain: Real) -> Real:
         if self.effective_medium == "constant":
             return np.ones_like(strain)
-        assert self.solid_permittivity is not None
-        left = (self.porosity - strain) / (1 - strain)
-        return LAWS[self.effective_medium](left, self.solid_permittivity)
+        return self._mixed((self.air - strain) / (1 - strain))
+
+    def _mixed(self, porosity: Real) -> Real:
+        return LAWS[self.effective_medium](porosity, self._solid)
+
+    @property
+    def _solid(self) -> float:
+        """Relative permittivity of the solid, given or assumed."""
+        return self.solid_permittivity or ASSUMED_SOLID_PERMITTIVITY
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
         if (self.modulus is None) == (self.solid_modulus is None):
             raise ValueError("needs either modulus or solid_modulus")
-        if (self.solid_permittivity is None) != (self.effective_medium == "constant"):
-            raise ValueError(
-                'needs solid_permittivity, unless effective_medium = "constant", which takes none'
-            )
-        if (self.densification_strain or 0.0) > self.porosity:
-            raise ValueError(
-                f"densification_strain must be <= porosity {self.porosity:g}, "
-                f"got {self.densification_strain:g}"
-            )
+        constant = self.effective_medium == "constant"
+        if constant and self.solid_permittivity is not None:
+            raise ValueError(f"takes no solid_permittivity with {CONSTANT}")
+        if not constant and self.solid_permittivity is None and self.porosity is not None:
+            raise ValueError(f"needs solid_permittivity with porosity, unless {CONSTANT}")
+        if self.porosity is not None:
+            self._check_densification()
         if self.stress_strain == "linear" and self.plateau_stress is not None:
             raise ValueError('plateau_stress does not apply to stress_strain = "linear"')
         return self
+
+    def _check_densification(self) -> None:
+        if (self.densification_strain or 0.0) > self.air:
+            raise ValueError(
+                f"densification_strain must be <= porosity {self.air:g}, "
+                f"got {self.densification_strain:g}"
+            )

@@ -34,13 +34,15 @@ class FrequencyGrid(Table):
     """Evenly spaced frequencies, both ends included.
 
     start: the lowest. stop: the highest. points: their number. spacing: even in the logarithm of
-    frequency, or in frequency.
+    frequency, or in frequency. digits: significant digits to which they are rounded, 4 as LCR
+    meters set them; by default they are not rounded.
     """
 
     start: Frequency
     stop: Frequency
     points: Annotated[Whole, Field(ge=2, le=100_000)]
     spacing: Literal["log", "linear"] = "log"
+    digits: Annotated[Whole, Field(ge=2, le=17)] | None = None
 
     @model_validator(mode="after")
     def _start_below_stop(self) -> Self:
@@ -51,7 +53,10 @@ class FrequencyGrid(Table):
     def values(self) -> list[float]:
         """The frequencies, Hz."""
         space = np.geomspace if self.spacing == "log" else np.linspace
-        return space(self.start, self.stop, self.points).tolist()
+        values = space(self.start, self.stop, self.points).tolist()
+        if self.digits is None:
+            return values
+        return [float(f"{each:.{self.digits}g}") for each in values]
 
 
 def _listed(frequencies: object) -> object:

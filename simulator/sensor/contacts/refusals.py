@@ -12,8 +12,8 @@ from .contact_types import KINDS, Contacts, PointContacts
 
 UNITS = {"force": "N", "depth": "m", "factor": "times the unpressed capacitance", "pressure": "Pa"}
 MECHANICS = (
-    "the foam's law: thickness in [skin.foam], and porosity, solid_permittivity and modulus in "
-    "[skin.foam.mechanics]"
+    "the foam's law: thickness in [skin.foam], and modulus in [skin.foam.mechanics], with porosity "
+    "and solid_permittivity there or relative_permittivity in [skin.foam]"
 )
 
 

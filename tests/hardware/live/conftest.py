@@ -25,6 +25,8 @@ _rig = runpy.run_path(str(RIG))
 class Witness:
     """Keeps what is shown, and does `then[n]` after the n-th answer."""
 
+    lasting = False
+
     def __init__(self, then=None):
         self.moments, self.told, self.notes = [], [], []
         self.then = then or {}

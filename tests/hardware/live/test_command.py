@@ -106,9 +106,17 @@ def test_an_unplugged_meter_is_given_up_with_code_1(start, instrument):
     instrument.faults.add(Fault("drop", times=10**6))
     _, err = process.communicate(timeout=SOON)
     assert process.returncode == 1
-    assert "trying again in" in err and "Traceback" not in err
-    last = err.splitlines()[-1]
-    assert last.startswith("rcskin: the meter gave no sweep for 0.3 s; the last failure: TCPIP0")
+    assert "trying again for up to 0.3 s" in err and "Traceback" not in err
+    notes = err.splitlines()
+    assert notes[-1].startswith("rcskin: the meter gave no sweep for 0.3 s")
+    assert len({*notes}) == len(notes)
+
+
+def test_a_meter_that_is_not_there_is_said_once(start):
+    process = start("--patience", 0.6, resource="TCPIP0::127.0.0.1::1::SOCKET")
+    out, err = process.communicate(timeout=SOON)
+    assert (process.returncode, out) == (1, "") and err.count("cannot be made") == 1
+    assert err.endswith("trying again for up to 0.6 s\nrcskin: the meter gave no sweep for 0.6 s\n")
 
 
 def test_a_terminal_shows_the_grid_and_is_left_clean(start, terminal, instrument):

@@ -94,7 +94,7 @@ def test_a_session_without_rest_is_left_out_and_counted(run, make_sweeps, tmp_pa
     code, out, _ = run("evaluate", tmp_path / "some.nc", "--features", "dlnZ,dphase")
     assert code == 0
     assert (
-        "69 sweeps, 0 without a column, 18 of 1 session without a baseline, 3 before the first"
+        "69 sweeps, left out: 18 in 1 session without an unpressed sweep, 3 with no unpressed"
         in out
     )
 
@@ -108,9 +108,12 @@ def test_three_touches_at_once_are_left_out_and_counted(run, make_sweeps, tmp_pa
     for target in ("touches", "pair", "position"):
         asked = ("--target", target, "--features", "Rs,Cp", "-o", tmp_path / f"{target}.skops")
         code, out, _ = run("train", tmp_path / "three.nc", *asked)
-        named = "count of touches" if target == "touches" else target
-        number = 7 if target == "position" else 1
-        assert code == 0 and f"{number} without a {named} left out" in out
+        other = {
+            "touches": "1 of more than 2 touches",
+            "pair": "1 not of a press of at most 2 whole pixels",
+            "position": "7 not of one touch",
+        }
+        assert code == 0 and f"left out: {other[target]}\n" in out
 
 
 def test_answers_at_a_rate_are_reported_with_confidence_and_coverage(run, make_sweeps, tmp_path):

@@ -120,4 +120,4 @@ def test_a_baseline_with_a_reading_that_is_no_number_is_none(strip, make_sweeps,
 def test_a_model_learns_from_the_sweeps_that_have_all_readings(strip):
     model = train(with_reading(strip, 3, "Rs", np.nan), quantities="Rs,Cp")
     assert model.trained_on == train(strip, quantities="Rs,Cp").trained_on - 1
-    assert "1 with a reading that is no finite number left out" in model.left_out
+    assert "left out: 1 with a reading that is no finite number" in model.left_out

@@ -69,12 +69,12 @@ def test_the_papers_sheet_in_words(run):
         (
             "frequencies",
             {"sweep.frequencies": [1e3, 3e5]},
-            "meter IM3523 reads 40 Hz to 200 kHz; 300 kHz is outside (",
+            "meter IM3523 reads 40 Hz to 200 kHz; 300 kHz is outside (within reach of IM3536, ",
         ),
         (
             "frequencies",
             {"sweep.frequencies": [3.0, 1e3]},
-            "3 Hz is outside (",
+            "3 Hz is outside (within reach of IM3533)",
         ),
         ("top sheet", {"skin.top.piezoresistance": 2.0}, "rises by 2 times the strain of the foam"),
         ("top sheet", {"skin.top.map": {"kind": "gradient", "x": 0.2}}, "varies by a gradient map"),

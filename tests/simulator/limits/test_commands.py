@@ -89,14 +89,14 @@ def test_size_and_factor_apply_to_counts_of_pixels(run, coarse):
 def test_each_figure_states_its_assumptions(run, tmp_path, scene_file, undrawn):
     out = run("limits", scene_file(), *QUICK, "-o", tmp_path / "found")[1]
     position, accuracy = (
-        out.index(f"for a {what}: known: the skin") for what in ("touch", "press")
+        out.index(f"for a {what}") for what in ("touch: the estimator", "press: the classifier")
     )
     assert position < out.index("x (mm)") < accuracy < out.index("accuracy of columns")
-    assert "unknown: x, y and strength" in out and "with a spread of 10 % of the rise" in out
+    assert "it estimates x, y and strength" in out and "give or take 10 % of the rise" in out
     told = json.loads((tmp_path / "found" / "limits.json").read_text())
     assert told["position_asked"] in out and told["accuracy"]["asked"] in out
     out = run("limits", scene_file(), *QUICK, "--unknown-skin", "-o", tmp_path / "other")[1]
-    assert "unknown: x, y and strength, without prior, and the skin within dataset" in out
+    assert "x, y and strength, and the skin as dataset.session draws it, from the sweep" in out
 
 
 def test_long_tables_are_cut_on_the_terminal_only(run, tmp_path, scene_file, monkeypatch, undrawn):

@@ -9,6 +9,8 @@ from rcskin.simulator.scene.foam.foam_mechanics import (
     looyenga,
     maxwell_garnett,
 )
+from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text
+from rcskin.simulator.sweeps import InputError
 
 POROSITY = np.linspace(0, 1, 41)
 SOLIDS = (1.0, 2.79, 12.0)
@@ -101,7 +103,7 @@ def test_closed_pores_leave_the_solid():
         ({"modulus": None}, "needs either modulus or solid_modulus"),
         ({"solid_modulus": 1e6}, "needs either modulus or solid_modulus"),
         ({"solid_permittivity": None}, "needs solid_permittivity"),
-        ({"effective_medium": "constant"}, "takes none"),
+        ({"effective_medium": "constant"}, "takes no solid_permittivity"),
         ({"densification_strain": 0.7}, "densification_strain must be <= porosity 0.67, got 0.7"),
         ({"stress_strain": "linear", "plateau_stress": 1e3}, "plateau_stress does not apply"),
         ({"porosity": 1.0}, "less than or equal to 0.999"),
@@ -135,3 +137,61 @@ def test_constant_permittivity_must_be_given():
         Foam(thickness=4e-3, mechanics=constant)
     given = Foam(thickness=4e-3, relative_permittivity=2.0, mechanics=constant)
     assert given.unpressed_capacitance_per_area == 2 * VACUUM_PERMITTIVITY / 4e-3
+
+
+NOT_GIVEN = dict.fromkeys(
+    f"skin.foam.mechanics.{key}"
+    for key in ("porosity", "solid_permittivity", "densification_strain")
+)
+
+
+@pytest.mark.parametrize("law", ["looyenga", "bruggeman", "lichtenecker", "maxwell-garnett"])
+def test_permittivity_and_modulus_of_a_foam_are_enough(law):
+    known = {"skin.foam.relative_permittivity": 1.5, "skin.foam.mechanics.effective_medium": law}
+    scene = load_scene("foam").with_({**NOT_GIVEN, **known})
+    mechanics = scene.skin.foam.mechanics
+    assert LAWS[law](mechanics.air, 3.0) == pytest.approx(1.5, rel=1e-12)
+    given = {"porosity": mechanics.air, "solid_permittivity": 3.0}
+    same = scene.with_({f"skin.foam.mechanics.{key}": value for key, value in given.items()})
+    strain = np.linspace(0, 0.6, 7)
+    np.testing.assert_array_equal(same.skin.foam.mechanics.factor(strain), mechanics.factor(strain))
+    assert f"(from the permittivity, by {law}; solid 3 assumed)" in str(scene)
+    assert parse_scene(scene_text(scene), "again") == scene
+
+
+def test_a_derived_porosity_follows_the_permittivity_and_the_solid():
+    scene = load_scene("foam").with_({**NOT_GIVEN, "skin.foam.relative_permittivity": 1.5})
+    denser = scene.with_({"skin.foam.relative_permittivity": 1.8})
+    c = 8.8541878128e-12 * 1.8 / scene.skin.foam.thickness
+    by_capacitance = {"skin.foam.relative_permittivity": None, "skin.foam.capacitance_per_area": c}
+    solid = scene.with_({"skin.foam.mechanics.solid_permittivity": 5.0})
+    air, dense, same, light = (
+        each.skin.foam.mechanics.air for each in (scene, denser, scene.with_(by_capacitance), solid)
+    )
+    assert dense < air < light and same == pytest.approx(dense, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({}, "mechanics needs porosity, unless relative_permittivity or capacitance_per_area"),
+        ({"skin.foam.relative_permittivity": 4.0}, "that of the solid, 3, gives foams of 1.001 to"),
+        (
+            {
+                "skin.foam.relative_permittivity": 1.5,
+                "skin.foam.mechanics.effective_medium": "constant",
+            },
+            "needs porosity or densification_strain",
+        ),
+        (
+            {
+                "skin.foam.relative_permittivity": 1.5,
+                "skin.foam.mechanics.densification_strain": 0.9,
+            },
+            "densification_strain must be <= porosity 0.672",
+        ),
+    ],
+)
+def test_a_porosity_that_does_not_follow_is_asked_for(changes, told):
+    with pytest.raises(InputError, match=told):
+        load_scene("foam").with_({**NOT_GIVEN, **changes})
