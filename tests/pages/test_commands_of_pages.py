@@ -232,9 +232,11 @@ def test_a_model_runs_elsewhere(tmp_path, monkeypatch):
 @pytest.mark.slow
 @pytest.mark.parametrize("line", blocks(IN_MUJOCO, "")[0].splitlines())
 def test_robots_in_mujoco_draw_their_films(line, tmp_path):
-    program, *words = shlex.split(line)
+    program, script, *words = shlex.split(line)
     assert program == "python"
-    found = subprocess.run([sys.executable, *words], cwd=tmp_path, capture_output=True, text=True)
+    found = subprocess.run(
+        [sys.executable, ROOT / script, *words], cwd=tmp_path, capture_output=True, text=True
+    )
     if "needs OpenGL" in found.stderr:
         pytest.skip(found.stderr.strip())
     assert found.returncode == 0 and "mm" in found.stdout, found.stderr
