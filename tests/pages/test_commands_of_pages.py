@@ -11,7 +11,7 @@ from rcskin.__main__ import app, main
 from rcskin.simulator.scene.scene_files import AROUND, builtin_names, builtin_text, load_scene
 from typer.main import get_command
 
-from .reading import NOTEBOOKS, blocks, commands, pages, prose
+from .reading import NOTEBOOKS, ROOT, blocks, commands, pages, prose
 
 FIRST_STEPS = "docs/tutorials/first-steps.md"
 OWN_SKIN = "docs/tutorials/your-own-skin.md"
