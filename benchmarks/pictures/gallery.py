@@ -274,18 +274,18 @@ THEMES: dict[str, tuple[Picture, ...]] = {
     "Robots": (
         result(
             "stroke.gif",
-            "python -m rcskin.localization.robots.stroke -o stroke.gif",
+            "python docs/examples/stroke.py -o stroke.gif",
             "A finger strokes a flat skin; right, the true place of the touch and the place read "
             "from the skin.",
         ),
         result(
             "gripper.gif",
-            "python -m rcskin.localization.robots.gripper -o gripper.gif",
+            "python docs/examples/gripper.py -o gripper.gif",
             "Two jaws with a skin each roll a ball between them.",
         ),
         result(
             "forearm.gif",
-            "python -m rcskin.localization.robots.forearm -o forearm.gif",
+            "python docs/examples/forearm.py -o forearm.gif",
             "An arm with a skin around it turns under a ball.",
         ),
     ),

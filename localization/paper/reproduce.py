@@ -24,10 +24,9 @@ from ..model.localizer_file import save
 from ..model.training import train
 from . import figures
 from .claim import Claim
-from .claims import all_claims
+from .claims import Results, all_claims
 from .paper_quantities import open_line_frequencies, paper_frequencies
 from .report import write_report
-from .results import Results
 from .simulated_experiment import (
     EXPERIMENTS,
     SHEETS,

@@ -179,14 +179,6 @@ class Scene(Table):
         for key in self.beyond_sheets:
             raise InputError(f"{self.name}: {what} cannot take `{key}`; leave it out here")
 
-    def require_impedance(self, what: str) -> None:
-        """Raises InputError if the reader reads gains, which `what` does not support."""
-        if self.reading.gain:
-            raise InputError(
-                f'{self.name}: {what} cannot take `interface[1].reader` = "gain"; it shows '
-                "impedances: leave reader and its keys out here"
-            )
-
     @property
     def pressed_factor(self) -> float:
         """Capacitance factor of a pixel under the press of the scene.

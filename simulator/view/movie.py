@@ -14,19 +14,17 @@ from .painting import PALER, ROLE_COLOURS, Image, under_grid
 
 FPS = 8
 GREYS = 24
-SAMPLED, OWN_COLOURS = 6, 128
-"""Number of frames that give a GIF its own colours, and number of these."""
 
 
 def write_movie(path: Path, frames: Iterable[Image], colour_maps: Collection[str]) -> None:
     """Writes frames (height, width, 3) as a GIF that loops or as an MP4.
 
     All frames have one size. colour_maps: names of the maps that a GIF, which has 256 colours, must
-    reproduce; without any, it has the colours of its own frames.
+    reproduce.
     """
     with whole_file(path) as unfinished:
         if path.suffix == ".gif":
-            _write_gif(unfinished, frames, _palette(colour_maps) if colour_maps else None)
+            _write_gif(unfinished, frames, _palette(colour_maps))
         else:
             _write_mp4(unfinished, frames)
 
@@ -50,16 +48,11 @@ def _palette(colour_maps: Collection[str]) -> NDArray[np.uint8]:
     return np.round(255 * filled).astype(np.uint8)
 
 
-def _write_gif(path: Path, frames: Iterable[Image], colours: NDArray[np.uint8] | None) -> None:
+def _write_gif(path: Path, frames: Iterable[Image], colours: NDArray[np.uint8]) -> None:
     import PIL.Image
 
-    if colours is None:
-        frames = list(frames)
-        some = np.vstack(frames[:: max(len(frames) // SAMPLED, 1)])
-        palette = PIL.Image.fromarray(some).quantize(OWN_COLOURS)
-    else:
-        palette = PIL.Image.new("P", (1, 1))
-        palette.putpalette(colours.tobytes())
+    palette = PIL.Image.new("P", (1, 1))
+    palette.putpalette(colours.tobytes())
     first, *others = (
         PIL.Image.fromarray(frame).quantize(palette=palette, dither=PIL.Image.Dither.NONE)
         for frame in frames

@@ -13,7 +13,7 @@ from rcskin.simulator.scene.scene_files import builtin_names, load_scene, new_te
 from typer import TyperException
 from typer.main import get_command
 
-from .reading import NOTEBOOKS, blocks, commands, pages, prose
+from .reading import NOTEBOOKS, ROOT, blocks, commands, pages, prose
 
 FIRST_STEPS = "docs/tutorials/first-steps.md"
 OWN_SKIN = "docs/tutorials/your-own-skin.md"
@@ -263,9 +263,11 @@ def test_a_model_runs_elsewhere(tmp_path, monkeypatch):
 @pytest.mark.slow
 @pytest.mark.parametrize("line", blocks(IN_MUJOCO, "")[0].splitlines())
 def test_robots_in_mujoco_draw_their_films(line, tmp_path):
-    program, *words = shlex.split(line)
+    program, script, *words = shlex.split(line)
     assert program == "python"
-    found = subprocess.run([sys.executable, *words], cwd=tmp_path, capture_output=True, text=True)
+    found = subprocess.run(
+        [sys.executable, ROOT / script, *words], cwd=tmp_path, capture_output=True, text=True
+    )
     if "needs OpenGL" in found.stderr:
         pytest.skip(found.stderr.strip())
     assert found.returncode == 0 and "mm" in found.stdout, found.stderr

@@ -4,7 +4,6 @@ from rcskin.simulator.scene.foam.foam_mechanics import Elastomer, Hookean, Mecha
 
 FOAM = Elastomer(modulus=30e3, plateau_stress=1.5e3, densification_strain=0.67)
 LAWS = (FOAM, Hookean(30e3, 0.67))
-STRAIN = np.linspace(0, 0.669, 400)
 
 
 @pytest.mark.parametrize("law", LAWS)

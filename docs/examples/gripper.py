@@ -1,14 +1,7 @@
-"""A gripper holds a ball: python -m rcskin.localization.robots.gripper -o gripper.gif"""
-
-from __future__ import annotations
-
-import sys
-from typing import Any
+"""A gripper holds a ball: python docs/examples/gripper.py -o gripper.gif"""
 
 import numpy as np
-
-from .example_command import run
-from .robot_example import RobotExample
+from robot_example import RobotExample, main
 
 XML = """
 <mujoco>
@@ -48,13 +41,13 @@ XML = """
 """
 
 
-def control(data: Any, time: float) -> None:
+def control(data, time):
     """Hold by 2 N; the jaws move against each other, so that the ball rolls between them."""
     shift = 0.03 * np.sin(2 * np.pi * time / 4)
     data.ctrl[:] = 2.0, 2.0, shift, -shift
 
 
-GRIPPER = RobotExample("gripper", XML, ("left", "right"), control)
+GRIPPER = RobotExample(XML, ("left", "right"), control)
 
 if __name__ == "__main__":
-    sys.exit(run(GRIPPER))
+    main(GRIPPER)

@@ -1,15 +1,8 @@
 """An arm with a skin around its forearm leans on a ball, and turns:
-python -m rcskin.localization.robots.forearm -o forearm.gif"""
-
-from __future__ import annotations
-
-import sys
-from typing import Any
+python docs/examples/forearm.py -o forearm.gif"""
 
 import numpy as np
-
-from .example_command import run
-from .robot_example import RobotExample
+from robot_example import RobotExample, main
 
 XML = """
 <mujoco>
@@ -43,7 +36,7 @@ XML = """
 """
 
 
-def control(data: Any, time: float) -> None:
+def control(data, time):
     """Lean upwards on the ball by about 1.5 N, while the forearm turns and reaches."""
     phase = 2 * np.pi * time / 4
     weight = 0.1 * 9.81 * 0.18
@@ -57,7 +50,7 @@ SKIN = {
     "skin.shape": {"kind": "cylinder", "radius": 0.040},  # m, that of the built-in mug
     "pixels.columns": 6,
 }
-FOREARM = RobotExample("forearm", XML, ("forearm",), control, changes=SKIN)
+FOREARM = RobotExample(XML, ("forearm",), control, changes=SKIN)
 
 if __name__ == "__main__":
-    sys.exit(run(FOREARM))
+    main(FOREARM)

@@ -1,14 +1,7 @@
-"""A finger strokes a flat skin: python -m rcskin.localization.robots.stroke -o stroke.gif"""
-
-from __future__ import annotations
-
-import sys
-from typing import Any
+"""A finger strokes a flat skin: python docs/examples/stroke.py -o stroke.gif"""
 
 import numpy as np
-
-from .example_command import run
-from .robot_example import RobotExample
+from robot_example import RobotExample, main
 
 XML = """
 <mujoco>
@@ -38,13 +31,13 @@ XML = """
 """
 
 
-def control(data: Any, time: float) -> None:
+def control(data, time):
     """A figure of eight, pressed by 1 N and the weight."""
     phase = 2 * np.pi * time / 4
     data.ctrl[:] = 0.025 * np.sin(phase), 0.025 * np.sin(2 * phase), -1.0
 
 
-STROKE = RobotExample("stroke", XML, ("palm",), control)
+STROKE = RobotExample(XML, ("palm",), control)
 
 if __name__ == "__main__":
-    sys.exit(run(STROKE))
+    main(STROKE)
