@@ -160,7 +160,7 @@ def judged(case: Case, sweeps: xr.Dataset, name: str, quantities: tuple[str, ...
         return row | {
             "found": told,
             "calibration": f"off by {100 * figures['calibration error']:.1f} %",
-            "value": 100 * figures["accuracy"],
+            "value": 100 * figures["right of all"],
         }
     return row | {
         "found": f"median {figures['median error, mm']:.1f} mm, "

@@ -26,12 +26,12 @@ LETTER = 0.62
 """Width of a digit divided by its size."""
 
 
-def draw_confusion(axes: Axes, confusion: Confusion) -> None:
+def draw_confusion(axes: Axes, confusion: Confusion, title: str = "Accuracy") -> None:
     """Draw counts and percent of all sweeps as a matrix.
 
     The output class runs downwards, the target class to the right. The colour of a cell shows its
     share of the target class; cells with zero are empty; the percentage is left out if it does not
-    fit. The title shows the accuracy. This is the layout of MATLAB's `plotconfusion`.
+    fit. The title states the accuracy by its name. This is the layout of MATLAB's `plotconfusion`.
     """
     axes.grid(False)
     classes = np.arange(len(confusion.labels))
@@ -51,7 +51,7 @@ def draw_confusion(axes: Axes, confusion: Confusion) -> None:
     axes.set_xlabel("Target class", fontsize=large)
     axes.set_ylabel("Output class", fontsize=large)
     axes.set_title(
-        f"Accuracy {100 * confusion.accuracy:.1f} % ({confusion.correct} of {confusion.total})",
+        f"{title} {100 * confusion.accuracy:.1f} % ({confusion.correct} of {confusion.total})",
         fontsize=1.1 * large,
     )
     if classes.size <= MAX_LABELLED_CLASSES:

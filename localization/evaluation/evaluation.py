@@ -36,6 +36,7 @@ UNCHECKED = {"assume_finite": True, "skip_parameter_validation": True}
 """Checks of scikit-learn that are unnecessary for many small SVMs on simulated sweeps."""
 EXAMPLES = 6
 """Number of sweeps whose regions are kept."""
+RIGHT_OF_ALL, RIGHT_OF_ANSWERED = "right of all", "right of those answered"
 REGION_FIGURE = f"touches within {100 * PROBABILITY:g} % regions"
 __all__ = ["ClassScore", "PositionScore", "cross_validate", "folds_of", "nested"]
 
@@ -55,7 +56,7 @@ class ClassScore:
 
     @property
     def right(self) -> Mask:
-        """True if the most probable class was the true one, shape (sweep,)."""
+        """True if the most probable class was the true one, answered or not, shape (sweep,)."""
         return self.truth == self.predicted
 
     @property
@@ -64,23 +65,18 @@ class ClassScore:
         return compare(self.truth, self.predicted)
 
     def rates(self) -> dict[str, tuple[int, int]]:
-        """Those of `figures` that are rates: count, and number of sweeps."""
-        answered, total = self.answers.answered, self.right.size + self.unread
+        """Count, and number of sweeps that it is of: a refusal is no right answer."""
+        answered = self.answers.answered
+        right, total = int((self.right & answered).sum()), self.right.size + self.unread
         return {
-            "accuracy": (int(self.right.sum()), total),
+            RIGHT_OF_ALL: (right, total),
             "answered": (int(answered.sum()), total),
-            "accuracy of answers": (int(self.right[answered].sum()), int(answered.sum())),
+            RIGHT_OF_ANSWERED: (right, int(answered.sum())),
         }
 
     def figures(self) -> dict[str, float]:
-        """Accuracy, fraction answered, accuracy of these if any, expected calibration error."""
-        answered, total = self.answers.answered, self.right.size + self.unread
-        found = {
-            "accuracy": float(self.right.sum() / total),
-            "answered": float(answered.sum() / total),
-        }
-        if answered.any():
-            found["accuracy of answers"] = float(self.right[answered].mean())
+        """Those of `rates` that are of any sweep, and the expected calibration error."""
+        found = {name: count / total for name, (count, total) in self.rates().items() if total}
         error = calibration_error(self.answers.probability, self.right)
         return {**found, "calibration error": error}
 

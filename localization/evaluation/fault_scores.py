@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 class FaultScore:
     """Scores of the sweeps with one kind of fault, or without any.
 
-    figure: accuracy of the most probable class, or median error of the position in mm. answered,
+    figure: share of right answers, or median error of the position in mm. answered,
     named_right, named_wrong: shares of the sweeps; a name is right if it is that of the fault.
     """
 
@@ -56,7 +56,7 @@ def fault_scores(
     for kind in np.unique(kinds).tolist():
         own = kinds == kind
         figure = (
-            score.right[own].mean()
+            (score.right & answered)[own].mean()
             if isinstance(score, ClassScore)
             else np.median(score.distance[own])
         )
@@ -68,10 +68,14 @@ def fault_scores(
 
 
 def fault_lines(scores: list[FaultScore], *, classes: bool) -> list[str]:
-    """A line for each fault. classes: True if the figure is an accuracy."""
+    """A line for each fault. classes: True if the figure is a share of right answers."""
     return [
         f"{each.kind}: {each.sweeps} sweeps, "
-        + (f"accuracy {_share(each.figure)}" if classes else f"median error {each.figure:.3g} mm")
+        + (
+            f"right of all {_share(each.figure)}"
+            if classes
+            else f"median error {each.figure:.3g} mm"
+        )
         + f", answered {_share(each.answered)}"
         + f", named right {_share(each.named_right)}" * (each.kind != NO_FAULT)
         + f", named as another fault {_share(each.named_wrong)}"

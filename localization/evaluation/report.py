@@ -38,9 +38,12 @@ def lines_of(found: Evaluation) -> list[str]:
     for name, (value, spread) in found.figures.items():
         if name in rates:
             folds = "" if spread is None else f"; folds differ by ± {100 * spread:.2g} %"
-            lines.append(f"{name}: {rate_text(*rates[name])}{folds}")
+            rate = rate_text(*rates[name], bounded=found.sessions > 1)
+            lines.append(f"{name}: {rate}{folds}")
         else:
             lines.append(f"{name}: {value:.3g}" + ("" if spread is None else f" ± {spread:.2g}"))
+    if found.sessions == 1:
+        lines.append("all sweeps are of one session of one skin: no bound on other skins follows")
     if not rates.get("answered", (1, 0))[0]:
         lines.append(
             "no sweep was answered: each is unlike the training or its answer too uncertain"
@@ -91,7 +94,9 @@ def _draw_confusion(score: ClassScore, path: Path) -> None:
 
     side = min(14.0, max(4.5, 0.55 * len(score.confusion.labels)))
     with chart(path, side, side) as figure:
-        draw_confusion(figure.subplots(), score.confusion)
+        all_answered = score.answers.answered.all()
+        title = "Accuracy" if all_answered else "Most probable class, answered or not: right"
+        draw_confusion(figure.subplots(), score.confusion, title)
 
 
 def _draw_positions(score: PositionScore, scene: Scene | None, path: Path) -> None:

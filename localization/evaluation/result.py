@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from ...simulator.notebook_display import SmallChart, Tabular
 from ...simulator.sweeps import InputError
-from .evaluation import ClassScore, Nested, Score, score
+from .evaluation import RIGHT_OF_ALL, RIGHT_OF_ANSWERED, ClassScore, Nested, Score, score
 
 if TYPE_CHECKING:
     from ..inputs.samples import Samples
@@ -24,7 +24,8 @@ class Evaluation(Tabular):
 
     score: predictions and truth of each sweep. target: predicted target. figures: value of each
     figure by name, and its spread over folds if there are any. validation: text on how the sweeps
-    were scored. left_out: text on the sweeps that were left out.
+    were scored. left_out: text on the sweeps that were left out. sessions: number of those of the
+    sweeps; one says nothing on other skins.
     """
 
     score: Score
@@ -32,6 +33,7 @@ class Evaluation(Tabular):
     figures: Figures
     validation: str
     left_out: str
+    sessions: int
 
     def __getitem__(self, name: str) -> float:
         """A figure by its name. Raises InputError that lists the existing names."""
@@ -44,8 +46,8 @@ class Evaluation(Tabular):
 
     @property
     def accuracy(self) -> float:
-        """Share of sweeps whose most probable class is true. Raises InputError for positions."""
-        return self["accuracy"]
+        """Share of all sweeps with a right answer. Raises InputError for positions."""
+        return self[RIGHT_OF_ALL]
 
     @property
     def answered(self) -> float:
@@ -54,8 +56,8 @@ class Evaluation(Tabular):
 
     @property
     def accuracy_of_answers(self) -> float:
-        """Share of right answers. Raises InputError if nothing was answered."""
-        return self["accuracy of answers"]
+        """Share of the answered that are right. Raises InputError if nothing was answered."""
+        return self[RIGHT_OF_ANSWERED]
 
     @property
     def calibration_error(self) -> float:
@@ -99,4 +101,6 @@ def evaluated_by_folds(samples: Samples, found: Nested) -> Evaluation:
 
 def _evaluation(samples: Samples, scored: Score, figures: Figures, validation: str) -> Evaluation:
     target = samples.problem.target
-    return Evaluation(scored, target, figures, validation, samples.left_out.describe(target))
+    left_out = samples.left_out.describe(target)
+    sessions = len(set(samples.sessions))
+    return Evaluation(scored, target, figures, validation, left_out, sessions)

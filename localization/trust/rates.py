@@ -24,10 +24,10 @@ def lower_bound(right: int, total: int, confidence: float = CONFIDENCE) -> float
     return float(found.low)
 
 
-def rate_text(right: int, total: int) -> str:
+def rate_text(right: int, total: int, *, bounded: bool = True) -> str:
     """Text such as `98 % (52 of 53, at least 91 % with 95 % confidence)`; `none of 0` for none.
 
-    The bound is never rounded up.
+    The bound is never rounded up. bounded: False leaves it out.
     """
     if not total:
         return "none of 0"
@@ -35,8 +35,8 @@ def rate_text(right: int, total: int) -> str:
     least = math.floor(100 * tenths * lower_bound(right, total)) / tenths
     rate = 100 * right / total
     percent = "100" if right == total else f"{min(rate, 99.9):.3g}"
-    bound = f"at least {least:g} % with {100 * CONFIDENCE:g} % confidence"
-    return f"{percent} % ({right} of {total}, {bound})"
+    bound = f", at least {least:g} % with {100 * CONFIDENCE:g} % confidence" if bounded else ""
+    return f"{percent} % ({right} of {total}{bound})"
 
 
 def interval(right: int, total: int) -> tuple[float, float]:

@@ -40,9 +40,9 @@ KEYS = {
     "pixel of the other side, those that calibrated first, and tested on its other sweeps; mean "
     "and spread (standard deviation over the draws) are fractions of 1; tested counts all draws",
     "accuracy.model": "of the user's own model, null without --model: adapted -> k, as in "
-    "transfer, the number of sweeps of every pixel that adapted it; as it is: accuracy, answered, "
-    "accuracy of answers and calibration error of the unadapted model on all tested sweeps, "
-    "fractions of 1",
+    "transfer, the number of sweeps of every pixel that adapted it; as it is: right of all, "
+    "answered, right of those answered and calibration error of the unadapted model on all tested "
+    "sweeps, fractions of 1",
     "accuracy.own": "features -> trained and tested on the other side, cross-validated: `grouped` "
     "leaves out whole groups of the kind `grouping`, `single` leaves out single sweeps; folds, "
     "number of folds",

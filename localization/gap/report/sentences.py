@@ -81,8 +81,9 @@ def _distances_and_accuracies(findings: GapFindings) -> list[str]:
     if findings.model:
         rates = findings.model.score.rates()
         sentences.append(
-            f"Accuracy of the model on the {label.adjective} sweeps ({target}s): "
-            f"{rate_text(*rates['accuracy'])}; answered: {rate_text(*rates['answered'])}."
+            f"The model on the {label.adjective} sweeps ({target}s): "
+            + "; ".join(f"{name} {rate_text(*counts)}" for name, counts in rates.items())
+            + "."
         )
         return sentences
     for name in findings.own:

@@ -153,7 +153,7 @@ def test_figures_before_and_after_are_reported(run, folder, tmp_path):
     assert (code, err) == (0, "")
     first, before, after, *_, last = told.splitlines()
     assert "of 38 sweeps of the skin at hand" in first
-    assert before.startswith("before: accuracy ") and after.startswith("after: accuracy ")
+    assert before.startswith("before: right of all ") and after.startswith("after: right of all ")
     assert last == f"model: adapted by 38 sweeps -> {out}"
 
 

@@ -35,7 +35,7 @@ def test_a_model_is_trained_evaluated_and_asked(run, files, tmp_path):
     assert out.endswith(f"model: 40 features, 3 columns -> {model}\n")
     code, out, err = run("evaluate", model, files / "unseen.nc", "-o", tmp_path / "found")
     assert (code, err) == (0, "")
-    assert "accuracy: 100 % (23 of 23, at least 87 % with 95 % confidence)\n" in out
+    assert "right of all: 100 % (23 of 23)\n" in out and "no bound on other skins" in out
     assert out.endswith(f"evaluation: 23 sweeps -> {tmp_path / 'found'}\n")
     assert {path.name for path in (tmp_path / "found").iterdir()} == {
         "figures.csv",
@@ -79,7 +79,7 @@ def test_without_a_model_scores_are_of_outer_folds(run, files):
     )
     assert (code, err) == (0, "")
     assert "3 folds, whole sessions held out" in out
-    assert "accuracy: " in out and "±" in out
+    assert "right of all: " in out and "at least" in out and "±" in out
 
 
 def test_more_folds_than_sessions_are_reported(run, files):

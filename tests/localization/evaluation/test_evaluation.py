@@ -1,7 +1,8 @@
 import numpy as np
 import pytest
-from rcskin.localization.evaluation.evaluation import cross_validate
+from rcskin.localization.evaluation.evaluation import ClassScore, cross_validate
 from rcskin.localization.inputs.targets import labels
+from rcskin.localization.trust.answers import CANNOT_TELL, Answers
 from rcskin.localization.trust.folds import folds_of
 from rcskin.simulator.sweeps import InputError
 
@@ -112,3 +113,12 @@ def test_what_cannot_be_done_is_refused(strip, asked, message):
 def test_one_class_alone_is_refused(strip):
     with pytest.raises(InputError, match="at least 2 classes, got 1"):
         cross_validate(strip.isel(sweep=strip["column"] == 2))
+
+
+def test_a_refusal_is_no_right_answer():
+    labels = np.array(["1", CANNOT_TELL, "2", CANNOT_TELL])
+    answers = Answers(labels, np.full(4, 0.9), labels == CANNOT_TELL, np.zeros((4, 0)))
+    found = ClassScore(np.array([1, 2, 1, 2]), np.array([1, 2, 2, 1]), answers, unread=1)
+    shares = {"right of all": 1 / 5, "answered": 2 / 5, "right of those answered": 1 / 2}
+    assert found.figures() | shares == found.figures()
+    assert {name: right / total for name, (right, total) in found.rates().items()} == shares

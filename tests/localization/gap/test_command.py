@@ -101,7 +101,10 @@ def test_the_users_own_model_is_asked_as_it_is_and_adapted(gap, files, tmp_path,
     code, out, err = gap(*files, "--model", model, "-o", tmp_path / "gap", "--draws", 2)
     assert code == 0 and earth_alone(err), err
     assert "the model as it is" in out and "the model, adapted by k = 2" in out
-    assert "Accuracy of the model on the twin sweeps" in out and "simulation alone" not in out
+    assert (
+        "The model on the twin sweeps (columns): right of all" in out
+        and "simulation alone" not in out
+    )
     found = json.loads((tmp_path / "gap" / "gap.json").read_text())
     by_model, own = found["accuracy"]["model"]["adapted"], load(model)
     assert found["features"] == {"model": ["Rs", "Cp"]}

@@ -97,7 +97,7 @@ def test_a_reading_that_is_no_number_costs_its_sweep_alone(
     found, before = (evaluated(model.learned, model.samples(each)) for each in (spoilt, sweeps))
     count = before.score.right.size
     assert found.answered * count == pytest.approx(sound.answered[others].sum())
-    assert found.score.rates()["accuracy"][1] == count
+    assert found.score.rates()["right of all"][1] == count
     assert "1 with a reading that is no finite number" in found.left_out
     rest = sweeps.isel(sweep=[0])
     assert model.answers(spoilt.isel(sweep=[k]), rest).labels.tolist() == [CANNOT_TELL]
