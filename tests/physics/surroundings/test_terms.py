@@ -74,6 +74,18 @@ def test_field_across_the_foam_is_not_straight(around, solve, three_conductors):
     assert relative_difference(answer.Z[0], without).max() > 1e-3
 
 
+def test_a_factor_divides_the_depth_of_the_foam(around, solve):
+    """A skin pressed all over by k is one of foam with k times c and a k-th of the thickness."""
+    given = {"thickness": True, "body": {"capacitance_per_area": 1.77e-9}}
+    high = {"frequencies": [1e6, 1e7]}
+    unpressed = around(given, {"thickness": 4e-3}, **high)
+    pressed = solve(unpressed, "1,1:2.0:rod").Z
+    thinner = around(given, {"thickness": 2e-3}, c=1e-8, **high)
+    assert relative_difference(pressed, solve(thinner).Z).max() <= 2e-6
+    as_thick = around(given, {"thickness": 4e-3}, c=1e-8, **high)
+    assert relative_difference(pressed, solve(as_thick).Z).max() > 1e-3
+
+
 @pytest.mark.parametrize("factor", [0.5, 2.0])
 def test_a_factor_thins_the_foam(around, solve, three_conductors, factor):
     """A skin pressed all over is one of thinner foam of the same permittivity."""
