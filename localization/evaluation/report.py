@@ -95,7 +95,7 @@ def _draw_confusion(score: ClassScore, path: Path) -> None:
     side = min(14.0, max(4.5, 0.55 * len(score.confusion.labels)))
     with chart(path, side, side) as figure:
         all_answered = score.answers.answered.all()
-        title = "Accuracy" if all_answered else "Most probable class, answered or not: right"
+        title = "Accuracy" if all_answered else "Most probable class, answered or not\nright:"
         draw_confusion(figure.subplots(), score.confusion, title)
 
 
