@@ -88,6 +88,7 @@ def study(
     Raises ToleranceError if the tolerance is not reached.
     """
     rtol = fitting_rtol(scenes) if rtol is None else rtol
+    progress("accuracy", 0, len(scenes))
     with worker_pool(
         workers, NEEDED, "too little memory may be the cause; fewer --workers"
     ) as pool:

@@ -113,8 +113,8 @@ def calibrate(
     from .fitting.fit_options import Options
     from .fitting.prior import checked_kind
     from .results.explanations import explanations
-    from .results.report import WRITTEN, correlations, table, write_report
-    from .run import calibrate as calibrated
+    from .results.report import WRITTEN, correlations, table, write_remarks, write_report
+    from .run import fitted, tried
 
     folder, ending = checked_folder(output, *WRITTEN), checked_ending(charts)
     options = Options(
@@ -135,12 +135,19 @@ def calibrate(
         check_same_skin(str(sweeps.attrs.get("scene", "")), scene_text(loaded), names)
     start = foldable(loaded, "a calibration")
     with on_terminal() as progress:
-        calibration = calibrated(start, sweeps, options, progress=progress)
+        calibration = fitted(start, sweeps, options, progress=progress)
     written = write_report(calibration, names, folder, ending)
     console = terminal()
     console.print(table(calibration))
     if len(calibration.intervals) > 1:
         console.print(correlations(calibration, console))
-    say(*explanations(calibration), f"{folder}: {', '.join(written)}")
+    told = explanations(calibration)
+    say(*told, f"{folder}: {', '.join(written)}")
+    with on_terminal() as progress:
+        calibration = tried(calibration, progress)
+    write_remarks(calibration, names, folder)
+    for line in explanations(calibration):
+        if line not in told:
+            say(line)
     if not also:
         warn_of_earth(scene, loaded)

@@ -14,6 +14,7 @@ from ...report.files import files_in, filled_at_once, write_json, write_rows, wr
 from ...report.terminal import table as in_columns
 from ...safe_text import escaped
 from ...scene.scene_files import scene_text
+from ...sweeps.writing import WriteContext, in_write_context
 from .estimates import HEADER
 from .explanations import assumptions, readings_of
 from .residual_chart import draw_residuals
@@ -26,7 +27,8 @@ if TYPE_CHECKING:
     from ..run import Calibration
     from .estimates import FittedQuantity
 
-WRITTEN = ("calibrated.toml", "calibration.json", "quantities.csv", "parameters.csv")
+NUMBERS = "calibration.json"
+WRITTEN = ("calibrated.toml", NUMBERS, "quantities.csv", "parameters.csv")
 WRITTEN += ("correlation.csv", "residuals-*")
 """Name patterns of the written files."""
 COLUMNS = ("quantity", "unit", "scene", "fitted", "low_95", "high_95", "told_by")
@@ -47,7 +49,7 @@ def write_report(
     """
     with filled_at_once(folder) as made:
         write_text(made / "calibrated.toml", calibrated_text(calibration, source))
-        write_json(made / "calibration.json", numbers(calibration, source))
+        write_json(made / NUMBERS, numbers(calibration, source))
         write_rows(made / "quantities.csv", COLUMNS, map(_row, calibration.quantities))
         write_rows(made / "parameters.csv", PARAMETER_COLUMNS, _parameter_rows(calibration))
         names = "parameter", *_names(calibration)
@@ -56,6 +58,12 @@ def write_report(
         for k, name in enumerate(_file_names([each.name for each in interfaces])):
             draw_residuals(calibration, k, made / f"residuals-{name}{ending}")
         return files_in(made)
+
+
+def write_remarks(calibration: Calibration, source: str, folder: Path) -> None:
+    """Writes the numbers and remarks of a report anew, once trials have added theirs."""
+    with in_write_context(WriteContext(overwrite=True)):
+        write_json(folder / NUMBERS, numbers(calibration, source))
 
 
 def calibrated_text(calibration: Calibration, source: str) -> str:

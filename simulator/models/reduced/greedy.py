@@ -114,7 +114,7 @@ def reduce(
     with one_blas_thread():
         cases = [draw(random) for _ in range(MESH_DRAWS)]
         resolve = resolved_under_applicators if applied else resolved
-        family, mesh_error = resolve(scene, circuit, modes, rtol, cases, f)
+        family, mesh_error = resolve(scene, circuit, modes, rtol, cases, f, progress)
         return GreedyBasis(family, rtol, mesh_error, f).grow(draw, random, progress)
 
 

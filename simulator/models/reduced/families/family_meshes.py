@@ -19,6 +19,7 @@ from ....press.batch import NOTHING
 from ....press.parts import Parts, parts_of
 from ....press.press import Press
 from ....press.touch import Touch
+from ....progress import ProgressCallback, silent
 from ....scene.scene import Scene
 from ....sweeps import ToleranceError
 from ...heterogeneous.discretised import indicators, marked_cells
@@ -36,6 +37,8 @@ SHARE = 0.7
 """Share of the tolerance for the mesh; the rest is for the basis. The next order has twice as many
 unknowns. A basis for half the tolerance has a few vectors more: its error is of second order."""
 FEW, MAX_SINGLE_PIXELS = 3, 36
+CHOOSING = "choosing the mesh of a reduced model"
+"""Label of the progress of `coarsest`."""
 
 
 def family_on(scene: Scene, circuit: Circuit, mesh: Mesh, modes: int) -> Family:
@@ -47,11 +50,17 @@ def family_on(scene: Scene, circuit: Circuit, mesh: Mesh, modes: int) -> Family:
 
 
 def resolved(
-    scene: Scene, circuit: Circuit, modes: int, rtol: float, cases: Sequence[Case], frequency: Real
+    scene: Scene,
+    circuit: Circuit,
+    modes: int,
+    rtol: float,
+    cases: Sequence[Case],
+    frequency: Real,
+    progress: ProgressCallback = silent,
 ) -> tuple[Family, float]:
     """Coarsest family whose discretisation keeps its share of the tolerance, and its error.
 
-    frequency: Hz, ascending. Raises ToleranceError if none does.
+    frequency: Hz, ascending. progress: see `coarsest`. Raises ToleranceError if none does.
     """
     parts = parts_of(scene)
     rise = max(_most(case, case.cells < parts.foam) for case in cases)
@@ -60,7 +69,7 @@ def resolved(
     families = finer_families(scene, circuit, modes, rtol, presses, frequency)
     each = [] if scene.uniform else alone(pixel_coverage(scene).numbers, rise, MAX_SINGLE_PIXELS)
     touched = [_by_finger(case, parts, finger) for case in each] if finger else each
-    return coarsest(families, [*cases, *touched], rtol, frequency)
+    return coarsest(families, [*cases, *touched], rtol, frequency, progress)
 
 
 def _most(case: Case, which: Mask) -> float:
@@ -74,17 +83,24 @@ def _by_finger(case: Case, parts: Parts, finger: float) -> Case:
 
 
 def coarsest(
-    families: Iterator[FamilyT], cases: Sequence[Case], rtol: float, frequency: Real
+    families: Iterator[FamilyT],
+    cases: Sequence[Case],
+    rtol: float,
+    frequency: Real,
+    progress: ProgressCallback = silent,
 ) -> tuple[FamilyT, float]:
     """First family whose error in these cases keeps its share of the tolerance, and that error.
 
-    frequency: Hz, ascending. Raises ToleranceError if none does.
+    frequency: Hz, ascending. progress: is given the cases computed over these and those that are
+    left. Raises ToleranceError if none does.
     """
-    found = np.inf
+    found, computed = np.inf, 0
     for family in families:
         found = 0.0
-        for case in cases:
+        for left, case in zip(range(len(cases) - 1, -1, -1), cases, strict=True):
             found = max(found, error_of(family, case, rtol, frequency))
+            computed += 1
+            progress(CHOOSING, computed / (computed + left))
             if found > SHARE * rtol:
                 break
         else:

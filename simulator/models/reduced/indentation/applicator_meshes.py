@@ -11,6 +11,7 @@ from ....fem.terminals.circuit import Circuit
 from ....mesh.domain import Domain
 from ....mesh.refining.inverted_triangles import finer
 from ....press.press import Press
+from ....progress import ProgressCallback, silent
 from ....scene.scene import Scene
 from ...heterogeneous.discretised import indicators, marked_cells
 from ...heterogeneous.triangle_meshes import MAX_TRIANGLES, Triangles
@@ -34,11 +35,18 @@ def family_on(
 
 
 def resolved(
-    scene: Scene, circuit: Circuit, modes: int, rtol: float, cases: Sequence[Case], frequency: Real
+    scene: Scene,
+    circuit: Circuit,
+    modes: int,
+    rtol: float,
+    cases: Sequence[Case],
+    frequency: Real,
+    progress: ProgressCallback = silent,
 ) -> tuple[IndentationFamily, float]:
     """Coarsest family whose discretisation keeps its share of the tolerance, and its error.
 
-    frequency: Hz, ascending. Raises ToleranceError if none does, InputError as `applicators` does.
+    frequency: Hz, ascending. progress: see `coarsest`. Raises ToleranceError if none does,
+    InputError as `applicators` does.
     """
     known = applicators(scene, rtol)
     rise = float(known.mechanics.factor(np.array(known.deepest / known.thickness))) - 1
@@ -46,7 +54,8 @@ def resolved(
     in_turns = [_in_turns(known, turn) for turn in np.ndindex(TURNS, TURNS)]
     meshes = _triangulations(scene, circuit, rtol, [e for e in in_turns if e], frequency)
     families = (family_on(scene, circuit, mesh, modes, known, rtol) for mesh in meshes)
-    return coarsest(families, [*cases, *alone(pixels, rise, MAX_SINGLE_PIXELS)], rtol, frequency)
+    every = [*cases, *alone(pixels, rise, MAX_SINGLE_PIXELS)]
+    return coarsest(families, every, rtol, frequency, progress)
 
 
 def finer_families(
