@@ -107,6 +107,14 @@ class LeastSquaresProblem:
         """Rises of c under the touches of one sweep."""
         return self.rises(u, k)[self.cells[k][0] < foam_parts(self.spec.measurements.scene)]
 
+    def size_of(self, relative: Real) -> float:
+        """Largest root sum of squares, over the noise, of changes of Z of these sizes.
+
+        relative: to |Z|, shape (sweep, interface, frequency).
+        """
+        each = np.tile(relative.reshape(len(self._deviation), -1), (1, 2)) / self._deviation
+        return float(np.linalg.norm(each))
+
     def fitted(self, u: Real) -> Complex:
         """Fitted Z in ohm without the meter's errors, shape (sweep, interface, frequency)."""
         found = np.empty(

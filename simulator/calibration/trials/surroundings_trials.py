@@ -6,10 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
+import numpy as np
+
+from ...arrays import Complex, Real
 from ...models.effects import EFFECTS, NEEDED, effects_of
 from ...models.parameters import scene_with
 from ...models.reader_parameters import READER
 from ...progress import ProgressCallback, silent
+from ...scene.extent import perimeter, surface
 from ...scene.foam.foam import VACUUM_PERMITTIVITY
 from ...scene.scene import Scene
 from ...scene.surroundings import Body, Rim, Surroundings
@@ -18,7 +22,7 @@ from ...sweeps import InputError, ToleranceError
 from ..fitting.centered_model import CenteredModel, centered_model
 from ..fitting.fit import EXPLAINED, Fit, certificate_limit, solve_from
 from ..fitting.fit_spec import FitSpec
-from ..fitting.prior import Prior, effect_prior
+from ..fitting.prior import FINGER, Prior, effect_prior
 from ..fitting.problem import LeastSquaresProblem
 
 BODY = 8e-3
@@ -28,10 +32,13 @@ RIM = 0.6 * VACUUM_PERMITTIVITY
 """F/m: initial capacitance of the rim, between the sheets and of each to earth. Charges of
 three-dimensional solves give 0.61, 0.62 and 0.62 of vacuum's for a sheet of 0.12 m with 4 mm of
 foam and a virtual earth."""
+STRONGEST = 30.0
+"""Largest factor on BODY's and RIM's capacitance of a trial; a finger's is 3 deviations."""
 ADDABLE = (*EFFECTS, "leak", *READER)
 """Parameters that a scene lacks until they are requested."""
 WORTH = 0.1
 """Smallest share of chi-squared that an effect must remove to be reported."""
+NEITHER = "neither a body near the skin nor its rim nor a finger explains the remaining misfit"
 NONE = {"body": -10.0, "rim": -10.0, "finger": 0.0}
 """Parameter values at which an effect is negligible."""
 
@@ -110,6 +117,8 @@ def trial_remarks(fit: Fit, freedom: float, progress: ProgressCallback = silent)
     spec, left = fit.spec, fit.chi_squared / freedom
     if left < EXPLAINED or not addable_effects(spec.measurements.scene):
         return []
+    if _under_the_noise(fit):
+        return [f"{NEITHER}: they change these readings by far less than the meter's noise"]
     try:
         trials = Trials(spec, fit.values, progress)
         found = {name: trials.fit(name) for name in trials.names}
@@ -121,9 +130,31 @@ def trial_remarks(fit: Fit, freedom: float, progress: ProgressCallback = silent)
         for name, each in sorted(found.items(), key=lambda pair: pair[1].chi_squared)
         if each.chi_squared < (1 - WORTH) * fit.chi_squared
     ]
-    return lines or [
-        "neither a body near the skin nor its rim nor a finger explains the remaining misfit"
-    ]
+    return lines or [NEITHER]
+
+
+def _under_the_noise(fit: Fit) -> bool:
+    """True if no effect can remove WORTH of chi-squared, so that no model of them is trained.
+
+    A change d of residuals r removes at most 2 |r| |d|. Gains are always tried.
+    """
+    measured = fit.spec.measurements
+    if measured.scene.reading.gain:
+        return False
+    most = np.stack([largest_changes(measured.scene, each.Z) for each in measured.sweeps])
+    return 2 * fit.problem.size_of(most) < WORTH * np.sqrt(fit.chi_squared)
+
+
+def largest_changes(scene: Scene, Z: Complex) -> Real:
+    """Bound of the change of Z, over |Z|, by a body, the rim and fingers at their strongest.
+
+    A capacitance C in parallel with any part of the skin draws at most omega C of the current.
+    Z: ohm, shape (interface, frequency).
+    """
+    skin, touches = scene.skin, 2
+    C = STRONGEST * VACUUM_PERMITTIVITY / BODY * surface(skin)
+    C += STRONGEST * 3 * RIM * perimeter(skin) + 3 * FINGER * touches
+    return 2 * np.pi * scene.frequencies * C * np.abs(Z)
 
 
 class Trials:

@@ -40,6 +40,19 @@ def test_a_scene_is_calibrated(run, files, line, earth_alone):
     assert sorted(path.name for path in folder.parent.iterdir()) == ["found", "run.nc", "skin.toml"]
 
 
+@pytest.mark.usefixtures("linear_intervals")
+def test_the_answer_is_written_before_anything_is_tried(run, files, monkeypatch):
+    scene, measured, folder = files
+    monkeypatch.setattr("rcskin.simulator.calibration.run.tried", _interrupted)
+    code, out, _ = run("calibrate", scene, measured, "-o", folder, *TWO)
+    assert code and "foam capacitance" in out
+    assert sorted(path.name for path in folder.iterdir()) == FILES
+
+
+def _interrupted(*_):
+    raise KeyboardInterrupt
+
+
 @pytest.mark.usefixtures("linear_intervals", "unpainted")
 def test_a_matrix_too_wide_for_the_terminal_is_left_to_its_file(run, files, monkeypatch):
     scene, measured, folder = files

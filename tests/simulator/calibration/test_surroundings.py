@@ -10,7 +10,8 @@ from rcskin.simulator.calibration.fitting.fit_options import Options
 from rcskin.simulator.calibration.fitting.measurements import measurements_of
 from rcskin.simulator.calibration.misfit import gap_by_parameter
 from rcskin.simulator.calibration.run import calibrate
-from rcskin.simulator.calibration.trials.surroundings_trials import with_effects
+from rcskin.simulator.calibration.trials import surroundings_trials
+from rcskin.simulator.calibration.trials.surroundings_trials import largest_changes, with_effects
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.effects import EFFECTS
@@ -127,6 +128,40 @@ def test_a_calibration_says_what_an_effect_would_gain(scene, model, twins):
     assert re.match(r"a body at about (5\.9|6|6\.1) mm in addition would reduce ", gained)
     assert gained.endswith("; fit it with --also body")
     assert found.scene.surroundings is None
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"surroundings": {"body": {"distance": 8e-3 / 30}}},
+        {"surroundings": {"rim": dict.fromkeys(RIMS, 150e-12)}},
+        {"surroundings": {}, "press.finger": 30e-12},
+    ],
+    ids=["body", "rim", "finger"],
+)
+def test_no_effect_is_larger_than_its_bound(scene, changes):
+    there, without = (
+        Solver(each, 1e-4).solve(press_on(each, "1,2:2.0")).Z
+        for each in (scene.with_(changes), scene.with_({"surroundings": {}}))
+    )
+    assert (np.abs(there / without - 1) <= largest_changes(scene, without)).all()
+
+
+def test_effects_under_the_noise_are_not_tried(scene, monkeypatch):
+    """A line of 1e5 times the capacitance, whose misfit is that of a constant phase."""
+    foam, sheet = scene.skin.foam, scene.skin.top
+    heavy = scene.with_(
+        {
+            "skin.foam.capacitance_per_area": 1e5 * foam.unpressed_capacitance_per_area,
+            "skin.sheet_resistance": sheet.sheet_resistance / 1e5,
+        }
+    )
+    twin = heavy.with_({"skin.foam.phase_exponent": 0.9})
+    sweeps = simulate(Solver(twin, 1e-4), [press_on(twin, press) for press in REST])
+    monkeypatch.setattr(surroundings_trials, "Trials", None)
+    found = calibrate(heavy, sweeps, Options(fit=("capacitance",)))
+    assert found.chi_squared > 2
+    assert any("far less than the meter's noise" in line for line in found.remarks)
 
 
 def test_what_surrounds_a_skin_is_fitted_where_that_is_asked_for(scene, model, twins):
