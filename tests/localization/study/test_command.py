@@ -133,7 +133,7 @@ def test_the_limit_of_the_meter_ends_a_grid_and_cuts_a_list():
         with_study_settings(scene_table(name), 5e3, None, None)["sweep"]["frequencies"]
         for name in ("sheet-3x3", "strip-1x4")
     )
-    assert grid == {"start": 1e3, "stop": 5e3, "points": 20, "spacing": "log"}
+    assert grid | {"start": 1e3, "stop": 5e3, "points": 20, "spacing": "log"} == grid
     assert listed == [707, 1258, 2830]
 
 
