@@ -114,7 +114,8 @@ def calibrate(
     from .fitting.prior import checked_kind
     from .results.explanations import explanations
     from .results.report import WRITTEN, correlations, table, write_remarks, write_report
-    from .run import fitted, tried
+    from .run import calibrate as calibrated
+    from .run import tried
 
     folder, ending = checked_folder(output, *WRITTEN), checked_ending(charts)
     options = Options(
@@ -128,6 +129,7 @@ def calibrate(
         uneven_sheets,
         tuple(also or ()),
         robust,
+        trials=False,
     )
     loaded, sweeps = requested_scene(scene), read_joined(measured)
     names = ", ".join(each.name for each in measured)
@@ -135,7 +137,7 @@ def calibrate(
         check_same_skin(str(sweeps.attrs.get("scene", "")), scene_text(loaded), names)
     start = foldable(loaded, "a calibration")
     with on_terminal() as progress:
-        calibration = fitted(start, sweeps, options, progress=progress)
+        calibration = calibrated(start, sweeps, options, progress=progress)
     written = write_report(calibration, names, folder, ending)
     console = terminal()
     console.print(table(calibration))

@@ -132,33 +132,6 @@ def calibrate(
     Raises InputError where sweeps and scene do not match, ToleranceError where no model reaches its
     tolerance.
     """
-    found = fitted(scene, sweeps, options, model=model, progress=progress)
-    return tried(found, progress) if options.trials else found
-
-
-def tried(calibration: Calibration, progress: ProgressCallback = silent) -> Calibration:
-    """The calibration with remarks on what its scene lacks, and on an ideal capacitance."""
-    fit, names = calibration.fit, calibration.fit.spec.names
-    gained = misfit_trials(fit, calibration.information.freedom, calibration.noise, progress)
-    lossy = "phase_exponent" in names and not fit.spec.measurements.scene.reading.gain
-    beaten = lossy and calibration.intervals["phase_exponent"][1] < 1 - ROUNDED
-    return replace(
-        calibration,
-        remarks=tuple(dict.fromkeys([*calibration.remarks, *gained])),
-        left_over=(*calibration.left_over, *gained),
-        ideal=compare_with_ideal(fit, progress) if beaten else None,
-    )
-
-
-def fitted(
-    scene: Scene,
-    sweeps: xr.Dataset,
-    options: Options = Options(),  # noqa: B008
-    *,
-    model: Model | None = None,
-    progress: ProgressCallback = silent,
-) -> Calibration:
-    """The calibration without trials of what its scene lacks; see `calibrate`."""
     scene = forces_as_depths(scene)
     also = (*options.also, *(name for name in options.fit if name in READER))
     unknown_effects = (*(effects_of(scene) if options.prior == "wide" else ()), *also)
@@ -173,7 +146,7 @@ def fitted(
     distributions = _distributions(scene, unknown, info, degrees, job.not_fitted)
     bounds = intervals(scene, unknown, info, degrees, distributions)
     left_over = tuple(tail_remarks(fit))
-    return Calibration(
+    found = Calibration(
         values=fit.values,
         intervals=bounds,
         scene=_fitted_scene(scene, fit.values),
@@ -186,6 +159,21 @@ def fitted(
         remarks=tuple(dict.fromkeys([*job.remarks, *_left_out(fit), *left_over])),
         left_over=left_over,
         not_fitted=tuple(job.not_fitted),
+    )
+    return tried(found, progress) if options.trials else found
+
+
+def tried(calibration: Calibration, progress: ProgressCallback = silent) -> Calibration:
+    """The calibration with remarks on what its scene lacks, and on an ideal capacitance."""
+    fit, names = calibration.fit, calibration.fit.spec.names
+    gained = misfit_trials(fit, calibration.information.freedom, calibration.noise, progress)
+    lossy = "phase_exponent" in names and not fit.spec.measurements.scene.reading.gain
+    beaten = lossy and calibration.intervals["phase_exponent"][1] < 1 - ROUNDED
+    return replace(
+        calibration,
+        remarks=tuple(dict.fromkeys([*calibration.remarks, *gained])),
+        left_over=(*calibration.left_over, *gained),
+        ideal=compare_with_ideal(fit, progress) if beaten else None,
     )
 
 

@@ -26,8 +26,8 @@ def page(
     """Write a page on which the skin is pressed: one file, for any browser, offline.
 
     It shows the meter's readings, the field, and where a localizer places the
-    touch; sliders change the sheets and the foam. `rcskin view -o OUT.html`
-    shows a single press in space instead.
+    touch; sliders change the sheets and the foam. `rcskin view -o OUT.png`
+    draws a single press in space instead.
     """
     from ..models.reduced.indentation.indentation_draws import scene_spreads_presses
     from ..models.uniform import uniformly_pressed

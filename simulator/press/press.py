@@ -306,7 +306,7 @@ def _check_place(touch: Rectangle | Disc | Polygon, press: Press, scene: Scene) 
         if low < -rounding or high > length + rounding:
             raise InputError(
                 f"press {press}: touches must lie within {axis} = 0..{length:g} m on {scene.name}, "
-                f"got {low:g}..{high:g} m{_meant_in_mm(touch, skin)}"
+                f"got {low:g}..{high:g} m{_suggestion_in_mm(touch, skin)}"
             )
         if not high - low >= MIN_TOUCH_SIZE * length:
             raise InputError(
@@ -315,7 +315,7 @@ def _check_place(touch: Rectangle | Disc | Polygon, press: Press, scene: Scene) 
             )
 
 
-def _meant_in_mm(touch: Rectangle | Disc | Polygon, skin: Skin) -> str:
+def _suggestion_in_mm(touch: Rectangle | Disc | Polygon, skin: Skin) -> str:
     """Suggests the touch in metres if it lies on the skin when its numbers are millimetres."""
     if isinstance(touch, Polygon):
         small = replace(touch, points=tuple((x / 1000, y / 1000) for x, y in touch.points))

@@ -19,7 +19,7 @@ from ...scene.scene import Scene
 from ...scene.surroundings import Body, Rim, Surroundings
 from ...surroundings.rim import rim_densities
 from ...sweeps import InputError, ToleranceError
-from ..fitting.centered_model import CenteredModel, centered_model
+from ..fitting.centered_model import FAR, CenteredModel, centered_model
 from ..fitting.fit import EXPLAINED, Fit, certificate_limit, solve_from
 from ..fitting.fit_spec import FitSpec
 from ..fitting.prior import FINGER, Prior, effect_prior
@@ -32,8 +32,6 @@ RIM = 0.6 * VACUUM_PERMITTIVITY
 """F/m: initial capacitance of the rim, between the sheets and of each to earth. Charges of
 three-dimensional solves give 0.61, 0.62 and 0.62 of vacuum's for a sheet of 0.12 m with 4 mm of
 foam and a virtual earth."""
-STRONGEST = 30.0
-"""Largest factor on BODY's and RIM's capacitance of a trial; a finger's is 3 deviations."""
 ADDABLE = (*EFFECTS, "leak", *READER)
 """Parameters that a scene lacks until they are requested."""
 WORTH = 0.1
@@ -117,8 +115,8 @@ def trial_remarks(fit: Fit, freedom: float, progress: ProgressCallback = silent)
     spec, left = fit.spec, fit.chi_squared / freedom
     if left < EXPLAINED or not addable_effects(spec.measurements.scene):
         return []
-    if _under_the_noise(fit):
-        return [f"{NEITHER}: they change these readings by far less than the meter's noise"]
+    if _too_weak(fit):
+        return [f"{NEITHER}: the strongest would change these readings by far less"]
     try:
         trials = Trials(spec, fit.values, progress)
         found = {name: trials.fit(name) for name in trials.names}
@@ -133,7 +131,7 @@ def trial_remarks(fit: Fit, freedom: float, progress: ProgressCallback = silent)
     return lines or [NEITHER]
 
 
-def _under_the_noise(fit: Fit) -> bool:
+def _too_weak(fit: Fit) -> bool:
     """True if no effect can remove WORTH of chi-squared, so that no model of them is trained.
 
     A change d of residuals r removes at most 2 |r| |d|. Gains are always tried.
@@ -141,19 +139,26 @@ def _under_the_noise(fit: Fit) -> bool:
     measured = fit.spec.measurements
     if measured.scene.reading.gain:
         return False
-    most = np.stack([largest_changes(measured.scene, each.Z) for each in measured.sweeps])
+    most = np.stack(
+        [
+            largest_changes(measured.scene, each.Z, len(each.press.touches))
+            for each in measured.sweeps
+        ]
+    )
     return 2 * fit.problem.size_of(most) < WORTH * np.sqrt(fit.chi_squared)
 
 
-def largest_changes(scene: Scene, Z: Complex) -> Real:
+def largest_changes(scene: Scene, Z: Complex, touches: int) -> Real:
     """Bound of the change of Z, over |Z|, by a body, the rim and fingers at their strongest.
 
-    A capacitance C in parallel with any part of the skin draws at most omega C of the current.
-    Z: ohm, shape (interface, frequency).
+    That is FAR times BODY and the three densities of RIM, and 3 deviations of a finger.
+
+    A capacitance C in parallel with any part of the skin changes 1 / Z by at most omega C.
+    Z: ohm, shape (interface, frequency). touches: number of fingers.
     """
-    skin, touches = scene.skin, 2
-    C = STRONGEST * VACUUM_PERMITTIVITY / BODY * surface(skin)
-    C += STRONGEST * 3 * RIM * perimeter(skin) + 3 * FINGER * touches
+    skin = scene.skin
+    C = FAR * VACUUM_PERMITTIVITY / BODY * surface(skin)
+    C += FAR * 3 * RIM * perimeter(skin) + 3 * FINGER * touches
     return 2 * np.pi * scene.frequencies * C * np.abs(Z)
 
 
