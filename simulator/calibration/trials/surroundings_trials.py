@@ -139,12 +139,9 @@ def _too_weak(fit: Fit) -> bool:
     measured = fit.spec.measurements
     if measured.scene.reading.gain:
         return False
-    most = np.stack(
-        [
-            largest_changes(measured.scene, each.Z, len(each.press.touches))
-            for each in measured.sweeps
-        ]
-    )
+    scene, Z = scene_with(measured.scene, fit.values), fit.problem.fitted(fit.u)
+    touches = [len(each.press.touches) for each in measured.sweeps]
+    most = np.stack([largest_changes(scene, *each) for each in zip(Z, touches, strict=True)])
     return 2 * fit.problem.size_of(most) < WORTH * np.sqrt(fit.chi_squared)
 
 
@@ -153,13 +150,14 @@ def largest_changes(scene: Scene, Z: Complex, touches: int) -> Real:
 
     That is FAR times BODY and the three densities of RIM, and 3 deviations of a finger.
 
-    A capacitance C in parallel with any part of the skin changes 1 / Z by at most omega C.
-    Z: ohm, shape (interface, frequency). touches: number of fingers.
+    A capacitance C in parallel with any part of the skin changes its admittance by at most omega C.
+    Z: ohm, behind the scene's leads, shape (interface, frequency). touches: number of fingers.
     """
-    skin = scene.skin
+    skin, omega = scene.skin, 2 * np.pi * scene.frequencies
+    of_skin = Z - scene.leads.resistance - 1j * omega * scene.leads.inductance
     C = FAR * VACUUM_PERMITTIVITY / BODY * surface(skin)
     C += FAR * 3 * RIM * perimeter(skin) + 3 * FINGER * touches
-    return 2 * np.pi * scene.frequencies * C * np.abs(Z)
+    return omega * C * np.abs(of_skin) ** 2 / np.abs(Z)
 
 
 class Trials:

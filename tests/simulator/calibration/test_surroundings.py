@@ -139,21 +139,24 @@ def test_a_calibration_says_what_an_effect_would_gain(scene, model, twins):
     ],
     ids=["body", "rim", "finger"],
 )
-def test_no_effect_is_larger_than_its_bound(scene, changes):
+@pytest.mark.parametrize("leads", [{}, {"resistance": 2e5, "inductance": 0.1}], ids=str)
+def test_no_effect_is_larger_than_its_bound(scene, changes, leads):
+    scene = scene.with_({"leads": leads, "surroundings": {}})
     there, without = (
         Solver(each, 1e-4).solve(press_on(each, "1,2:2.0")).Z
-        for each in (scene.with_(changes), scene.with_({"surroundings": {}}))
+        for each in (scene.with_(changes), scene)
     )
     assert (np.abs(there / without - 1) <= largest_changes(scene, without, 1)).all()
 
 
 def test_effects_under_the_noise_are_not_tried(scene, monkeypatch):
-    """A line of 1e5 times the capacitance, whose misfit is that of a constant phase."""
+    """A line of 1e5 times the capacitance behind leads; its misfit is that of a constant phase."""
     foam, sheet = scene.skin.foam, scene.skin.top
     heavy = scene.with_(
         {
             "skin.foam.capacitance_per_area": 1e5 * foam.unpressed_capacitance_per_area,
             "skin.sheet_resistance": sheet.sheet_resistance / 1e5,
+            "leads.resistance": 100.0,
         }
     )
     twin = heavy.with_({"skin.foam.phase_exponent": 0.9})
