@@ -63,7 +63,7 @@ def _factors(
     """The distribution of factors in a scene's notation. Raises InputError if it is not one."""
     if given is None:
         return None
-    return scene.with_({"dataset.press.factor": given}).dataset.press.factor
+    return scene.with_({"dataset.press.factor": given}).drawn_factor
 
 
 @checked

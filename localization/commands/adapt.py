@@ -69,11 +69,9 @@ def adapt(
 
 def _report_lines(found: Adaptation) -> list[str]:
     """Lines with the figures before and after (on held-out sweeps), and notes."""
-    from ..trust.rates import rate_text
-
     lines = [found.validation]
     for name, score in (("before", found.before), ("after", found.after)):
-        rates = {each: rate_text(*counts) for each, counts in score.rates().items()}
+        rates = {each: rate.text for each, rate in score.rates().items()}
         rest = {
             each: f"{value:.2g}" for each, value in score.figures().items() if each in EXTRA_FIGURES
         }

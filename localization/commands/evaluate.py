@@ -43,8 +43,8 @@ def evaluate(
     accuracy, the share of sweeps that were answered, and how many of the
     others were named as that fault. Without a model, a localizer of TARGET is trained and
     scored by nested cross-validation: a scored sweep was used for no training,
-    tuning or calibration. Figures are then means over folds, with their
-    spread. Whole sessions are held out if there are three or more.
+    tuning or calibration. The spread of figures over the folds is stated. Whole
+    sessions are held out if there are three or more.
     """
     from ...simulator.chart_style import checked_ending
     from ...simulator.progress import on_terminal

@@ -105,13 +105,16 @@ def _hints(model: Model, sweeps: xr.Dataset) -> list[str]:
 def _coverage(model: Model) -> str:
     """Text with the number of held-out sweeps that the model or its gate answered."""
     from ..trust.fitted import Classifier
-    from ..trust.rates import CONFIDENCE, rate_text
+    from ..trust.rates import CONFIDENCE, CountedRate
 
     learned = (model.gate or model).learned
     if not isinstance(learned, Classifier):
         return ""
-    answered = rate_text(learned.answered, learned.held_out)
-    return f", with {100 * CONFIDENCE:g} % confidence; held-out sweeps answered: {answered}"
+    answered = CountedRate(learned.answered, learned.held_out).text
+    return (
+        f", with {100 * CONFIDENCE:g} % confidence in sessions like these; held-out sweeps "
+        f"answered: {answered}"
+    )
 
 
 def _size(model: Model) -> str:

@@ -11,24 +11,29 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.base import clone
-from sklearn.metrics import confusion_matrix
 from sklearn.pipeline import Pipeline
 
-from ...simulator.arrays import Integer
+from ...simulator.arrays import Integer, Mask
 from ...simulator.report.files import write_rows
 from ...simulator.sweeps import checked_output
+from ..trust.answers import CANNOT_TELL
 
 HEADER = ("target", "output", "count")
 
 
 @dataclass(frozen=True, eq=False)
 class Confusion:
-    """Counts of sweeps by true class and predicted class."""
+    """Counts of sweeps by true class and answer."""
 
     labels: tuple[int | str, ...]
     """Classes in order, K of them."""
     counts: Integer
-    """Shape (K, K): (target class, output class)."""
+    """Shape (K, K), or (K, K + 1) if sweeps have no answer: (target class, output class)."""
+
+    @property
+    def outputs(self) -> tuple[int | str, ...]:
+        """Classes in order, then CANNOT_TELL if sweeps have no answer."""
+        return (*self.labels, CANNOT_TELL)[: self.counts.shape[1]]
 
     @property
     def total(self) -> int:
@@ -37,12 +42,12 @@ class Confusion:
 
     @property
     def correct(self) -> int:
-        """Number of sweeps with the right prediction."""
+        """Number of sweeps with the right answer."""
         return int(np.trace(self.counts))
 
     @property
     def accuracy(self) -> float:
-        """Fraction of sweeps with the right prediction."""
+        """Fraction of sweeps with the right answer."""
         return self.correct / self.total
 
     def table(self) -> list[tuple[int | str, int | str, int]]:
@@ -50,17 +55,26 @@ class Confusion:
         return [
             (target, output, int(self.counts[i, j]))
             for i, target in enumerate(self.labels)
-            for j, output in enumerate(self.labels)
+            for j, output in enumerate(self.outputs)
         ]
 
 
-def compare(targets: NDArray, outputs: NDArray) -> Confusion:
+def compare(targets: NDArray, outputs: NDArray, silent: Mask | None = None) -> Confusion:
     """Confusion matrix of true labels and predicted labels, shapes (sweep,).
 
-    Classes are ordered by number, pixels by row and then column, pairs by their first pixel.
+    silent: True for sweeps without an answer, shape (sweep,). Classes are ordered by number, pixels
+    by row and then column, pairs by their first pixel.
     """
     classes = _in_order([*targets.tolist(), *outputs.tolist()])
-    return Confusion(tuple(classes), confusion_matrix(targets, outputs, labels=classes))
+    counts = np.zeros((len(classes), len(classes) + 1), dtype=np.int64)
+    number = {label: k for k, label in enumerate(classes)}
+    rows = [number[label] for label in targets.tolist()]
+    columns = np.array([number[label] for label in outputs.tolist()])
+    if silent is not None:
+        columns[silent] = len(classes)
+    np.add.at(counts, (rows, columns), 1)
+    used = len(classes) + bool(counts[:, -1].any())
+    return Confusion(tuple(classes), counts[:, :used])
 
 
 def write_csv(confusion: Confusion, path: str | Path) -> None:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 RIGHT, WRONG = COLOURS[5], COLOURS[4]
 """Sky blue and orange: light enough in grey print for black figures on them."""
+SILENT = "0.7"
 MAX_LABELLED_CLASSES = 50
 """Maximum number of classes with a label each."""
 MAX_FONT_SIZE, MIN_FONT_SIZE, MIN_FONT_SIZE_OF_TWO = 11.0, 4.0, 6.5
@@ -29,16 +30,18 @@ LETTER = 0.62
 def draw_confusion(axes: Axes, confusion: Confusion, title: str = "Accuracy") -> None:
     """Draw counts and percent of all sweeps as a matrix.
 
-    The output class runs downwards, the target class to the right. The colour of a cell shows its
+    The output class runs downwards, the target class to the right; sweeps without an answer stand
+    in the last row, in grey. The colour of a cell shows its
     share of the target class; cells with zero are empty; the percentage is left out if it does not
     fit. The title states the accuracy by its name. This is the layout of MATLAB's `plotconfusion`.
     """
     axes.grid(False)
-    classes = np.arange(len(confusion.labels))
+    classes, outputs = np.arange(len(confusion.labels)), np.arange(len(confusion.outputs))
     axes.imshow(_colours(confusion))
     shown = classes[:: 1 + len(classes) // MAX_LABELLED_CLASSES]
     names = [str(confusion.labels[k]) for k in shown]
-    cell = _cell(axes, len(classes))
+    told = [*shown, *outputs[len(classes) :]]
+    cell = _cell(axes, len(outputs))
     longest = len(max(names, key=len))
     size = min(
         MAX_FONT_SIZE,
@@ -46,7 +49,7 @@ def draw_confusion(axes: Axes, confusion: Confusion, title: str = "Accuracy") ->
     )
     upright = LETTER * size * longest > cell
     axes.set_xticks(shown, names, rotation=90 if upright else 0, fontsize=size)
-    axes.set_yticks(shown, names, fontsize=size)
+    axes.set_yticks(told, [str(confusion.outputs[k]) for k in told], fontsize=size)
     large = max(10.0, 1.25 * cell * len(classes) / 72)
     axes.set_xlabel("Target class", fontsize=large)
     axes.set_ylabel("Output class", fontsize=large)
@@ -55,7 +58,7 @@ def draw_confusion(axes: Axes, confusion: Confusion, title: str = "Accuracy") ->
         fontsize=1.1 * large,
     )
     if classes.size <= MAX_LABELLED_CLASSES:
-        _rule_cells(axes, classes)
+        _rule_cells(axes, classes, outputs)
     _write_counts(axes, confusion, cell)
 
 
@@ -69,17 +72,17 @@ def _colours(confusion: Confusion) -> Real:
     """RGB colour of each cell, shape (output class, target class, 3)."""
     counts = confusion.counts.T
     share = (counts / np.maximum(counts.sum(axis=0), 1))[..., np.newaxis]
-    correct = np.eye(len(counts), dtype=bool)[..., np.newaxis]
+    correct = np.eye(*counts.shape, dtype=bool)[..., np.newaxis]
     full = np.where(correct, to_rgb(RIGHT), to_rgb(WRONG))
+    full[counts.shape[1] :] = to_rgb(SILENT)
     faintest = 0.25
     strength = np.where(share > 0, faintest + (1 - faintest) * share, 0)
     return 1 - strength * (1 - full)
 
 
-def _rule_cells(axes: Axes, classes: NDArray[np.intp]) -> None:
-    edges = classes[:-1] + 0.5
-    axes.set_xticks(edges, minor=True)
-    axes.set_yticks(edges, minor=True)
+def _rule_cells(axes: Axes, classes: NDArray[np.intp], outputs: NDArray[np.intp]) -> None:
+    axes.set_xticks(classes[:-1] + 0.5, minor=True)
+    axes.set_yticks(outputs[:-1] + 0.5, minor=True)
     axes.grid(which="minor", color="0.6", linewidth=0.8)
     axes.tick_params(which="both", length=0)
 

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +24,7 @@ from ..trust.answers import Answers
 from ..trust.fitted import Classifier, Regressor
 from ..trust.fitting import learn_classes, learn_positions
 from ..trust.folds import describe_nested_splits, folds_of, splits_of
+from ..trust.rates import CountedRate
 from ..trust.temperature import calibration_error
 from .confusion import Confusion, compare, over_folds
 
@@ -30,7 +32,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-    from ...simulator.arrays import Mask, Real
+    from ...simulator.arrays import Integer, Mask, Real
 
 UNCHECKED = {"assume_finite": True, "skip_parameter_validation": True}
 """Checks of scikit-learn that are unnecessary for many small SVMs on simulated sweeps."""
@@ -46,12 +48,14 @@ class ClassScore:
     """Predictions of a classifier for sweeps that it was not trained on.
 
     truth, predicted: labels, shape (sweep,); predicted also where the answer was CANNOT_TELL.
-    unread: number of further sweeps with a reading that is no finite number: none is answered.
+    sessions: shape (sweep,). unread: number of further sweeps with a reading that is no finite
+    number: none is answered.
     """
 
     truth: NDArray
     predicted: NDArray
     answers: Answers
+    sessions: Integer
     unread: int = 0
 
     @property
@@ -61,22 +65,21 @@ class ClassScore:
 
     @property
     def confusion(self) -> Confusion:
-        """Confusion matrix of truth and most probable class."""
-        return compare(self.truth, self.predicted)
+        """Confusion matrix of truth and answer; its last output is CANNOT_TELL if any is."""
+        return compare(self.truth, self.predicted, ~self.answers.answered)
 
-    def rates(self) -> dict[str, tuple[int, int]]:
-        """Count, and number of sweeps that it is of: a refusal is no right answer."""
-        answered = self.answers.answered
-        right, total = int((self.right & answered).sum()), self.right.size + self.unread
+    def rates(self) -> dict[str, CountedRate]:
+        """Rates of sweeps: a refusal is no right answer."""
+        answered, sessions = self.answers.answered, self.sessions
         return {
-            RIGHT_OF_ALL: (right, total),
-            "answered": (int(answered.sum()), total),
-            RIGHT_OF_ANSWERED: (right, int(answered.sum())),
+            RIGHT_OF_ALL: CountedRate.of(self.right & answered, sessions, self.unread),
+            "answered": CountedRate.of(answered, sessions, self.unread),
+            RIGHT_OF_ANSWERED: CountedRate.of(self.right[answered], sessions[answered]),
         }
 
     def figures(self) -> dict[str, float]:
         """Those of `rates` that are of any sweep, and the expected calibration error."""
-        found = {name: count / total for name, (count, total) in self.rates().items() if total}
+        found = {name: rate.share for name, rate in self.rates().items() if rate.total}
         error = calibration_error(self.answers.probability, self.right)
         return {**found, "calibration error": error}
 
@@ -86,13 +89,14 @@ class PositionScore:
     """Predictions of a regressor for sweeps that it was not trained on, (sweep, 3) each.
 
     Units are mm, mm and factor. content: probability in the smallest region that reaches the touch,
-    shape (sweep,). examples: regions of some sweeps, by number.
+    shape (sweep,). sessions: shape (sweep,). examples: regions of some sweeps, by number.
     """
 
     truth: Real
     predicted: Real
     deviation: Real
     content: Real
+    sessions: Integer
     examples: Mapping[int, Region]
 
     @property
@@ -100,9 +104,9 @@ class PositionScore:
         """Distance between touch and prediction, mm, shape (sweep,)."""
         return np.linalg.norm((self.predicted - self.truth)[:, :2], axis=1)
 
-    def rates(self) -> dict[str, tuple[int, int]]:
-        """Those of `figures` that are rates: count, and number of sweeps."""
-        return {REGION_FIGURE: (int((self.content <= PROBABILITY).sum()), self.content.size)}
+    def rates(self) -> dict[str, CountedRate]:
+        """Those of `figures` that are rates."""
+        return {REGION_FIGURE: CountedRate.of(self.content <= PROBABILITY, self.sessions)}
 
     def figures(self) -> dict[str, float]:
         """Errors in mm and of the factor, and rates of errors within the stated deviations."""
@@ -125,7 +129,8 @@ def score(learned: Classifier | Regressor, samples: Samples) -> Score:
     if isinstance(learned, Regressor):
         return _position_score(learned, samples)
     answers = learned.answers(samples.X, samples.changes)
-    return ClassScore(samples.y, learned.pipeline.predict(samples.X), answers)
+    predicted = learned.pipeline.predict(samples.X)
+    return ClassScore(samples.y, predicted, answers, samples.sessions)
 
 
 def _position_score(learned: Regressor, samples: Samples) -> PositionScore:
@@ -134,32 +139,36 @@ def _position_score(learned: Regressor, samples: Samples) -> PositionScore:
     content = np.array([each.content(x, y) for each, (x, y, _) in pairs])
     some = np.unique(np.linspace(0, len(places) - 1, EXAMPLES).astype(int)).tolist()
     examples = {k: region_of(places[k], PROBABILITY) for k in some}
-    return PositionScore(samples.y, *learned.positions(samples.X), content, examples)
+    found = learned.positions(samples.X)
+    return PositionScore(samples.y, *found, content, samples.sessions, examples)
 
 
 @dataclass(frozen=True, eq=False)
 class Nested:
     """Scores of outer folds, whose sweeps were used for no training, tuning or calibration.
 
-    validation: text on how they were held out.
+    validation: text on how they were held out. unread: see `ClassScore`.
     """
 
     folds: tuple[Score, ...]
     validation: str
+    unread: int = 0
 
-    @property
+    @cached_property
     def whole(self) -> Score:
         """Score of all sweeps, each predicted by the fold that did not train on it."""
-        return join_scores(self.folds)
+        joined = join_scores(self.folds)
+        return replace(joined, unread=self.unread) if isinstance(joined, ClassScore) else joined
 
     def figures(self) -> dict[str, tuple[float, float | None]]:
-        """Mean over the folds that have the figure and their standard deviation."""
+        """Figures of all sweeps, and their standard deviation over the folds that have them."""
         each = [fold.figures() for fold in self.folds]
-        names = dict.fromkeys(name for figures in each for name in figures)
-        values = {name: [found[name] for found in each if name in found] for name in names}
+        known = {
+            name: [found[name] for found in each if name in found] for name in self.whole.figures()
+        }
         return {
-            name: (float(np.mean(known)), float(np.std(known, ddof=1)) if len(known) > 1 else None)
-            for name, known in values.items()
+            name: (value, float(np.std(known[name], ddof=1)) if len(known[name]) > 1 else None)
+            for name, value in self.whole.figures().items()
         }
 
 
@@ -188,7 +197,8 @@ def nested(
             else learn_classes(some, estimator, certain=certain, tune=tune)
         )
         scores.append(score(learned, samples.part(test)))
-    return Nested(tuple(scores), describe_nested_splits(splits, samples.sessions, folds))
+    held_out = describe_nested_splits(splits, samples.sessions, folds)
+    return Nested(tuple(scores), held_out, samples.left_out.not_finite)
 
 
 def cross_validate(
@@ -244,12 +254,13 @@ def join_scores(folds: Sequence[Score]) -> Score:
     """One score of the sweeps of all folds, whose scores are of one kind."""
     first = folds[0]
     if isinstance(first, PositionScore):
-        names = ("truth", "predicted", "deviation", "content")
+        names = ("truth", "predicted", "deviation", "content", "sessions")
         columns = {name: _column(folds, name) for name in names}
         return PositionScore(**columns, examples=first.examples)
     answers = [fold.answers for fold in folds if isinstance(fold, ClassScore)]
     joined = Answers(*(_column(answers, field.name) for field in fields(Answers)))
-    return ClassScore(_column(folds, "truth"), _column(folds, "predicted"), joined)
+    columns = {name: _column(folds, name) for name in ("truth", "predicted", "sessions")}
+    return ClassScore(**columns, answers=joined)
 
 
 def _column(parts: Sequence[object], name: str) -> NDArray:

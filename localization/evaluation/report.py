@@ -10,9 +10,9 @@ from ...simulator.notebook_display import SmallChart
 from ...simulator.report.files import filled_at_once, write_rows
 from ...simulator.report.rate_bars import rate_bars
 from ..inputs.targets import COORDINATES
-from ..trust.rates import rate_text, with_intervals
+from ..trust.rates import with_intervals
 from .confusion import write_csv
-from .evaluation import ClassScore, PositionScore, Score
+from .evaluation import RIGHT_OF_ALL, ClassScore, PositionScore, Score
 from .skin_outline import draw_skin_outline
 
 if TYPE_CHECKING:
@@ -38,13 +38,12 @@ def lines_of(found: Evaluation) -> list[str]:
     for name, (value, spread) in found.figures.items():
         if name in rates:
             folds = "" if spread is None else f"; folds differ by ± {100 * spread:.2g} %"
-            rate = rate_text(*rates[name], bounded=found.sessions > 1)
-            lines.append(f"{name}: {rate}{folds}")
+            lines.append(f"{name}: {rates[name].text}{folds}")
         else:
             lines.append(f"{name}: {value:.3g}" + ("" if spread is None else f" ± {spread:.2g}"))
     if found.sessions == 1:
         lines.append("all sweeps are of one session of one skin: no bound on other skins follows")
-    if not rates.get("answered", (1, 0))[0]:
+    if "answered" in rates and not rates["answered"].count:
         lines.append(
             "no sweep was answered: each is unlike the training or its answer too uncertain"
         )
@@ -94,9 +93,7 @@ def _draw_confusion(score: ClassScore, path: Path) -> None:
 
     side = min(14.0, max(4.5, 0.55 * len(score.confusion.labels)))
     with chart(path, side, side) as figure:
-        all_answered = score.answers.answered.all()
-        title = "Accuracy" if all_answered else "Most probable class, answered or not\nright:"
-        draw_confusion(figure.subplots(), score.confusion, title)
+        draw_confusion(figure.subplots(), score.confusion, RIGHT_OF_ALL.capitalize())
 
 
 def _draw_positions(score: PositionScore, scene: Scene | None, path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import singledispatch
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...simulator.arrays import Real
 from .graph import Graph
@@ -20,6 +21,9 @@ from .parts import (
     PairwiseSVMs,
     Part,
 )
+
+NO_WEIGHT = -1e30
+"""ln of the weight of a part that is none: within single precision."""
 
 
 @singledispatch
@@ -98,7 +102,7 @@ def _(part: LogProbabilities, graph: Graph, x: str) -> str:
 
 @add_part.register
 def _(part: NormalDensities, graph: Graph, x: str) -> str:
-    """Values of all classes at once, shape (sweep, class, component), in whitened components."""
+    """Values of all parts at once, shape (sweep, part, component), in whitened components."""
     change, curve = graph.columns(x, part.change), graph.columns(x, part.curve)
     z = add_part(part.known, graph, curve)
     one = graph("Add", graph("Mul", graph.columns(z, [0]), 0.0), 1.0) if part.curve.size else None
@@ -126,7 +130,21 @@ def _(part: NormalDensities, graph: Graph, x: str) -> str:
     spread = graph("Div", graph("Mul", strength, graph("Mul", along, along)), wider)
     distance = graph("Sub", inner(left, left), spread)
     off = graph("Mul", graph("Add", distance, graph("Log", wider)), 0.5)
-    return graph("Sub", graph.real_constant(part.constant), off)
+    joint = graph("Sub", graph.real_constant(part.constant), off)
+    return _summed(graph, joint, part.first, len(part.constant))
+
+
+def _summed(graph: Graph, logarithms: str, first: NDArray[np.intp], parts: int) -> str:
+    """ln of the sum over the parts of each class, shape (sweep, class).
+
+    Classes with fewer parts than others are filled up by parts without weight.
+    """
+    counts = np.diff(np.append(first, parts))
+    nth = np.arange(counts.max())
+    own = nth < counts[:, None]
+    each = graph.columns(logarithms, first[:, None] + np.where(own, nth, 0))
+    weighted = graph("Add", each, graph.real_constant(np.where(own, 0.0, NO_WEIGHT)))
+    return graph("ReduceLogSumExp", weighted, axes=[2], keepdims=0)
 
 
 def _terms(part: NormalDensities, graph: Graph, change: str, z: str, one: str | None) -> str:

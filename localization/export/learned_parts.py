@@ -195,6 +195,7 @@ def _of_densities(classifier: Any) -> tuple[Part, ...]:
             curvature=np.array([each.curvature for each in normals]) @ roots,
             strength=np.array([each.strength for each in normals]),
             constant=np.array([each.prior for each in normals]) - np.array(spreads) / 2,
+            first=classifier.first_,
         ),
     )
 

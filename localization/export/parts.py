@@ -98,13 +98,14 @@ class BaselineCorrection:
 
 @dataclass(frozen=True, eq=False)
 class NormalDensities:
-    """ln of density times share of each class, see `GaussianClassifier`.
+    """ln of the sum of density times share over the parts of each class, see `GaussianClassifier`.
 
     change, curve, absolute: indices of features. correction: None without `absolute`. turn: axes of
     changes, shape (change, c). known: map from the curve to its components z. pairs: two lists of
     components of z; the terms are 1, z and the products of these pairs. All that follows is
-    whitened by the noise of each class: whitening: shape (K, c, c), by_curve: (K, terms, c),
-    curvature: (K, first terms, c). strength, constant: shape (K,).
+    whitened by the noise of each of P parts: whitening: shape (P, c, c), by_curve: (P, terms, c),
+    curvature: (P, first terms, c). strength, constant: shape (P,). first: number of the first part
+    of each class, ascending, shape (K,).
     """
 
     change: NDArray[np.intp]
@@ -119,6 +120,7 @@ class NormalDensities:
     curvature: Real
     strength: Real
     constant: Real
+    first: NDArray[np.intp]
 
 
 Part = AffineMap | KernelSum | PairwiseSVMs | DenseLayers | LogProbabilities | NormalDensities

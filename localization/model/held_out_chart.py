@@ -10,7 +10,7 @@ from ...simulator.chart_style import COLOURS
 from ...simulator.notebook_display import SmallChart
 from ...simulator.report.rate_bars import rate_bars
 from ..trust.fitted import Classifier
-from ..trust.rates import with_intervals
+from ..trust.rates import CountedRate, with_intervals
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -29,9 +29,11 @@ def held_out_chart(model: Model) -> SmallChart | None:
         total = learned.held_out
         if not total:
             return None
-        counts = {"right": (learned.right, total), "answered": (learned.answered, total)}
-        rates = with_intervals(counts)
-        return rate_bars(rates, 1 / len(learned.classes))
+        rates = {
+            "most probable class right": CountedRate(learned.right, total, learned.independent),
+            "answered": CountedRate(learned.answered, total),
+        }
+        return rate_bars(with_intervals(rates), 1 / len(learned.classes))
     scene, error = model.scene, learned.median_error
     return scene and SmallChart(lambda figure: _draw(figure, scene, error))
 

@@ -89,6 +89,7 @@ LEARNED: Mapping[type, Mapping[str, str | Inner]] = {
         "_of_change.1": "D c",
         "_of_curve.0": "R",
         "_of_curve.1": "R z",
+        "first_": "K int",
         "normals_.*.0": "W c",
         "normals_.*.1": "B c",
         "normals_.*.2": ">=0",
@@ -164,8 +165,10 @@ def _densities(classes: Any, sizes: Mapping[str, int]) -> bool:
     squared = min(classes.squared, sizes["z"])
     width = 1 + sizes["z"] + squared * (squared + 1) // 2
     left = sizes["F"] - len({*classes.curve, *classes.absolute})
-    found = len(classes.normals_), sizes["W"], sizes["B"], sizes["D"]
-    return found == (sizes["K"], width, min(CURVATURE_COMPONENTS + 1, width), left)
+    ends = np.array([*classes.first_, len(classes.normals_)])
+    found = ends[0], sizes["W"], sizes["B"], sizes["D"]
+    whole = found == (0, width, min(CURVATURE_COMPONENTS + 1, width), left)
+    return whole and bool((np.diff(ends) > 0).all())
 
 
 def _layers(network: Any, sizes: Mapping[str, int]) -> bool:
@@ -228,7 +231,7 @@ RULES: Mapping[type, Mapping[str, Rule]] = {
         ),
         "a learner for each of its codes": _all_learners,
     },
-    GaussianClassifier: {"a density of its own size for each class": _densities},
+    GaussianClassifier: {"densities of its own size for each class": _densities},
     MLPClassifier: {
         "layers that follow each other": _layers,
         "an output for each class": _one_output_a_class,

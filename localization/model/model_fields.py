@@ -29,7 +29,7 @@ from ..trust.kinds import KindGuard
 from ..trust.several import SeveralGuard
 from .localizer_model import Model
 
-LAYOUT = 10
+LAYOUT = 11
 """Layout of the model file; a new number means that older files are not readable."""
 EARLIER = {"pipeline", "target", "quantities", "interfaces", "frequencies", "scene", "version"}
 """Fields of layout 1, which stored no layout number."""
@@ -65,6 +65,7 @@ KINDS = {
     "right": int,
     "answered": int,
     "held_out": int,
+    "independent": float | None,
     "median_error": float,
     "estimator": str,
     "problem": dict,
@@ -120,6 +121,7 @@ def fields_of(model: Model) -> dict[str, Any]:
         "right": getattr(learned, "right", 0),
         "answered": getattr(learned, "answered", 0),
         "held_out": getattr(learned, "held_out", 0),
+        "independent": getattr(learned, "independent", None),
         "median_error": getattr(learned, "median_error", 0.0),
         "problem": _problem_fields(model.problem),
         **{name: getattr(model, name) for name in COPIED},
@@ -188,7 +190,10 @@ def _learned(fields: dict[str, Any], continuous: bool) -> Classifier | Regressor
     kind, names = (
         (Regressor, {"factor", "spread", "median_error"})
         if continuous
-        else (Classifier, {"sharpness", "threshold", "right", "answered", "held_out"})
+        else (
+            Classifier,
+            {"sharpness", "threshold", "right", "answered", "held_out", "independent"},
+        )
     )
     own = {name: fields[name] for name in names}
     return kind(pipeline=fields["pipeline"], guards=_guards(fields["guards"]), **own)

@@ -104,7 +104,7 @@ class EvaluationSettings:
             "sweeps_per_session": min(drawn.session.sweeps_per_session, -(-sweeps // SESSIONS)),
             "rest_every": every,
         }
-        unstated = drawn.press.factor == DrawnPress().factor and drawn.press.depth is None
+        unstated = drawn.press.factor is None and drawn.press.depth is None
         press = {"factor": own_presses(scene)} if unstated else {}
         own = drawn.model_copy(
             update={

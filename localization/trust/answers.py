@@ -84,9 +84,9 @@ def threshold_of(probability: Real, right: Mask, certain: float) -> float:
     """Probability threshold above which answers are right at the rate `certain`.
 
     It is the threshold of the largest of SHARES that reaches the rate. The rate holds with
-    CONFIDENCE if sweeps are independent and identically distributed: each share takes its exact
-    bound at an equal part of the significance level (Bonferroni), which accounts for the choice
-    among SHARES. The candidate thresholds do not depend on which answers are right. Source:
+    CONFIDENCE for sweeps of the same sessions, which count as independent: each share takes its
+    exact bound at an equal part of the significance level (Bonferroni), which accounts for the
+    choice among SHARES. The candidate thresholds do not depend on which answers are right. Source:
     A. N. Angelopoulos, S. Bates, E. J. Candes, M. I. Jordan, L. Lei, "Learn then test",
     arXiv:2110.01052 (2021).
 

@@ -13,7 +13,7 @@ from ...simulator.arrays import Mask, Real
 from ..learners.decisions import decisions
 from .answers import Answers, decide
 from .kinds import KindGuard
-from .rates import rate_text
+from .rates import CountedRate
 from .several import SeveralGuard
 from .temperature import probabilities
 
@@ -83,7 +83,8 @@ class Classifier(Learned):
 
     sharpness: factor of decisions before the softmax that gives probabilities. threshold: the
     minimum probability of an answer. right, answered: number of held-out sweeps whose most probable
-    class is right, and that reach the threshold. held_out: number of held-out sweeps.
+    class is right, and that reach the threshold. held_out: number of held-out sweeps. independent:
+    see `CountedRate`, of the right ones.
     """
 
     sharpness: float
@@ -91,11 +92,13 @@ class Classifier(Learned):
     right: int
     answered: int
     held_out: int
+    independent: float | None
 
     @property
     def outcome(self) -> str:
-        """Accuracy on the held-out sweeps, as text."""
-        return f"accuracy {rate_text(self.right, self.held_out)}"
+        """Share of held-out sweeps whose most probable class is right, as text."""
+        rate = CountedRate(self.right, self.held_out, self.independent)
+        return f"most probable class right: {rate.text}"
 
     @property
     def classes(self) -> NDArray:

@@ -22,6 +22,7 @@ from .fitted import Classifier, Guards, Regressor, has_novelty_test, with_known_
 from .folds import PLENTY, Splits, held_out_indices, scoring_splits
 from .held_out import held_out_decisions, held_out_positions
 from .kinds import kind_guard
+from .rates import independent_sweeps
 from .several import several_guard
 from .temperature import probabilities, sharpness_of
 from .tuning import trainer
@@ -63,10 +64,18 @@ def learn_classes(
     sharpness = sharpness_of(held_out, index)
     probability = probabilities(held_out, sharpness)
     right = probability.argmax(axis=1) == index
-    threshold = 0.0 if certain is None else threshold_of(probability.max(axis=1), right, certain)
-    answered = int((probability.max(axis=1) >= threshold).sum())
-    counts = int(right.sum()), answered, len(right)
-    return Classifier(pipeline, _guards(samples, splits, pipeline), sharpness, threshold, *counts)
+    best = probability.max(axis=1)
+    threshold = 0.0 if certain is None else threshold_of(best, right, certain)
+    return Classifier(
+        pipeline,
+        _guards(samples, splits, pipeline),
+        sharpness,
+        threshold,
+        right=int(right.sum()),
+        answered=int((best >= threshold).sum()),
+        held_out=len(right),
+        independent=independent_sweeps(right, samples.sessions[scored]),
+    )
 
 
 def learn_positions(

@@ -89,7 +89,7 @@ def check_creep(scene: Scene) -> None:
             "`interface.driven_with`; leave out one of them"
         )
     overlapping = 2 if drawn.rasterized and drawn.max_touches > 1 else 1
-    x = foam.strain_at(np.array(drawn.factor.high**overlapping))
+    x = foam.strain_at(np.array(scene.drawn_factor.high**overlapping))
     creep = Creep.of(foam)
     strain = float(creep.greatest(creep.nothing(), x))
     if strain > foam.greatest_strain:
@@ -97,5 +97,5 @@ def check_creep(scene: Scene) -> None:
         raise InputError(
             f"{scene.name}: `dataset.press.factor` must leave foam that creeps compressed by at "
             f"most {foam.greatest_strain:.3g} of its thickness in every draw, got "
-            f"{drawn.factor.high:g}, which comes to {strain:.3g}{twice}"
+            f"{scene.drawn_factor.high:g}, which comes to {strain:.3g}{twice}"
         )

@@ -178,7 +178,8 @@ def _check_depths(scene: Scene) -> None:
     else:
         named, high = "factor", float(scene.pressed_factors(np.array(max_depth)))
         allowed = f"from 1 to {high:.4g}"
-        depth = np.inf if drawn.factor.high > high or drawn.factor.low < 1 else max_depth
+        factor = scene.drawn_factor
+        depth = np.inf if factor.high > high or factor.low < 1 else max_depth
     if depth > max_depth:
         raise InputError(
             f"{scene.name}: `dataset.press.{named}` must be {allowed} in every draw: the models "

@@ -26,13 +26,13 @@ def drawn_strengths(scene: Scene, chances: Real) -> Real:
     """Random factors on c under touches, rounded as in the texts of factors or depths."""
     drawn = scene.dataset.press
     if scene.press.adds:
-        return _added_factors(scene, drawn.factor.at(chances))
+        return _added_factors(scene, scene.drawn_factor.at(chances))
     if scene.press.by_factor:
-        return np.round(drawn.factor.at(chances), FACTOR_DECIMALS)
+        return np.round(scene.drawn_factor.at(chances), FACTOR_DECIMALS)
     if drawn.depth is not None:
         depth = drawn.depth.at(chances)
     else:
-        depth = scene.pressed_depths(drawn.factor.at(chances))
+        depth = scene.pressed_depths(scene.drawn_factor.at(chances))
     return scene.pressed_factors(np.round(depth, DEPTH_DECIMALS))
 
 

@@ -116,7 +116,7 @@ def _unknown_skin(scene: Scene, anywhere: bool) -> UnknownSkin:
 
 def strength_prior(scene: Scene, presses: str) -> tuple[NDArray, NDArray, float]:
     """Strengths, the probability of each, and their common deviation."""
-    drawn, depth = scene.dataset.press.factor, scene.dataset.press.depth
+    drawn, depth = scene.drawn_factor, scene.dataset.press.depth
     if presses == "press":
         return normal_mixture(own_presses(scene).at, STRENGTHS)
     if scene.press.by_factor or depth is None:

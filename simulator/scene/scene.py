@@ -20,6 +20,7 @@ from pydantic import (
 from ..arrays import Mask, Real
 from ..sweeps import InputError
 from .design_goals import Design
+from .draws.draw_distributions import AnyDistribution
 from .draws.randomisation import Randomisation
 from .foam.foam_in_time import in_ambient
 from .foam.foam_mechanics import Mechanics
@@ -242,6 +243,11 @@ class Scene(Table):
     def _thickness(self) -> float:
         assert self.skin.foam.thickness is not None
         return self.skin.foam.thickness
+
+    @property
+    def drawn_factor(self) -> AnyDistribution:
+        """Distribution of the capacitance factor of drawn presses."""
+        return self.dataset.press.factor_within(self.skin.foam)
 
     def reach(self, *interfaces: Interface) -> float:
         """Largest distance of a point of the skin from its nearest foil driven by interfaces, m.

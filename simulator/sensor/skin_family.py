@@ -110,7 +110,8 @@ def highest_factor(scene: Scene) -> float:
 
     Foam that creeps must stay within its greatest strain.
     """
-    highest, foam = max(STRONGEST, scene.dataset.press.factor.high), scene.skin.foam
+    drawn, foam = scene.dataset.press.factor, scene.skin.foam
+    highest = STRONGEST if drawn is None else max(STRONGEST, drawn.high)
     if foam.mechanics is not None:
         highest = max(highest, min(scene.max_factor, BY_FOAM))
     if not foam.in_time:

@@ -177,7 +177,11 @@ def _accuracy(accuracy: MeanAccuracy) -> dict[str, Any]:
 
 
 def _confusion(confusion: Confusion) -> dict[str, Any]:
-    return {"labels": list(confusion.labels), "counts": confusion.counts.tolist()}
+    return {
+        "labels": list(confusion.labels),
+        "outputs": list(confusion.outputs),
+        "counts": confusion.counts.tolist(),
+    }
 
 
 def _discrepancy(stage: CalibrationStage) -> Mapping[str, Any]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ....simulator.models.effects import EFFECTS
-from ...trust.rates import rate_text
+from ...trust.rates import CountedRate
 from ..paired_samples import FEATURE_LABELS
 from ..versions import AFTER, BEFORE
 
@@ -82,7 +82,7 @@ def _distances_and_accuracies(findings: GapFindings) -> list[str]:
         rates = findings.model.score.rates()
         sentences.append(
             f"The model on the {label.adjective} sweeps ({target}s): "
-            + "; ".join(f"{name} {rate_text(*counts)}" for name, counts in rates.items())
+            + "; ".join(f"{name} {rate.text}" for name, rate in rates.items())
             + "."
         )
         return sentences
@@ -177,7 +177,7 @@ def _rms(values: np.ndarray) -> float:
 def _percent(accuracy: MeanAccuracy) -> str:
     """Mean and spread over draws, which may test the same sweeps; counts for one draw."""
     if accuracy.draws == 1:
-        return rate_text(accuracy.confusion.correct, accuracy.confusion.total)
+        return CountedRate(accuracy.confusion.correct, accuracy.confusion.total).text
     return f"{100 * accuracy.mean:.1f} ± {100 * accuracy.spread:.1f} %"
 
 

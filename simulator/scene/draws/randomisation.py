@@ -5,11 +5,20 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Annotated, Literal
 
+import numpy as np
 from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, model_serializer
 
 from ..foam.foam_in_time import AMBIENT, ambient_factors
+from ..foam.foam_mechanics import REACH_OF_APPLICATORS
 from ..validation import Number, Table, Whole
-from .draw_distributions import Distribution, Lognormal, Normal, Uniform, drawn_within
+from .draw_distributions import (
+    AnyDistribution,
+    Distribution,
+    Lognormal,
+    Normal,
+    Uniform,
+    drawn_within,
+)
 from .fault_odds import FaultOdds
 
 if TYPE_CHECKING:
@@ -52,6 +61,14 @@ def _chances(values: tuple[float, ...]) -> tuple[float, ...]:
     return values
 
 
+WEAK_TO_STRONG = Uniform(low=1.3, high=4.5)
+"""Default factors of drawn presses.
+
+Localizers refuse presses much stronger than those that they learned, and weak ones are not found
+worse for it: 5x5, columns on other skins, the paper's SVM and `gaussian`.
+"""
+
+
 class DrawnPress(Table):
     """A random press: number, places, sizes and strengths of its touches.
 
@@ -59,7 +76,8 @@ class DrawnPress(Table):
     offset: standard deviation of a touch's displacement from its pixel along each side, over that
     side; the label of the press is the pixel without displacement. factor: capacitance over the
     unpressed one; in a scene that presses by depth, the factor under the applicator, unless depth
-    is drawn. depth: into the foam, in place of factor. shape: of a touch at the place "anywhere".
+    is drawn; default uniform from 1.3 to 4.5, or as far as the foam can be compressed. depth: into
+    the foam, in place of factor. shape: of a touch at the place "anywhere".
     size: sides of a rectangle or diameter of a disc, at the place "anywhere". cells_per_pixel:
     cells along each side of a pixel if touches are not whole pixels; the capacitance of a cell
     rises in proportion to its covered part, or by the mean over the cell where a tension spreads
@@ -77,7 +95,7 @@ class DrawnPress(Table):
     shape: Annotated[tuple[Shape, ...], Field(min_length=1)] = ("rectangle", "disc")
     size: Length = Uniform(low=0.01, high=0.02)
     cells_per_pixel: Annotated[Whole, Field(ge=1, le=20)] = 4
-    factor: Factor = Uniform(low=1.3, high=3.0)
+    factor: Factor | None = None
     depth: Length | None = None
     finger: Finger | None = None
     without_press: Annotated[Number, Field(ge=0, le=1)] | None = None
@@ -92,6 +110,21 @@ class DrawnPress(Table):
     def cells(self) -> int:
         """Cells along each side of a pixel."""
         return self.cells_per_pixel if self.rasterized else 1
+
+    def factor_within(self, foam: Foam) -> AnyDistribution:
+        """Distribution of the factor; the default reaches no further than a foam can be pressed.
+
+        Foam is pressed no further than models of applicators cover, creep and places where two
+        touches meet included.
+        """
+        if self.factor is not None or (foam.mechanics is None and not foam.in_time):
+            return self.factor or WEAK_TO_STRONG
+        creep = 1 + sum(each.share for each in foam.relaxation or ())
+        strain = REACH_OF_APPLICATORS * foam.greatest_strain / creep
+        meeting = 2 if self.rasterized and self.max_touches > 1 else 1
+        most = float(foam.factor_at(np.array(strain))) ** (1 / meeting)
+        high = min(WEAK_TO_STRONG.high, math.floor(1000 * most) / 1000)
+        return Uniform(low=min(WEAK_TO_STRONG.low, (1 + high) / 2), high=high)
 
     @property
     def rasterized(self) -> bool:

@@ -19,6 +19,8 @@ DENSIFICATION = 2.3
 
 REACH = 0.999
 """Fraction of the densification strain up to which the law is used; linear beyond it."""
+REACH_OF_APPLICATORS = 0.9
+"""Largest strain under applicators over the largest one for which the law is used."""
 
 
 @dataclass(frozen=True)

@@ -118,7 +118,11 @@ def test_one_class_alone_is_refused(strip):
 def test_a_refusal_is_no_right_answer():
     labels = np.array(["1", CANNOT_TELL, "2", CANNOT_TELL])
     answers = Answers(labels, np.full(4, 0.9), labels == CANNOT_TELL, np.zeros((4, 0)))
-    found = ClassScore(np.array([1, 2, 1, 2]), np.array([1, 2, 2, 1]), answers, unread=1)
+    truth, sessions = np.array([1, 2, 1, 2]), np.zeros(4, dtype=np.int64)
+    found = ClassScore(truth, np.array([1, 2, 2, 1]), answers, sessions, unread=1)
     shares = {"right of all": 1 / 5, "answered": 2 / 5, "right of those answered": 1 / 2}
     assert found.figures() | shares == found.figures()
-    assert {name: right / total for name, (right, total) in found.rates().items()} == shares
+    assert {name: rate.share for name, rate in found.rates().items()} == shares
+    assert {rate.independent for rate in found.rates().values()} == {None}
+    assert found.confusion.outputs == (1, 2, CANNOT_TELL)
+    assert found.confusion.counts.tolist() == [[1, 1, 0], [0, 0, 2]]

@@ -69,7 +69,7 @@ def model_of(step, learned, target, knows_unpressed=True):
 
 def of_classes(target):
     step = ModelBased("", target, builder).fit()
-    return model_of(step, Classifier(None, None, 1.0, 0.0, 1, 1, 1), target)
+    return model_of(step, Classifier(None, None, 1.0, 0.0, 1, 1, 1, None), target)
 
 
 @pytest.fixture(scope="module")

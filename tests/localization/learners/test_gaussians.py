@@ -2,11 +2,16 @@
 
 import numpy as np
 import pytest
+import rcskin
+from rcskin.localization.inputs.samples import samples_of
+from rcskin.localization.learners.classifiers import gaussian
 from rcskin.localization.learners.gaussians import GaussianClassifier
 from scipy.stats import norm
+from sklearn.base import clone
 from sklearn.utils.estimator_checks import parametrize_with_checks
 
 SWEEPS = 6000
+FEATURES = ("dlnZ", "dphase", "lnZ0", "phase0")
 
 
 @parametrize_with_checks([GaussianClassifier()])
@@ -50,6 +55,25 @@ def test_strengths_of_touches_drop_out_with_how_they_bend():
     bends = 6 * np.square(t - 1)[:, None] * [[0.0, 0.0, 1.0, 0.0]]
     X = t[:, None] * ways + bends + 0.15 * random.standard_normal((SWEEPS, 4))
     assert share_right(X, y) > 0.99
+
+
+def test_touches_from_weak_to_strong_are_split_by_their_strength():
+    drawn = {
+        "dataset.press": {"touches": [0.1, 0.9], "factor": {"low": 1.3, "high": 4.5}},
+        "dataset.session": {"sweeps_per_session": 28, "rest_every": 14},
+    }
+    scene = rcskin.load("sheet-5x5").with_(drawn)
+    known, asked = (
+        samples_of(rcskin.dataset(scene, 1500, seed=seed, rtol=1e-3), "column", FEATURES)
+        for seed in (1, 2)
+    )
+    pipeline = gaussian(known.problem)
+
+    def found(strengths):
+        model = clone(pipeline).set_params(classify__strengths=strengths).fit(known.X, known.y)
+        return (model.predict(asked.X) == asked.y).mean()
+
+    assert found(3) > max(0.93, found(1) + 0.05)
 
 
 def test_probabilities_are_those_of_the_densities():

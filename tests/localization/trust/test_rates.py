@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.trust.rates import CONFIDENCE, lower_bound, rate_text
+from rcskin.localization.trust.rates import CONFIDENCE, CountedRate, independent_sweeps, lower_bound
+from scipy.stats import binomtest
 
 
 @pytest.mark.parametrize(
@@ -15,12 +16,38 @@ from rcskin.localization.trust.rates import CONFIDENCE, lower_bound, rate_text
     ],
 )
 def test_it_is_said_of_how_many(right, total, told):
-    assert rate_text(right, total) == told
+    assert CountedRate.of(np.arange(total) < right, np.arange(total)).text == told
+
+
+def test_one_session_bounds_nothing():
+    rate = CountedRate.of(np.ones(50, dtype=bool), np.zeros(50, dtype=np.int64))
+    assert (rate.text, rate.interval) == ("100 % (50 of 50)", (1.0, 1.0))
 
 
 @pytest.mark.parametrize("rate", [0.5, 0.9, 0.99])
-def test_the_bound_holds_as_often_as_it_says(rate):
+def test_the_bound_of_independent_sweeps_is_the_exact_one(rate):
     found = np.random.default_rng(0).binomial(60, rate, 1500)
     counts, times = np.unique(found, return_counts=True)
     kept = sum(n for k, n in zip(counts, times, strict=True) if lower_bound(int(k), 60) <= rate)
     assert kept / found.size > CONFIDENCE - 0.015
+    exact = binomtest(int(counts[0]), 60, alternative="greater").proportion_ci(0.95, "exact").low
+    assert lower_bound(int(counts[0]), 60) == pytest.approx(exact)
+
+
+@pytest.mark.parametrize("count", [3, 5, 10, 40])
+@pytest.mark.parametrize("correlation", [0.0, 0.05, 0.1])
+def test_the_bound_holds_in_other_sessions(count, correlation):
+    """Rates of sessions are distributed as beta about 95 %; a session has 25 sweeps."""
+    rate, each, random = 0.95, 25, np.random.default_rng(count)
+    spread = 1 / correlation - 1 if correlation else np.inf
+    sessions, kept, trials = np.repeat(np.arange(count), each), 0, 400
+    for _ in range(trials):
+        own = random.beta(rate * spread, (1 - rate) * spread, count) if correlation else rate
+        true = random.random((each, count)) < own
+        kept += CountedRate.of(true.T.ravel(), sessions).at_least() <= rate
+    assert kept / trials > CONFIDENCE - 0.02
+
+
+def test_sweeps_that_are_sessions_of_their_own_are_independent():
+    true = np.random.default_rng(1).random(300) < 0.9
+    assert independent_sweeps(true, np.arange(300)) == pytest.approx(300, rel=0.01)

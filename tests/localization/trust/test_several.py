@@ -7,11 +7,13 @@ from rcskin.localization.model.localizer_file import load, save
 from rcskin.localization.model.training import train
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.sweep_touches import counts_of
-from rcskin.simulator.scene.draws.randomisation import Randomisation, Session
+from rcskin.simulator.scene.draws.draw_distributions import Uniform
+from rcskin.simulator.scene.draws.randomisation import DrawnPress, Randomisation, Session
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import build, concatenate
 
-EVEN = Randomisation(session=Session(unevenness=0, foam_spread=0))
+PRESS = DrawnPress(factor=Uniform(low=1.3, high=3.0))
+EVEN = Randomisation(press=PRESS, session=Session(unevenness=0, foam_spread=0))
 SCENE = load_scene("sheet-5x5").model_copy(update={"dataset": EVEN})
 RESTS = 3
 CHANGES = ("dlnZ", "dphase")

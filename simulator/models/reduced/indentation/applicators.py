@@ -16,14 +16,12 @@ import numpy as np
 from ....arrays import Integer, Real
 from ....press.pixels import pixels_with_skin
 from ....press.touch import Touch
-from ....scene.foam.foam_mechanics import Mechanics
+from ....scene.foam.foam_mechanics import REACH_OF_APPLICATORS, Mechanics
 from ....scene.scene import Scene
 
 if TYPE_CHECKING:
     from ...mechanics.depth_series import DepthSeries
 
-REACH = 0.9
-"""Largest strain under applicators over that at which the foam's cells are closed."""
 FACTOR_SHARE, COARSEST = 30.0, 1e-2
 """Largest error of a factor over the tolerance of Rs and Cp, and its maximum. It occurs only at
 corners."""
@@ -98,7 +96,7 @@ def deepest(scene: Scene) -> float:
     """Largest depth of a scene's applicators, m."""
     mechanics, thickness = scene.skin.foam.mechanics, scene.skin.foam.thickness
     assert mechanics is not None and thickness is not None
-    return REACH * mechanics.elastic.greatest_strain * thickness
+    return REACH_OF_APPLICATORS * mechanics.elastic.greatest_strain * thickness
 
 
 def applicators(scene: Scene, rtol: float) -> PixelApplicators:
