@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.base import clone
-from sklearn.metrics import confusion_matrix
-from sklearn.pipeline import Pipeline
 
 from ...simulator.arrays import Integer
 from ...simulator.report.files import write_rows
 from ...simulator.sweeps import checked_output
+from ..parts.predictor import Predictor
 
 HEADER = ("target", "output", "count")
 
@@ -60,7 +57,11 @@ def compare(targets: NDArray, outputs: NDArray) -> Confusion:
     Classes are ordered by number, pixels by row and then column, pairs by their first pixel.
     """
     classes = _in_order([*targets.tolist(), *outputs.tolist()])
-    return Confusion(tuple(classes), confusion_matrix(targets, outputs, labels=classes))
+    number = {label: k for k, label in enumerate(classes)}
+    counts = np.zeros((len(classes), len(classes)), dtype=np.int64)
+    for pair in zip(targets.tolist(), outputs.tolist(), strict=True):
+        counts[tuple(number[label] for label in pair)] += 1
+    return Confusion(tuple(classes), counts)
 
 
 def write_csv(confusion: Confusion, path: str | Path) -> None:
@@ -80,11 +81,13 @@ def _numbers(label: int | str) -> list[int]:
 
 
 def over_folds(
-    untrained: Pipeline, X: NDArray, y: NDArray, splits: Iterable[tuple[NDArray, NDArray]]
+    fit: Callable[[NDArray, NDArray], Predictor],
+    X: NDArray,
+    y: NDArray,
+    splits: Iterable[tuple[NDArray, NDArray]],
 ) -> Confusion:
-    """Confusion matrix of predictions for each fold by a pipeline trained on the others."""
+    """Confusion matrix of predictions for each fold by a predictor fitted to the others."""
     predicted = np.empty_like(y)
     for train, test in splits:
-        fresh: Any = clone(untrained)
-        predicted[test] = fresh.fit(X[train], y[train]).predict(X[test])
+        predicted[test] = fit(X[train], y[train]).predict(X[test])
     return compare(y, predicted)
