@@ -45,7 +45,7 @@ def made(folder: Path, sweeps: int) -> Path:
 
 def peak(data: Path, sweeps: int) -> float:
     """MB that training on the first so many sweeps takes at most."""
-    words = (str(data), *ASKED, "--most", str(sweeps), "-o", str(data.with_name(f"{sweeps}.skops")))
+    words = (str(data), *ASKED, "--most", str(sweeps), "-o", str(data.with_name(f"{sweeps}.npz")))
     done = subprocess.run(
         [sys.executable, "-c", TRAIN, *words], check=True, capture_output=True, text=True
     )

@@ -14,7 +14,7 @@ from ..model.localizer_model import Model
 from ..parts.predictor import Chain
 from ..trust.fitted import Guards, Regressor
 from ..trust.folds import describe_splits, splits_of
-from .class_adaptation import FOLDS, PRIOR_SWEEPS, Adaptation, widened_guards
+from .class_adaptation import FINE_TUNED, FOLDS, PRIOR_SWEEPS, Adaptation, widened_guards
 
 MIN_TOUCHES = 6
 """Minimum number of touches: some in each direction, and some to score."""
@@ -54,7 +54,7 @@ def adapt_positions(model: Model, samples: Samples, counted: Samples | None = No
 def _checked(model: Model, samples: Samples) -> tuple[Regressor, Chain]:
     learned, predictor = model.learned, model.predictor
     assert isinstance(learned, Regressor)
-    if not isinstance(predictor, Chain):
+    if model.estimator in FINE_TUNED:
         raise InputError(
             f"a model of positions by {model.estimator} cannot be adapted: calibrate its scene by "
             "these touches, then train a new model"
@@ -67,6 +67,7 @@ def _checked(model: Model, samples: Samples) -> tuple[Regressor, Chain]:
         raise InputError(
             f"needs at least {MIN_TOUCHES} touches of known place, got {len(samples.X)}"
         )
+    assert isinstance(predictor, Chain)
     return learned, predictor
 
 

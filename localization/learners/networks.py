@@ -64,16 +64,16 @@ def network(
     stages = STAGES if stages is None else stages
     if problem.continuous:
         target = standardized(y)
-        return Chain((*chain, fitted_layers(Z, target(y), stages), target.back))
-    layers, classes = fitted_layers(Z, y, stages, classify=True), class_names(np.unique(y))
+        return Chain((*chain, fitted_layers(Z, target(y), stages, HIDDEN), target.back))
+    layers, classes = fitted_layers(Z, y, stages, HIDDEN, classify=True), class_names(np.unique(y))
     return Chain((*chain, layers, LogProbabilities(MIN_PROBABILITY)), classes)
 
 
 def fitted_layers(
     X: NDArray[np.float32],
     y: NDArray,
-    stages: Stages = STAGES,
-    hidden: tuple[int, ...] = HIDDEN,
+    stages: Stages,
+    hidden: tuple[int, ...],
     *,
     classify: bool = False,
     seed: int = 0,

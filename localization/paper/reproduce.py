@@ -104,7 +104,7 @@ def _write_tables(folder: Path, results: Results, claims: list[Claim]) -> None:
     for name, experiment in results.experiments.items():
         write(experiment.measured, folder / f"{name}-sweeps.csv")
         write_csv(results.confusions[name], folder / f"{name}-confusion.csv")
-        save(folder / f"{name}.skops", train(experiment.measured, quantities=PAPER))
+        save(folder / f"{name}.npz", train(experiment.measured, quantities=PAPER))
     for name, study in (
         ("frequencies", results.frequency),
         ("noise", results.noise),

@@ -24,7 +24,7 @@ def model(sheet):
 
 
 def test_a_model_with_a_flipped_bit_or_cut_is_refused_or_the_same(model, sheet, tmp_path):
-    path = tmp_path / "model.skops"
+    path = tmp_path / "model.npz"
     save(path, model)
     expected = model.pipeline.decision_function(model.features(sheet))
 
@@ -35,10 +35,10 @@ def test_a_model_with_a_flipped_bit_or_cut_is_refused_or_the_same(model, sheet, 
 
 
 def test_an_array_put_in_the_place_of_another_is_noticed_by_the_digest(model, tmp_path):
-    save(tmp_path / "model.skops", model)
+    save(tmp_path / "model.npz", model)
     with (
-        zipfile.ZipFile(tmp_path / "model.skops") as old,
-        zipfile.ZipFile(tmp_path / "other.skops", "w") as new,
+        zipfile.ZipFile(tmp_path / "model.npz") as old,
+        zipfile.ZipFile(tmp_path / "other.npz", "w") as new,
     ):
         for name in old.namelist():
             content = old.read(name)
@@ -48,8 +48,8 @@ def test_an_array_put_in_the_place_of_another_is_noticed_by_the_digest(model, tm
                 np.save(changed, array + 1 if array.dtype.kind == "f" else array)
                 content = changed.getvalue()
             new.writestr(name, content)
-    with pytest.raises(InputError, match=r"other\.skops: spoilt: its contents are not what"):
-        load(tmp_path / "other.skops")
+    with pytest.raises(InputError, match=r"other\.npz: spoilt: its contents are not what"):
+        load(tmp_path / "other.npz")
 
 
 def fitted(name):
@@ -156,9 +156,9 @@ def test_no_array_of_a_model_may_be_spoilt(model):
 def test_what_does_not_fit_is_reported_where_the_digest_is_right(model, tmp_path):
     place = "pipeline", "steps", 2, 1, "_n_support"
     array = held_by(model.learned, place)
-    path = tmp_path / "model.skops"
+    path = tmp_path / "model.npz"
     save(path, replace(model, learned=put(model.learned, place, array + 1)))
     with pytest.raises(
-        InputError, match=r"model\.skops: damaged or forged: `pipeline\.classify` must"
+        InputError, match=r"model\.npz: damaged or forged: `pipeline\.classify` must"
     ):
         load(path)
