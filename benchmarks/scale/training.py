@@ -25,11 +25,9 @@ LIMIT = 4_000
 """MB that it may take."""
 TRAIN = """
 import resource, sys
-from functools import partial
-from rcskin.localization.learners import classifiers
+from rcskin.localization.learners import networks
 from rcskin.__main__ import app
-few = partial(classifiers.NetworkClassifier, stages=((2e-3, 1), (5e-4, 1), (1e-4, 1)))
-classifiers.NetworkClassifier = few
+networks.STAGES = ((2e-3, 1), (5e-4, 1), (1e-4, 1))
 app(["train", *sys.argv[1:]], standalone_mode=False)
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """

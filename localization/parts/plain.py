@@ -147,7 +147,8 @@ def _checked_single(value: Any, kind: Any, rule: str, name: str) -> Any:
     if not isinstance(value, wanted) or (kind in (int, float) and isinstance(value, bool)):
         raise UnsoundError(name, "is of another type")
     if kind in (int, float):
-        require(math.isfinite(value), name, "must be finite")
+        small = abs(value) < 2**63 if isinstance(value, int) else math.isfinite(value)
+        require(small, name, "must be finite")
         require(_follows(np.asarray(value), rule, {}), name, f"must be {rule}")
         return kind(value)
     return value

@@ -40,11 +40,11 @@ def write_arrays(
     """Writes a file; the caller gives the name of an unfinished one.
 
     kind, layout: what it holds, and the number of its layout. description: anything that is JSON.
-    Equal contents give equal bytes of arrays. Raises ValueError for a number that is not finite.
+    Equal contents give equal bytes.
     """
     told = {"kind": kind, "layout": layout, **description}
     with zipfile.ZipFile(path, "w") as archive:
-        text = json.dumps(told, allow_nan=False, ensure_ascii=False)
+        text = json.dumps(told, ensure_ascii=False)
         archive.writestr(zipfile.ZipInfo(DESCRIPTION), text)
         for name, array in arrays.items():
             with archive.open(zipfile.ZipInfo(f"{name}{ENDING}"), "w", force_zip64=True) as member:
@@ -53,7 +53,7 @@ def write_arrays(
 
 
 def read_arrays(path: Path, kind: str, layout: int) -> tuple[dict[str, Any], dict[str, NDArray]]:
-    """The description and the arrays of a file, which are not writable.
+    """The description and the arrays of a file.
 
     Raises InputError if the file is absent, too large or not what its digest says;
     ForeignFileError if it has another kind or layout; and ValueError for anything else.
@@ -105,5 +105,5 @@ def _array(data: bytes) -> NDArray:
     begin = file.tell()
     if count * dtype.itemsize != len(data) - begin:
         raise ValueError(f"an array of {len(data) - begin} bytes declares the shape {shape}")
-    flat = np.frombuffer(data, dtype, count, begin) if count else np.zeros(0, dtype)
+    flat = np.frombuffer(data, dtype, count, begin).copy() if count else np.zeros(0, dtype)
     return flat.reshape(shape, order="F" if fortran else "C")
