@@ -8,7 +8,7 @@
 
     recorded = rcskin.measured(sweeps, seed=1)  # with the meter's noise
     skins = rcskin.dataset(scene, 2000)
-    model = rcskin.train(skins)  # or rcskin.load_model("columns.skops")
+    model = rcskin.train(skins)    # or rcskin.load_model("columns.npz")
     rcskin.evaluate(model, recorded).accuracy
     rcskin.localize(model, recorded).labels
 

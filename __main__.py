@@ -17,7 +17,7 @@ __all__ = ["app", "main"]
 
 add_commands(app)
 app.command(
-    epilog="Example: rcskin live --model columns.skops --resource TCPIP0::127.0.0.1::3500::SOCKET"
+    epilog="Example: rcskin live --model columns.npz --resource TCPIP0::127.0.0.1::3500::SOCKET"
 )(live)
 app.add_typer(meter, name="meter")
 

@@ -32,8 +32,8 @@ BESIDES = (
     "rcskin calibrate sheet-5x5 recorded.zarr -o found-there",
     "rcskin design sheet-5x5-two-interfaces --casts 3 --draws 1000 -o designed",
     "rcskin dataset sheet-5x5 --sweeps 6000 -o places.zarr",
-    "rcskin train places.zarr --target position -o places.skops",
-    "rcskin evaluate places.skops recorded.zarr -o places-found",
+    "rcskin train places.zarr --target position -o places.npz",
+    "rcskin evaluate places.npz recorded.zarr -o places-found",
 )
 """Measured with the top README's: the paper, a calibration of 150 sweeps, a design, positions."""
 

@@ -36,8 +36,8 @@ scene = scene.with_({"dataset.session.sweeps_per_session": 50})""",
 unseen = rcskin.dataset(scene, 50, seed=2, rtol=1e-3)""",
     "features": """X, y = rcskin.features(skins, "column", "dlnZ,dphase")""",
     "train": """model = rcskin.train(skins, "column")
-rcskin.write(model, "columns.skops")""",
-    "load_model": """model = rcskin.load_model("columns.skops")""",
+rcskin.write(model, "columns.npz")""",
+    "load_model": """model = rcskin.load_model("columns.npz")""",
     "localize": """answers = rcskin.localize(model, recorded)
 print(answers.labels, answers.probability)""",
     "evaluate": """print(rcskin.evaluate(model, unseen).accuracy)""",

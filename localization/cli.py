@@ -17,10 +17,10 @@ EXAMPLES = {
     reproduce: None,
     study: "rcskin study sheet-5x5 -o study.csv",
     gap: "rcskin gap all.nc run.nc -o gap",
-    train: "rcskin train skins.zarr -o columns.skops",
-    adapt: "rcskin adapt columns.skops run.nc -o better.skops",
-    evaluate: "rcskin evaluate columns.skops all.nc -o found",
-    localize: "rcskin localize columns.skops all.nc",
+    train: "rcskin train skins.zarr -o columns.npz",
+    adapt: "rcskin adapt columns.npz run.nc -o better.npz",
+    evaluate: "rcskin evaluate columns.npz all.nc -o found",
+    localize: "rcskin localize columns.npz all.nc",
     export: "rcskin export skins.zarr -o skins.csv",
 }
 

@@ -27,7 +27,7 @@ def model(folder: Path) -> Path:
     """A localizer of columns against rest."""
     presses = [f"1,{j}:{f}" for j in (1, 2, 3) for f in (1.8, 1.9, 2.0, 2.1, 2.2)]
     asked = [word for press in ["none"] * 5 + presses for word in ("--press", press)]
-    sweeps, trained = folder / "all.nc", folder / "m.skops"
+    sweeps, trained = folder / "all.nc", folder / "m.npz"
     rcskin("sweep", SCENE, *asked, "-o", sweeps)
     rcskin("train", sweeps, "--features", "dlnZ,dphase", "-o", trained)
     return trained

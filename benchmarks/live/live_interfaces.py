@@ -153,7 +153,7 @@ def wait(true, live: subprocess.Popen) -> None:
 
 def trained(scene: Path, sweeps: int, interfaces: Sequence[str], folder: Path) -> Path:
     """A model of pixels against rest, of randomised skins at these interfaces."""
-    data, model = folder / "skins.zarr", folder / f"{'-'.join(interfaces)}.skops"
+    data, model = folder / "skins.zarr", folder / f"{'-'.join(interfaces)}.npz"
     if not data.exists():
         run("dataset", scene, "--sweeps", sweeps, "-o", data)
     asked = [word for name in interfaces for word in ("--interface", name)]

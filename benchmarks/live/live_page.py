@@ -45,7 +45,7 @@ WATCH = """
 
 def trained(scene: str, sweeps: int, folder: Path) -> Path:
     """A model of columns against rest, of randomised skins."""
-    data, model = folder / "skins.zarr", folder / "columns.skops"
+    data, model = folder / "skins.zarr", folder / "columns.npz"
     run("dataset", scene, "--sweeps", sweeps, "-o", data)
     run("train", data, "--target", "column", "--features", "dlnZ,dphase", "-o", model)
     return model

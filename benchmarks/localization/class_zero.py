@@ -15,7 +15,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.localization.inputs.samples import Samples, samples_of
-from rcskin.localization.inversion.estimators import chosen
+from rcskin.localization.learners.classifiers import reference
 from rcskin.simulator.sweeps import build, impedance
 
 FREQUENCIES = np.geomspace(1e3, 200e3, 20)
@@ -63,8 +63,7 @@ def told_at_rest(samples: Samples, X: NDArray[np.float64]) -> NDArray[np.bool_]:
     told = np.zeros(len(X), dtype=bool)
     for half in range(2):
         test = samples.sessions % 2 == half
-        model = chosen("ksvm-ovo", "column").build(samples.problem)
-        told[test] = model.fit(X[~test], samples.y[~test]).predict(X[test]) == 0
+        told[test] = reference(X[~test], samples.y[~test]).predict(X[test]) == 0
     return told
 
 
@@ -74,14 +73,14 @@ def row(rests: int, sessions: int) -> list[dict[str, object]]:
     samples = samples_of(sweeps, "column", ("dlnZ", "dphase"))
     own = by_own_label(sweeps, samples)
     rest, rows = samples.y == 0, []
-    for reference, X in (("rests before the sweep", samples.X), ("by its own label", own)):
+    for kind, X in (("rests before the sweep", samples.X), ("by its own label", own)):
         told = told_at_rest(samples, X)
         a, b = told[rest].mean(), told[~rest].mean()
         p = told.mean()
         error = np.sqrt(p * (1 - p) * (1 / rest.sum() + 1 / (~rest).sum()))
         rows.append(
             {
-                "reference": reference,
+                "reference": kind,
                 "rests a session": rests,
                 "unpressed found unpressed": f"{100 * a:.1f} %",
                 "touches found unpressed": f"{100 * b:.1f} %",

@@ -122,7 +122,7 @@ def accuracies(reader: Reader, target: str, sweeps: int, skins: Reduced) -> dict
     train, test = (samples.part(np.flatnonzero(each)) for each in (learned, ~learned))
     found = {}
     for name, estimator in LOCALIZERS.items():
-        model = chosen(estimator, target).build(train.problem).fit(train.X, train.y)
+        model = chosen(estimator, target).fit(train.problem, train.X, train.y)
         pressed = test.y != 0
         found[name] = float((model.predict(test.X) == test.y)[pressed].mean())
     return found

@@ -84,7 +84,7 @@ def scores(asked: Mapping[float, xr.Dataset], spread: float, numbers: Sequence[i
         tests = {each: samples_of(of, TRIAL.target, quantities) for each, of in asked.items()}
         for number in numbers:
             some = known.first_sessions(number)
-            model = chosen("ksvm-ovo", TRIAL.target).build(some.problem).fit(some.X, some.y)
+            model = chosen("ksvm-ovo", TRIAL.target).fit(some.problem, some.X, some.y)
             for own, test in tests.items():
                 right = model.predict(test.X) == test.y
                 rows += [

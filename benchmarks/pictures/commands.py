@@ -56,10 +56,10 @@ def draw(command: str, files: dict[str, str], folder: Path, results: Path) -> No
 def trained(folder: Path) -> Path:
     """A model of columns against rest, made as the page on the meter shows it."""
     made = f"dataset {SCENE} --sweeps 2000 -o skin.zarr"
-    learned = "train skin.zarr --features dlnZ,dphase -o column.skops"
+    learned = "train skin.zarr --features dlnZ,dphase -o column.npz"
     for command in (made, learned):
         draw(f"rcskin {command}", {}, folder, folder)
-    return folder / "column.skops"
+    return folder / "column.npz"
 
 
 def on_terminal(words: list[str]) -> Generator[str]:

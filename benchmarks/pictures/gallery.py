@@ -73,9 +73,9 @@ def result(name: str, lines: str, caption: str, made: str = "") -> Picture:
 
 
 EVALUATED = """rcskin dataset sheet-3x3 --sweeps 1000 -o skins.zarr
-rcskin train skins.zarr --target pixel -o pixels.skops
+rcskin train skins.zarr --target pixel -o pixels.npz
 rcskin dataset sheet-3x3 --sweeps 500 --seed 2 -o unseen.zarr
-rcskin evaluate pixels.skops unseen.zarr -o evaluated"""
+rcskin evaluate pixels.npz unseen.zarr -o evaluated"""
 
 RECORDED = """rcskin dataset strip-1x5 --sweeps 1000 -o skins.zarr
 rcskin dataset strip-1x5 --sweeps 60 --seed 2 -o mine.zarr"""

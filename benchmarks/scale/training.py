@@ -25,11 +25,9 @@ LIMIT = 4_000
 """MB that it may take."""
 TRAIN = """
 import resource, sys
-from functools import partial
-from rcskin.localization.learners import classifiers
+from rcskin.localization.learners import networks
 from rcskin.__main__ import app
-few = partial(classifiers.NetworkClassifier, stages=((2e-3, 1), (5e-4, 1), (1e-4, 1)))
-classifiers.NetworkClassifier = few
+networks.STAGES = ((2e-3, 1), (5e-4, 1), (1e-4, 1))
 app(["train", *sys.argv[1:]], standalone_mode=False)
 print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
 """
@@ -45,7 +43,7 @@ def made(folder: Path, sweeps: int) -> Path:
 
 def peak(data: Path, sweeps: int) -> float:
     """MB that training on the first so many sweeps takes at most."""
-    words = (str(data), *ASKED, "--most", str(sweeps), "-o", str(data.with_name(f"{sweeps}.skops")))
+    words = (str(data), *ASKED, "--most", str(sweeps), "-o", str(data.with_name(f"{sweeps}.npz")))
     done = subprocess.run(
         [sys.executable, "-c", TRAIN, *words], check=True, capture_output=True, text=True
     )

@@ -110,7 +110,7 @@ class Bench:
             assert meter.stdout is not None
             port = re.search(r"TCPIP0?::[^ ]*::SOCKET", meter.stdout.readline())
             try:
-                asked = ["--model", "columns.skops", "--sweeps", "3"]
+                asked = ["--model", "columns.npz", "--sweeps", "3"]
                 self.run("live", *asked, "--resource", port[0] if port else "none")
             finally:
                 meter.terminate()
@@ -123,14 +123,14 @@ def uses(bench: Bench, scale: str) -> Iterator[tuple[str, Callable[[], object]]]
         "sweep": ["skin.toml", "--model", "reduced", "-o", "swept.nc"],
         "dataset": ["skin.toml", "--sweeps", count, "--workers", "1", "-o", "set.zarr"],
         "train": ["set.zarr", "--target", "column", "--features", "dlnZ,dphase"],
-        "evaluate": ["columns.skops", "swept.nc", "-o", "evaluated"],
-        "localize": ["columns.skops", "swept.nc"],
+        "evaluate": ["columns.npz", "swept.nc", "-o", "evaluated"],
+        "localize": ["columns.npz", "swept.nc"],
         "limits": ["skin.toml", "-o", "limits", "--draws", "200"],
         "frequencies": ["skin.toml", "-n", "3"],
         "calibrate": ["skin.toml", "swept.nc", "-o", "calibrated.toml"],
         "study": ["skin.toml", "--vary", scale, "--draws", "1", "-o", "study.csv"],
     }
-    asked["train"] += ["-o", "columns.skops"]
+    asked["train"] += ["-o", "columns.npz"]
     for name, arguments in asked.items():
         yield name, lambda name=name, arguments=arguments: run(name, *arguments)
     yield "live", bench.live

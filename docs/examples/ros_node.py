@@ -1,6 +1,6 @@
 """Publishes the answers of `rcskin live` in ROS 2: a node to copy and change.
 
-Run: rcskin live --model column.skops --resource METER | python3 docs/examples/ros_node.py /skin
+Run: rcskin live --model column.npz --resource METER | python3 docs/examples/ros_node.py /skin
 
 It reads the lines that `rcskin live` writes into a pipe, so that it needs ROS 2 and nothing else:
 rcskin may run in another Python. `touch` is the answer in words, `probability` that of the answer,

@@ -33,7 +33,7 @@ MAX_BASELINES = 1000
 
 
 def live(
-    model: Annotated[Path, typer.Option(help="A trained model, .skops.")],
+    model: Annotated[Path, typer.Option(help="A trained model, .npz.")],
     resource: Source,
     interface: Annotated[
         str | None, typer.Option(help="Connected interface; default: the model's.")

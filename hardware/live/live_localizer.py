@@ -6,11 +6,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...localization.commands.model_notes import note_versions
+from ...localization.commands.model_notes import note_version
 from ...localization.filtering.adaptive_policy import AdaptivePolicy, inverter_for
 from ...localization.filtering.follower import MAX_CHANGE_PROBABILITY, FollowedAnswer, Follower
 from ...localization.inputs.features import needs_baseline
-from ...localization.inversion.estimators import build_in_background
 from ...localization.model.localizer_file import load
 from ...localization.trust.answers import CANNOT_TELL
 from ...localization.trust.diagnosis import without_answer
@@ -37,9 +36,8 @@ def localizer_of(
     touching: dynamics of touches, to combine successive sweeps. adaptive: True to choose readings.
     certain, within: limits of the filter and of the adaptive sweep. Raises InputError.
     """
-    model = load(path)
-    build_in_background(model.pipeline)
-    note_versions(model, path)
+    model = load(path).in_background()
+    note_version(model, path)
     follower = Follower(model, touching, certain) if touching else None
     policy = AdaptivePolicy(model, certain, follower, within) if adaptive else None
     return LiveLocalizer(model, model.known_scene, follower, policy)

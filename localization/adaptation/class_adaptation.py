@@ -2,23 +2,19 @@
 
 from __future__ import annotations
 
-from copy import copy
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.frozen import FrozenEstimator
-from sklearn.pipeline import Pipeline
 
 from ...simulator.arrays import Real
 from ...simulator.sweeps import InputError
 from ..evaluation.evaluation import ClassScore, Score, join_scores, score
 from ..inputs.samples import Samples
 from ..inversion.estimators import MODEL_ADAPTED, MODEL_BASED, estimators
-from ..learners.decisions import decisions
-from ..learners.offsets import Offsets
+from ..learners.corrections import class_offsets
 from ..model.localizer_model import Model
+from ..parts.predictor import Chain
 from ..trust.answers import threshold_of
 from ..trust.fitted import Classifier, Guards, with_known_baseline
 from ..trust.folds import describe_splits, splits_of
@@ -31,8 +27,8 @@ ACCEPTED_SHARE = 0.98
 FOLDS = 5
 PRIOR_SWEEPS = 50
 """Weight of the training's sharpness, as a number of sweeps."""
-FINE_TUNING_PARAMETER = {MODEL_BASED: "invert__learn", MODEL_ADAPTED: "invert__inner__learn"}
-"""Parameter of model-based estimators that turns on fine-tuning."""
+FINE_TUNED = (MODEL_BASED, MODEL_ADAPTED)
+"""Estimators that are trained again, and fine-tuned by the touches."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +57,7 @@ def adapt_classes(model: Model, samples: Samples) -> Adaptation:
     splits = splits_of(samples.strata, samples.sessions, FOLDS)
     parts = [(samples.part(train), samples.part(test)) for train, test in splits]
     fitted_folds = [(fine_tuned(model, learned, train), test) for train, test in parts]
-    held_out = [(decisions(each.pipeline, test.X), test.y) for each, test in fitted_folds]
+    held_out = [(each.predictor.decisions(test.X), test.y) for each, test in fitted_folds]
     whole = fine_tuned(model, learned, samples)
     index = np.concatenate([np.searchsorted(whole.classes, y) for _, y in held_out])
     decided = np.concatenate([each for each, _ in held_out])
@@ -78,7 +74,8 @@ def adapt_classes(model: Model, samples: Samples) -> Adaptation:
     validation = (
         f"{describe_splits(splits, samples.sessions)}, of {right.size} sweeps of the skin at hand"
     )
-    better = replace(model, learned=replace(whole, **found, **counts), validation=validation)
+    better = replace(whole, **found, **counts)
+    better = replace(model, learned=better, validation=validation, adapted=True)
     return Adaptation(better, before, after, validation, notes)
 
 
@@ -86,7 +83,7 @@ def checked_classifier(model: Model, samples: Samples) -> Classifier:
     """The model's classifier, if these samples can adapt it. Raises InputError as `adapted`."""
     learned = model.learned
     assert isinstance(learned, Classifier)
-    if _was_adapted(learned.pipeline):
+    if model.adapted:
         raise InputError(
             "the model was adapted before: adapt the original model by all touches, old and new"
         )
@@ -97,7 +94,7 @@ def checked_classifier(model: Model, samples: Samples) -> Classifier:
             f"{model.target} {unknown[0]} was touched, but it is no class of the model"
         )
     met = dict(zip(known.tolist(), counts.tolist(), strict=True))
-    needed = known if model.estimator in FINE_TUNING_PARAMETER else learned.classes
+    needed = known if model.estimator in FINE_TUNED else learned.classes
     few = [
         (each, met.get(each, 0))
         for each in needed.tolist()
@@ -112,24 +109,18 @@ def checked_classifier(model: Model, samples: Samples) -> Classifier:
     return learned
 
 
-def _was_adapted(pipeline: Pipeline) -> bool:
-    parameters = pipeline.get_params()
-    modes = [parameters.get(name, "nothing") for name in FINE_TUNING_PARAMETER.values()]
-    return isinstance(pipeline[-1], Offsets) or any(each != "nothing" for each in modes)
-
-
 def fine_tuned(model: Model, learned: Classifier, samples: Samples) -> Classifier:
     """Classifier fine-tuned by these samples; the sharpness is not changed."""
     guards = learned.guards and widened_guards(learned.guards, samples)
-    pipeline: Any
-    if model.estimator in FINE_TUNING_PARAMETER:
-        pipeline = estimators()[model.estimator].build(model.problem)
-        pipeline.set_params(**{FINE_TUNING_PARAMETER[model.estimator]: "skin"})
+    predictor = learned.predictor
+    if isinstance(predictor, Chain):
+        index = np.searchsorted(learned.classes, samples.y)
+        offsets = class_offsets(predictor.decisions(samples.X), index, learned.sharpness)
+        predictor = predictor.then(offsets)
     else:
-        pipeline = Pipeline(
-            [("correct", Offsets(FrozenEstimator(learned.pipeline), learned.sharpness))]
-        )
-    return replace(learned, pipeline=pipeline.fit(samples.X, samples.y), guards=guards)
+        fit = estimators()[model.estimator].fit
+        predictor = fit(model.problem, samples.X, samples.y, learn="skin")
+    return replace(learned, predictor=predictor, guards=guards)
 
 
 def widened_guards(guards: Guards, samples: Samples) -> Guards:
@@ -142,10 +133,9 @@ def widened_guards(guards: Guards, samples: Samples) -> Guards:
 
 
 def _wider(guards: Guards, X: Real) -> Guards:
-    farther = copy(guards.kinds)
-    reach = float(np.quantile(guards.kinds.distances(X), ACCEPTED_SHARE, method="lower"))
-    farther.limit_ = guards.kinds.limit_ * max(1.0, reach)
-    return replace(guards, kinds=farther)
+    kinds = guards.kinds
+    reach = float(np.quantile(kinds.distances(X), ACCEPTED_SHARE, method="lower"))
+    return replace(guards, kinds=replace(kinds, limit=kinds.limit * max(1.0, reach)))
 
 
 def _shrunk_sharpness(found: float, before: float, count: int) -> float:

@@ -5,18 +5,16 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from sklearn.frozen import FrozenEstimator
-from sklearn.pipeline import Pipeline
 
 from ...simulator.sweeps import InputError
 from ..evaluation.evaluation import PositionScore, join_scores, score
 from ..inputs.samples import Samples
-from ..inversion.estimators import MODEL_ADAPTED, MODEL_BASED
-from ..learners.affine import Affine
+from ..learners.corrections import affine_correction
 from ..model.localizer_model import Model
+from ..parts.predictor import Chain
 from ..trust.fitted import Guards, Regressor
 from ..trust.folds import describe_splits, splits_of
-from .class_adaptation import FOLDS, PRIOR_SWEEPS, Adaptation, widened_guards
+from .class_adaptation import FINE_TUNED, FOLDS, PRIOR_SWEEPS, Adaptation, widened_guards
 
 MIN_TOUCHES = 6
 """Minimum number of touches: some in each direction, and some to score."""
@@ -29,10 +27,10 @@ def adapt_positions(model: Model, samples: Samples, counted: Samples | None = No
     has one, whose guards are widened to accept them. Raises InputError for models that invert the
     simulator or were adapted before, and for fewer than MIN_TOUCHES touches.
     """
-    learned = _checked(model, samples)
+    learned, predictor = _checked(model, samples)
     splits = splits_of(None, samples.sessions, FOLDS)
     parts = [(samples.part(train), samples.part(test)) for train, test in splits]
-    fitted_folds = [(_fine_tuned(learned, train), test) for train, test in parts]
+    fitted_folds = [(_fine_tuned(learned, predictor, train), test) for train, test in parts]
     after, before = (
         join_scores([score(each, test) for each, test in pairs])
         for pairs in (fitted_folds, [(learned, test) for _, test in parts])
@@ -41,26 +39,27 @@ def adapt_positions(model: Model, samples: Samples, counted: Samples | None = No
     factor = learned.factor * _deviation_correction(after)
     after = replace(after, deviation=after.deviation * _deviation_correction(after))
     median = float(np.median(after.distance))
-    better = replace(_fine_tuned(learned, samples), factor=factor, median_error=median)
+    better = _fine_tuned(learned, predictor, samples)
+    better = replace(better, factor=factor, median_error=median)
     held_out = describe_splits(splits, samples.sessions)
     validation = f"{held_out}, of {len(samples.X)} touches of the skin at hand"
     gate = model.gate
     if gate is not None and counted is not None:
         widened = _widened(gate.learned.guards, counted)
         gate = replace(gate, learned=replace(gate.learned, guards=widened))
-    found = replace(model, learned=better, gate=gate, validation=validation)
+    found = replace(model, learned=better, gate=gate, validation=validation, adapted=True)
     return Adaptation(found, before, after, validation)
 
 
-def _checked(model: Model, samples: Samples) -> Regressor:
-    learned = model.learned
+def _checked(model: Model, samples: Samples) -> tuple[Regressor, Chain]:
+    learned, predictor = model.learned, model.predictor
     assert isinstance(learned, Regressor)
-    if model.estimator in (MODEL_BASED, MODEL_ADAPTED):
+    if model.estimator in FINE_TUNED:
         raise InputError(
             f"a model of positions by {model.estimator} cannot be adapted: calibrate its scene by "
             "these touches, then train a new model"
         )
-    if isinstance(learned.pipeline[-1], Affine):
+    if model.adapted:
         raise InputError(
             "the model was adapted before: adapt the original model by all touches, old and new"
         )
@@ -68,13 +67,14 @@ def _checked(model: Model, samples: Samples) -> Regressor:
         raise InputError(
             f"needs at least {MIN_TOUCHES} touches of known place, got {len(samples.X)}"
         )
-    return learned
+    assert isinstance(predictor, Chain)
+    return learned, predictor
 
 
-def _fine_tuned(learned: Regressor, samples: Samples) -> Regressor:
-    pipeline = Pipeline([("correct", Affine(FrozenEstimator(learned.pipeline)))])
+def _fine_tuned(learned: Regressor, predictor: Chain, samples: Samples) -> Regressor:
+    correction = affine_correction(predictor.positions(samples.X)[0], samples.y)
     guards = _widened(learned.guards, samples)
-    return replace(learned, pipeline=pipeline.fit(samples.X, samples.y), guards=guards)
+    return replace(learned, predictor=predictor.then(correction), guards=guards)
 
 
 def _widened(guards: Guards | None, samples: Samples) -> Guards | None:

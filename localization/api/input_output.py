@@ -34,7 +34,7 @@ def write(
     overwrite: bool = False,
     overwrite_measured: bool = False,
 ) -> None:
-    """Write sweeps into .nc, .csv or .zarr, a model into .skops, or a scene into .toml.
+    """Write sweeps into .nc, .csv or .zarr, a model into .npz, or a scene into .toml.
 
     The file is written completely or not at all. given: sweeps, a model or a scene. path: file to
     write. overwrite: True replaces a file that exists. overwrite_measured: True replaces even

@@ -89,7 +89,7 @@ def train(
 def load_model(path: str | Path) -> Model:
     """Load a model from a file that `write`, `rcskin train` or `rcskin adapt` wrote.
 
-    path: .skops. Raises InputError in one line if the file holds no model.
+    path: .npz. Raises InputError in one line if the file holds no model.
     """
     from ..model.localizer_file import load
 

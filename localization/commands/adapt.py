@@ -19,14 +19,14 @@ if TYPE_CHECKING:
 
 @options.with_option_names
 def adapt(
-    model: Annotated[Path, typer.Argument(help="MODEL.skops.")],
+    model: Annotated[Path, typer.Argument(help="MODEL.npz.")],
     touches: Annotated[
         list[Path],
         typer.Argument(
             help="Sweeps of a few touches of each class, or at known places: FILE.nc ..."
         ),
     ],
-    output: Annotated[Path, typer.Option("--output", "-o", help="BETTER.skops.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="BETTER.npz.")],
     rest: options.Rest = None,
     most: options.MaxSweeps = options.MAX_SWEEPS_READ,
     anyway: options.Anyway = False,

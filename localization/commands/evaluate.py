@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..evaluation.result import Evaluation
     from ..inputs.samples import Samples
 
-FILES = "A model to evaluate, MODEL.skops, if any; then sweeps: .nc, .zarr or .csv, joined."
+FILES = "A model to evaluate, MODEL.npz, if any; then sweeps: .nc, .zarr or .csv, joined."
 
 
 @options.with_option_names
@@ -61,7 +61,7 @@ def evaluate(
     by_model, by_fault = files[0].suffix == ENDING, list[FaultScore]()
     recordings = files[by_model:]
     if not recordings:
-        raise InputError("no sweeps were given: rcskin evaluate MODEL.skops SWEEPS")
+        raise InputError("no sweeps were given: rcskin evaluate MODEL.npz SWEEPS")
     if folds < 2:
         raise InputError(f"--folds must be >= 2, got {folds}")
     ending = checked_ending(charts)

@@ -18,7 +18,7 @@ def export(
     data: Annotated[
         Path,
         typer.Argument(
-            help="A data set, DATA.zarr, sweeps, .nc or .csv, or a trained model, MODEL.skops."
+            help="A data set, DATA.zarr, sweeps, .nc or .csv, or a trained model, MODEL.npz."
         ),
     ],
     output: Annotated[
@@ -77,11 +77,11 @@ def export(
 
     of_sweeps = {"--format": format_}
     of_models = {"--single": single, "--unguarded": unguarded, "--compare": compare}
-    if data.suffix == ".skops":
+    if data.suffix == ".npz":
         _refuse_options(data, of_sweeps, "sweeps, and this is a model")
         export_model(data, output, single=single, guarded=not unguarded, compare=compare)
     else:
-        _refuse_options(data, of_models, "a model, MODEL.skops, and these are sweeps")
+        _refuse_options(data, of_models, "a model, MODEL.npz, and these are sweeps")
         _export_sweeps(data, output, format_)
 
 

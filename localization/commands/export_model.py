@@ -29,7 +29,7 @@ def export_model(
     from ..export.description import limits_of
     from ..export.portable import portable
     from ..model.localizer_file import load
-    from .model_notes import note_versions
+    from .model_notes import note_version
 
     output = checked_output(output, (".onnx", ".c"))
     if output.suffix == ".onnx":
@@ -38,7 +38,7 @@ def export_model(
         name = "--single" if single else "--compare"
         raise InputError(f"{output}: {name} applies to a graph, OUT.onnx, not to C code")
     model = load(path)
-    note_versions(model, path)
+    note_version(model, path)
     parts = portable(model, guarded=guarded)
     if output.suffix == ".c":
         written = output, output.with_suffix(".h")

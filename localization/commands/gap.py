@@ -47,7 +47,7 @@ def gap(
     ] = None,
     own: Annotated[
         Path | None,
-        typer.Option("--model", help="Test this model, MODEL.skops, instead of training one."),
+        typer.Option("--model", help="Test this model, MODEL.npz, instead of training one."),
     ] = None,
     seed: Annotated[int, typer.Option(help="Seed of all random numbers.")] = 0,
     draws: Annotated[int, typer.Option(help="Number of random draws of the added sweeps.")] = 5,

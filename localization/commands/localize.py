@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @options.with_option_names
 def localize(
-    model: Annotated[Path, typer.Argument(help="MODEL.skops.")],
+    model: Annotated[Path, typer.Argument(help="MODEL.npz.")],
     sweeps: Annotated[list[Path], typer.Argument(help=options.SWEEPS)],
     output: Annotated[
         Path | None, typer.Option("--output", "-o", help="OUT.csv, instead of the terminal.")

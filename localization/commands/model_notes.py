@@ -25,7 +25,7 @@ def load_model_for(
     """The model in the file at `path`.
 
     Prints a note if the sweeps of `files` store no scene, and one if the model was trained with
-    other versions. any_skin: True if the model accepts sweeps of another skin too. Raises
+    another version. any_skin: True if the model accepts sweeps of another skin too. Raises
     InputError as `load`.
     """
     from ..model.localizer_file import load
@@ -38,14 +38,14 @@ def load_model_for(
             "model's",
             err=True,
         )
-    note_versions(model, path)
+    note_version(model, path)
     return model.for_any_skin() if any_skin else model
 
 
-def note_versions(model: Model, path: Path) -> None:
-    """Print a note if the model was trained with other software versions."""
-    if model.version_differences:
-        say(f"rcskin: note: {path}: was trained with {model.version_differences}", err=True)
+def note_version(model: Model, path: Path) -> None:
+    """Print a note if another version trained the model."""
+    if model.version_difference:
+        say(f"rcskin: note: {path}: was trained with {model.version_difference}", err=True)
 
 
 def accuracy_meaning(problem: LocalizationProblem, scored: str, sweeps: xr.Dataset) -> str:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 @options.with_option_names
 def train(
     sweeps: Annotated[list[Path], typer.Argument(help=options.SWEEPS)],
-    output: Annotated[Path, typer.Option("--output", "-o", help="MODEL.skops.")],
+    output: Annotated[Path, typer.Option("--output", "-o", help="MODEL.npz.")],
     target: options.Target = "column",
     name: options.Name = None,
     quantities: options.Quantities = None,

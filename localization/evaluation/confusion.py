@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.base import clone
-from sklearn.pipeline import Pipeline
 
 from ...simulator.arrays import Integer, Mask
 from ...simulator.report.files import write_rows
 from ...simulator.sweeps import checked_output
+from ..parts.predictor import Predictor
 from ..trust.answers import CANNOT_TELL
 
 HEADER = ("target", "output", "count")
@@ -94,11 +92,13 @@ def _numbers(label: int | str) -> list[int]:
 
 
 def over_folds(
-    untrained: Pipeline, X: NDArray, y: NDArray, splits: Iterable[tuple[NDArray, NDArray]]
+    fit: Callable[[NDArray, NDArray], Predictor],
+    X: NDArray,
+    y: NDArray,
+    splits: Iterable[tuple[NDArray, NDArray]],
 ) -> Confusion:
-    """Confusion matrix of predictions for each fold by a pipeline trained on the others."""
+    """Confusion matrix of predictions for each fold by a predictor fitted to the others."""
     predicted = np.empty_like(y)
     for train, test in splits:
-        fresh: Any = clone(untrained)
-        predicted[test] = fresh.fit(X[train], y[train]).predict(X[test])
+        predicted[test] = fit(X[train], y[train]).predict(X[test])
     return compare(y, predicted)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from sklearn import config_context
 
 from ...simulator.progress import ProgressCallback, silent, tracked
 from ...simulator.scene.scene_files import carried_scene
@@ -34,8 +34,6 @@ if TYPE_CHECKING:
 
     from ...simulator.arrays import Integer, Mask, Real
 
-UNCHECKED = {"assume_finite": True, "skip_parameter_validation": True}
-"""Checks of scikit-learn that are unnecessary for many small SVMs on simulated sweeps."""
 EXAMPLES = 6
 """Number of sweeps whose regions are kept."""
 RIGHT_OF_ALL, RIGHT_OF_ANSWERED = "right of all", "right of those answered"
@@ -129,8 +127,7 @@ def score(learned: Classifier | Regressor, samples: Samples) -> Score:
     if isinstance(learned, Regressor):
         return _position_score(learned, samples)
     answers = learned.answers(samples.X, samples.changes)
-    predicted = learned.pipeline.predict(samples.X)
-    return ClassScore(samples.y, predicted, answers, samples.sessions)
+    return ClassScore(samples.y, learned.predict(samples.X), answers, samples.sessions)
 
 
 def _position_score(learned: Regressor, samples: Samples) -> PositionScore:
@@ -220,7 +217,7 @@ def cross_validate(
     usable = sweeps.isel(sweep=rows)
     y = labels(usable, target)
     splits = folds_of(usable, y, folds=folds, grouping=grouping, seed=seed)
-    return over_folds(reference(X.shape[1]), X, y, splits)
+    return over_folds(reference, X, y, splits)
 
 
 def held_out_accuracies(
@@ -235,12 +232,21 @@ def held_out_accuracies(
     splits = splits_of(samples.strata, samples.sessions)
     X, y = samples.X, samples.y
     none = sweeps["press"].to_numpy()[samples.rows] == UNPRESSED
-    with config_context(**UNCHECKED):
-        learned = ((reference(X.shape[1]).fit(X[train], y[train]), test) for train, test in splits)
+    with unchecked():
+        learned = ((reference(X[train], y[train]), test) for train, test in splits)
         return [
             _weighted_accuracy(each.predict(X[test]) == y[test], none[test], unpressed)
             for each, test in learned
         ]
+
+
+@contextmanager
+def unchecked() -> Iterator[None]:
+    """Leaves out checks of scikit-learn that many small SVMs on simulated sweeps do not need."""
+    from sklearn import config_context
+
+    with config_context(assume_finite=True, skip_parameter_validation=True):
+        yield
 
 
 def _weighted_accuracy(right: Mask, none: Mask, unpressed: float | None) -> float:

@@ -6,17 +6,20 @@ from functools import singledispatch
 
 import numpy as np
 
-from .c_tables import CCode, number
-from .parts import (
+from ...simulator.arrays import Real
+from ..parts.parts import (
     AffineMap,
+    Components,
     DenseLayers,
-    Distance,
-    KindDistance,
     LogProbabilities,
     PairwiseSVMs,
     Part,
-    SeveralDistance,
+    Scaling,
 )
+from ..trust.kinds import KindGuard
+from ..trust.several import SeveralGuard
+from .c_tables import CCode, number
+from .portable import Distance, less_one, scaling_of
 
 DECODERS = {"hinge loss": "by_hinge_loss", "votes": "by_votes", "sum": "by_sum"}
 
@@ -41,21 +44,37 @@ def _next(code: CCode, x: str, size: int) -> str:
 
 
 @add_code.register
+def _(part: Scaling, code: CCode, x: str, size: int) -> tuple[str, int]:
+    y = _next(code, x, size)
+    tables = [code.numbers(each) for each in (part.centre, 1 / part.scale, 0 * part.scale)]
+    code.call("scaled", x, size, *tables, y)
+    return y, size
+
+
+@add_code.register
+def _(part: Components, code: CCode, x: str, size: int) -> tuple[str, int]:
+    matrix = part.directions.T / part.scale
+    return _affine(code, x, size, part.mean, matrix, np.zeros(len(part.directions)))
+
+
+@add_code.register
 def _(part: AffineMap, code: CCode, x: str, size: int) -> tuple[str, int]:
-    width = len(part.offset)
-    y = _next(code, x, width)
-    tables = [code.numbers(each) for each in (part.centre, part.matrix, part.offset)]
-    if part.matrix.ndim == 1:
-        code.call("scaled", x, size, *tables, y)
-    else:
-        code.call("affine", x, size, *tables, width, y)
-    return y, width
+    return _affine(code, x, size, part.centre, part.matrix, part.offset)
+
+
+def _affine(
+    code: CCode, x: str, size: int, centre: Real, matrix: Real, offset: Real
+) -> tuple[str, int]:
+    y = _next(code, x, offset.size)
+    tables = [code.numbers(each) for each in (centre, matrix, offset)]
+    code.call("affine", x, size, *tables, offset.size, y)
+    return y, offset.size
 
 
 @add_code.register
 def _(part: DenseLayers, code: CCode, x: str, size: int) -> tuple[str, int]:
-    last = len(part.weights) - 1
-    for k, (W, b) in enumerate(part.weights):
+    last = len(part.layers) - 1
+    for k, (W, b) in enumerate((each.weights, each.offset) for each in part.layers):
         y = _next(code, x, len(b))
         code.call("layer", x, size, code.numbers(W), code.numbers(b), len(b), int(k < last), y)
         x, size = y, len(b)
@@ -80,7 +99,7 @@ def _(part: PairwiseSVMs, code: CCode, x: str, size: int) -> tuple[str, int]:
     y = _next(code, x, K)
     tables = [code.numbers(part.vectors), code.numbers(others), code.indices(part.counts)]
     code.functions |= {"kernel", "pair_number"}
-    offset = code.numbers(part.offset[pairs])
+    offset = code.numbers(less_one(part)[pairs])
     code.call("pairwise", x, size, *tables, offset, K, number(part.gamma), "work")
     code.call(DECODERS[part.decoding], "work", K, y)
     return y, K
@@ -90,12 +109,13 @@ def add_distance_code(part: Distance, code: CCode, x: str) -> None:
     """Adds a guard to the code. x: array of its features."""
     size = len(part.columns)
     columns = code.indices(part.columns)
-    scaling = [code.numbers(each) for each in (part.scaling.centre, part.scaling.matrix)]
-    given = [x, columns, size, *scaling]
-    if isinstance(part, KindDistance):
+    scaling = scaling_of(part)
+    given = [x, columns, size, code.numbers(scaling.centre), code.numbers(1 / scaling.scale)]
+    if isinstance(part, KindGuard):
         kinds, width = part.means.shape
         code.work = max(code.work, size + width)
-        tables = [code.numbers(each) for each in (part.directions, part.means, part.whitening)]
+        arrays = part.components.directions, part.means, part.whitening
+        tables = [code.numbers(each) for each in arrays]
         counts = [width, kinds]
         factors = [number(part.outside), number(1 / part.limit)]
         code.call("kind_distance", *given, *tables, *counts, *factors, "work", result="distance = ")
@@ -105,11 +125,12 @@ def add_distance_code(part: Distance, code: CCode, x: str) -> None:
     code.statements.append("farthest = distance > farthest ? distance : farthest;")
 
 
-def _add_several(part: SeveralDistance, code: CCode, given: list[object]) -> None:
+def _add_several(part: SeveralGuard, code: CCode, given: list[object]) -> None:
     machine = part.machine
     code.work = max(code.work, len(part.columns))
     code.functions.add("kernel")
     tables = [code.numbers(machine.vectors), code.numbers(machine.weights)]
-    numbers = [len(machine.vectors), number(machine.gamma), number(machine.offset[0])]
+    offset = number((machine.offset + machine.weights.sum(axis=0))[0])
+    numbers = [len(machine.vectors), number(machine.gamma), offset]
     limit = number(1 / part.limit)
     code.call("several_distance", *given, *tables, *numbers, limit, "work", result="distance = ")

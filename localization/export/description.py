@@ -57,7 +57,7 @@ def described(model: Model, parts: PortableModel, inputs: Sequence[str]) -> dict
         "outputs": {name: OUTPUTS[name] for name in outputs},
         "guard": "distance from the training sweeps" if parts.guarded else UNGUARDED,
         "limits": limits_of(model, parts),
-        "trained_with": model.versions,
+        "trained_with": dict(model.versions),
         "trained_on_sweeps": model.trained_on,
         "validation": f"{model.validation}: {model.learned.outcome}",
         "scene": problem.scene,

@@ -8,19 +8,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...simulator.arrays import Real
-from .graph import Graph
-from .parts import (
+from ..parts.normal_densities import OPENING, ClassDensities, NormalDensities
+from ..parts.parts import (
     AffineMap,
+    Components,
     DenseLayers,
-    Distance,
     KernelSum,
-    KindDistance,
     LogProbabilities,
     NearestErrors,
-    NormalDensities,
     PairwiseSVMs,
     Part,
+    Scaling,
 )
+from ..trust.kinds import KindGuard
+from .graph import Graph
+from .portable import Distance, less_one, scaling_of
 
 NO_WEIGHT = -1e30
 """ln of the weight of a part that is none: within single precision."""
@@ -33,10 +35,21 @@ def add_part(part: Part, graph: Graph, x: str) -> str:
 
 
 @add_part.register
+def _(part: Scaling, graph: Graph, x: str) -> str:
+    centred = graph("Sub", x, graph.real_constant(part.centre))
+    return graph("Mul", centred, graph.real_constant(1 / part.scale))
+
+
+@add_part.register
+def _(part: Components, graph: Graph, x: str) -> str:
+    centred = graph("Sub", x, graph.real_constant(part.mean))
+    return graph("MatMul", centred, graph.real_constant(part.directions.T / part.scale))
+
+
+@add_part.register
 def _(part: AffineMap, graph: Graph, x: str) -> str:
     centred = graph("Sub", x, graph.real_constant(part.centre))
-    product = "MatMul" if part.matrix.ndim == 2 else "Mul"
-    turned = graph(product, centred, graph.real_constant(part.matrix))
+    turned = graph("MatMul", centred, graph.real_constant(part.matrix))
     return graph("Add", turned, graph.real_constant(part.offset)) if part.offset.any() else turned
 
 
@@ -44,7 +57,8 @@ def _(part: AffineMap, graph: Graph, x: str) -> str:
 def _(part: KernelSum, graph: Graph, x: str) -> str:
     kernel = _kernel(graph, x, part.vectors, part.gamma)
     weighted = graph("MatMul", kernel, graph.real_constant(part.weights))
-    return graph("Add", weighted, graph.real_constant(part.offset))
+    offset = part.offset + part.weights.sum(axis=0)
+    return graph("Add", weighted, graph.real_constant(offset))
 
 
 @add_part.register
@@ -62,7 +76,7 @@ def _(part: PairwiseSVMs, graph: Graph, x: str) -> str:
     weighted = graph("MatMul", by_class, graph.real_constant(coefficients))
     P = graph("Reshape", weighted, graph.integers([0, K, K]))
     scores = graph("Sub", P, graph("Transpose", P, perm=[0, 2, 1]))
-    scores = graph("Add", scores, graph.real_constant(part.offset))
+    scores = graph("Add", scores, graph.real_constant(less_one(part)))
     return _decoded(part, graph, scores)
 
 
@@ -85,10 +99,10 @@ def _decoded(part: PairwiseSVMs, graph: Graph, scores: str) -> str:
 def _(part: DenseLayers, graph: Graph, x: str) -> str:
     """Layers in single precision, in which networks are trained and computed."""
     x = graph.cast(x, np.float32)
-    for number, (W, b) in enumerate(part.weights):
+    for number, layer in enumerate(part.layers):
         x = graph("Relu", x) if number else x
-        product = graph("MatMul", x, graph.constant(np.asarray(W, np.float32)))
-        x = graph("Add", product, graph.constant(np.asarray(b, np.float32)))
+        product = graph("MatMul", x, graph.constant(np.asarray(layer.weights, np.float32)))
+        x = graph("Add", product, graph.constant(np.asarray(layer.offset, np.float32)))
     return graph.cast(x)
 
 
@@ -103,6 +117,8 @@ def _(part: LogProbabilities, graph: Graph, x: str) -> str:
 @add_part.register
 def _(part: NormalDensities, graph: Graph, x: str) -> str:
     """Values of all parts at once, shape (sweep, part, component), in whitened components."""
+    own = part.densities
+    whitening = _whitening(own)
     change, curve = graph.columns(x, part.change), graph.columns(x, part.curve)
     z = add_part(part.known, graph, curve)
     one = graph("Add", graph("Mul", graph.columns(z, [0]), 0.0), 1.0) if part.curve.size else None
@@ -112,11 +128,11 @@ def _(part: NormalDensities, graph: Graph, x: str) -> str:
         moved = graph("Sub", graph("Sub", absolute, change), curve)
         change = graph("Add", change, _correction(part, graph, moved))
     components = graph("MatMul", change, graph.real_constant(part.turn))
-    response = _by_class(graph, components, part.whitening)
-    touch = _by_class(graph, terms, part.by_curve)
-    first = graph.columns(terms, np.arange(part.curvature.shape[1]))
-    curvature = _by_class(graph, first, part.curvature)
-    strength = graph.real_constant(part.strength)
+    response = _by_class(graph, components, whitening)
+    touch = _by_class(graph, terms, own.by_curve @ whitening)
+    first = graph.columns(terms, np.arange(own.curvature.shape[1]))
+    curvature = _by_class(graph, first, own.curvature @ whitening)
+    strength = graph.real_constant(own.strength)
 
     def inner(a: str, b: str) -> str:
         return graph.sum(graph("Mul", a, b), 2)
@@ -130,8 +146,10 @@ def _(part: NormalDensities, graph: Graph, x: str) -> str:
     spread = graph("Div", graph("Mul", strength, graph("Mul", along, along)), wider)
     distance = graph("Sub", inner(left, left), spread)
     off = graph("Mul", graph("Add", distance, graph("Log", wider)), 0.5)
-    joint = graph("Sub", graph.real_constant(part.constant), off)
-    return _summed(graph, joint, part.first, len(part.constant))
+    others = part.turn.shape[1] - own.own.shape[1]
+    spreads = np.log(own.own).sum(axis=1) + others * np.log(own.floor)
+    joint = graph("Sub", graph.real_constant(own.prior - spreads / 2), off)
+    return _summed(graph, joint, own.first, len(own.prior))
 
 
 def _summed(graph: Graph, logarithms: str, first: NDArray[np.intp], parts: int) -> str:
@@ -147,17 +165,23 @@ def _summed(graph: Graph, logarithms: str, first: NDArray[np.intp], parts: int) 
     return graph("ReduceLogSumExp", weighted, axes=[2], keepdims=0)
 
 
+def _whitening(own: ClassDensities) -> Real:
+    """Symmetric roots of the inverse covariances of the residuals, shape (K, c, c)."""
+    roots, floor = own.axes, np.sqrt(own.floor)[:, None]
+    within = (1 / np.sqrt(own.own) - 1 / floor)[:, None]
+    return np.eye(roots.shape[1]) / floor[..., None] + roots * within @ roots.swapaxes(1, 2)
+
+
 def _terms(part: NormalDensities, graph: Graph, change: str, z: str, one: str | None) -> str:
     """1, components of the curve, and their products, shape (sweep, term)."""
     if one is None:  # no curve: the term 1 alone
         return graph("Add", graph("Mul", graph.columns(change, [0]), 0.0), 1.0)
-    products = [graph.columns(z, index) for index in part.pairs]
+    pairs = np.triu_indices(min(part.squared, part.known.offset.size))
+    products = [graph.columns(z, index) for index in pairs]
     return graph("Concat", one, z, graph("Mul", *products), axis=1)
 
 
 def _correction(part: NormalDensities, graph: Graph, moved: str) -> str:
-    from ..learners.drift_directions import OPENING
-
     assert part.correction is not None
     D = part.correction.directions
     along = graph("MatMul", moved, graph.real_constant(D))
@@ -192,31 +216,31 @@ def _squared_distances(graph: Graph, x: str, vectors: Real) -> str:
 
 def add_distance(part: Distance, graph: Graph, x: str) -> str:
     """Adds a guard to a graph: distance over limit, above 1 for novel sweeps; shape (sweep,)."""
-    columns = add_part(part.scaling, graph, graph.columns(x, part.columns))
-    if isinstance(part, KindDistance):
+    columns = add_part(scaling_of(part), graph, graph.columns(x, part.columns))
+    if isinstance(part, KindGuard):
         return _kind_distance(part, graph, columns)
     decision = graph.sum(add_part(part.machine, graph, columns), 1)
     return graph("Mul", graph("Exp", decision), 1 / part.limit)
 
 
-def _kind_distance(part: KindDistance, graph: Graph, u: str) -> str:
-    components = graph("MatMul", u, graph.real_constant(part.directions.T))
+def _kind_distance(part: KindGuard, graph: Graph, u: str) -> str:
+    components = graph("MatMul", u, graph.real_constant(part.components.directions.T))
     turned = _by_class(graph, components, part.whitening)
     means = np.einsum("kc,kcd->kd", part.means, part.whitening)
     off = graph("Sub", turned, graph.real_constant(means))
     squares = graph("ReduceMin", graph.sum(graph("Mul", off, off), 2), axes=[1], keepdims=0)
-    back = graph("MatMul", components, graph.real_constant(part.directions))
+    back = graph("MatMul", components, graph.real_constant(part.components.directions))
     left = graph("Sub", u, back)
     outside = graph("Sqrt", graph.sum(graph("Mul", left, left), 1))
     farther = graph("Max", graph("Sqrt", squares), graph("Mul", outside, part.outside))
     return graph("Mul", farther, 1 / part.limit)
 
 
-def add_deviations(part: NearestErrors, graph: Graph, places: str) -> str:
+def add_deviations(part: NearestErrors, factor: Real, graph: Graph, places: str) -> str:
     """Adds standard deviations of positions to a graph; shape (sweep, 3)."""
     scaled = add_part(part.scaling, graph, places)
     distances = graph("Mul", _squared_distances(graph, scaled, part.places), -1.0)
     nearest = graph("TopK", distances, graph.integers([part.neighbours]), axis=1)
     squares = graph("Gather", graph.real_constant(part.squares), nearest, axis=0)
     mean = graph("ReduceMean", squares, axes=[1], keepdims=0)
-    return graph("Mul", graph("Sqrt", mean), graph.real_constant(part.factor))
+    return graph("Mul", graph("Sqrt", mean), graph.real_constant(factor))

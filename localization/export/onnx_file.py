@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..model.localizer_model import Model
+from ..parts.parts import LogProbabilities
 from .description import described
 from .graph import Graph
 from .graph_features import GraphFeatures
 from .graph_parts import add_deviations, add_distance, add_part
-from .parts import LogProbabilities
 from .portable import PortableModel
 
 if TYPE_CHECKING:
@@ -50,9 +50,11 @@ def _add_classes(parts: PortableModel, graph: Graph, features: GraphFeatures) ->
 
 def _add_positions(parts: PortableModel, graph: Graph, features: GraphFeatures) -> None:
     place = _decisions(parts, graph, features)
-    assert parts.deviations is not None
+    assert parts.spread is not None
     graph.output("position", place, ("sweep", 3))
-    graph.output("deviation", add_deviations(parts.deviations, graph, place), ("sweep", 3))
+    graph.output(
+        "deviation", add_deviations(parts.spread, parts.factor, graph, place), ("sweep", 3)
+    )
     gate = parts.gate
     if gate is None:
         label = graph("Cast", graph("Mul", graph.sum(place, 1), 0.0), to=7)

@@ -42,7 +42,7 @@ class AdaptivePolicy:
         follower: Follower | None = None,
         within: float = 10.0,
     ) -> None:
-        step = model.pipeline[-1]
+        step = model.predictor
         if not isinstance(step, INVERTING):
             raise InputError(
                 "--adaptive takes models by model-based or model-adapted; this is one by "
@@ -69,14 +69,14 @@ def inverter_for(model: Model, rest: xr.Dataset) -> tuple[Any, Complex]:
     """Estimator that inverts the simulator for a skin, and its mean baseline ln (Z / ohm).
 
     Shape of the baseline: (reading,). Missing tables of the skin are computed. For other models the
-    estimator is the last step of the pipeline.
+    estimator is its predictor.
     """
     sweeps = at_interfaces(rest, model.interfaces)
     taken = taken_of(sweeps)
     latest, opening = (
         mean.ravel() if taken is None else mean[taken] for mean in mean_baselines(sweeps)
     )
-    step = model.pipeline[-1]
+    step = model.predictor
     if isinstance(step, AdaptedClassifier | AdaptedPosition):
         step = step.for_baseline(np.concatenate([opening.real, opening.imag]))
     return step, latest

@@ -9,10 +9,9 @@ from scipy.special import ndtr
 from scipy.stats import norm
 
 from ...simulator.arrays import Real
-from ..inversion.adapted import AdaptedPosition
-from ..inversion.position import BLUR, GRID, ModelBasedPosition
+from ..inversion.position import BLUR, GRID
 from ..inversion.region import PlaceDistribution
-from ..inversion.regions import sides_of
+from ..inversion.regions import INVERTING_POSITIONS, sides_of
 from ..inversion.skin_mask import SkinMask
 from ..model.localizer_model import Model
 from ..trust.fitted import Regressor
@@ -44,8 +43,8 @@ class CellGrid:
 
     def cell_moments(self, X: Real) -> Real:
         """Probability of each cell, mean x and y [mm] in it, covariance, (sweep, cell, 7)."""
-        step = self.learned.pipeline[-1]
-        if isinstance(step, ModelBasedPosition | AdaptedPosition):
+        step = self.learned.predictor
+        if isinstance(step, INVERTING_POSITIONS):
             return self.with_calibrated_deviations(step.cells(X))
         place, deviation = self.learned.positions(X)
         x, y = (
@@ -85,9 +84,9 @@ class CellGrid:
 def cell_grid_of(model: Model) -> CellGrid:
     """Grid of a model of positions. Raises InputError as `Model.known_scene`."""
     assert isinstance(model.learned, Regressor)
-    step = model.pipeline[-1]
-    if isinstance(step, ModelBasedPosition | AdaptedPosition):
-        return CellGrid(model.learned, np.asarray(step.bounds_)[:2], step.mask)
+    step = model.predictor
+    if isinstance(step, INVERTING_POSITIONS):
+        return CellGrid(model.learned, step.bounds[:2], step.mask)
     return CellGrid(model.learned, sides_of(model.known_scene))
 
 

@@ -8,7 +8,6 @@ agrees with the previous state, and the whole sweep is novel, the state changed 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,8 +60,8 @@ class Observer:
         ]
 
     def _by_likelihoods(self, X: Real) -> list[Evidence]:
-        step: Any = self.model.pipeline[-1]
-        learned = self.model.learned
+        step, learned = self.model.predictor, self.model.learned
+        assert isinstance(step, ModelBased | AdaptedClassifier)
         assert isinstance(learned, Classifier)
 
         def likely(numbers: Mask) -> Real:
@@ -129,7 +128,7 @@ class Observer:
 
 def inverts(model: Model) -> bool:
     """True if the model is a classifier that has likelihoods of parts of a sweep."""
-    return isinstance(model.pipeline[-1], ModelBased | AdaptedClassifier)
+    return isinstance(model.predictor, ModelBased | AdaptedClassifier)
 
 
 def _with_error_rate(probabilities: Real) -> Real:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
-from sklearn import config_context
 
 from ...simulator.sweeps import InputError
 from ..evaluation.confusion import Confusion, compare, over_folds
-from ..evaluation.evaluation import UNCHECKED
+from ..evaluation.evaluation import unchecked
 from ..learners.registry import Estimator
 from ..trust.folds import folds_of
 from .paired_samples import PairedSamples
@@ -91,17 +91,16 @@ def cross_validated(
 def predictions(training: PairedSamples, test: PairedSamples, estimator: Estimator) -> NDArray:
     """Predictions for the test sweeps by a localizer trained on the others."""
     training = training.chosen(training.has_features)
-    with config_context(**UNCHECKED):
-        trained = estimator.build(training.problem).fit(training.X, training.y)
-        return trained.predict(test.X)
+    with unchecked():
+        return estimator.fit(training.problem, training.X, training.y).predict(test.X)
 
 
 def _over_folds(
     samples: PairedSamples, folds: Sequence[tuple[NDArray, NDArray]], estimator: Estimator
 ) -> MeanAccuracy:
-    with config_context(**UNCHECKED):
-        untrained = estimator.build(samples.problem)
-        confusion = over_folds(untrained, samples.X, samples.y, folds)
+    with unchecked():
+        fit = partial(estimator.fit, samples.problem)
+        confusion = over_folds(fit, samples.X, samples.y, folds)
     return MeanAccuracy(confusion.accuracy, 0.0, 1, confusion)
 
 

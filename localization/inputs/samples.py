@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
 
 from ...simulator.measure.sweep_touches import counts_of
 from ...simulator.sweeps import InputError
+from ..parts.plain import Plain
 from .baselines import check_baselines, finite_sweeps
 from .feature_names import RELATIVE, names_beside
 from .features import (
@@ -21,7 +22,7 @@ from .features import (
     packed,
     taken_rows,
 )
-from .targets import PIXELS, UNLABELLED, has_target, labels, positions
+from .targets import PIXELS, UNLABELLED, Target, has_target, labels, positions
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class LocalizationProblem:
+class LocalizationProblem(Plain):
     """The target and the features of a localizer.
 
     target: see `labels`, or "position". features: number of features of a sweep. frequencies: Hz,
@@ -39,11 +40,11 @@ class LocalizationProblem:
     empty if all interfaces are read at all frequencies.
     """
 
-    target: str
-    features: int
+    target: Target
+    features: Annotated[int, ">0"]
     quantities: tuple[str, ...]
     interfaces: tuple[str, ...]
-    frequencies: tuple[float, ...]
+    frequencies: tuple[Annotated[float, ">0"], ...]
     scene: str
     taken: tuple[tuple[bool, ...], ...] = ()
 
@@ -51,6 +52,13 @@ class LocalizationProblem:
     def continuous(self) -> bool:
         """True if the target is a position, not a class."""
         return self.target == "position"
+
+    @property
+    def readings(self) -> int:
+        """Number of readings of a sweep."""
+        if self.taken:
+            return sum(map(sum, self.taken))
+        return len(self.interfaces) * len(self.frequencies)
 
     @property
     def single_touch(self) -> bool:

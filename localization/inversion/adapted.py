@@ -7,168 +7,171 @@ own curve only, not on other sweeps in the same call.
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.base import BaseEstimator, ClassifierMixin, RegressorMixin, clone
-from sklearn.utils.validation import check_is_fitted, validate_data
 
-from ...simulator.arrays import Real
-from .classifier import Builder, ModelBased, simulated
+from ...simulator.arrays import Mask, Real
+from ..parts.plain import Plain, Sizes, require, transient
+from ..parts.predictor import MIN_PROBABILITY, Predictor
+from .classifier import InversionPlan, ModelBased
 from .position import ModelBasedPosition
 from .region import PlaceDistribution
 from .skin_cache import SkinCache
+from .skin_mask import SkinMask
 
 
-class _Adapted(BaseEstimator):
-    """Base of both adapted estimators: one inner estimator for each skin.
+class Adapted(Predictor):
+    """Base of both adapted predictors: one inner predictor for each skin.
 
-    Parameters
-    ----------
-    inner: unfitted estimator, cloned for each skin. builder: makes the tables; None for the
-    simulator's.
-
-    Attributes
-    ----------
-    mean_: the inner estimator, fitted to the mean skin. taught_: changes and labels for fine-tuning
-    of the parameters of the skin that the baseline curve leaves open; absent without fine-tuning.
+    Features are changes, then the baseline curve of lnZ0 and phase0. plan: makes the tables of a
+    skin. mean: the inner predictor of the mean skin.
     """
 
-    kind: type
-    in_background = False
-    """True if new tables are computed in the background, and the nearest skin's serve meanwhile."""
+    plan: InversionPlan
+    mean: Any
+    skins: SkinCache
+    detects_novelty = True
 
-    def __init__(self, inner=None, builder: Builder | None = None):
-        self.inner = inner
-        self.builder = builder
+    @property
+    def features(self) -> int:
+        return 2 * self.mean.features
 
-    def fit(self, X, y=None):
-        """Take the tables of the mean skin.
+    def of_skin(self, curve: Real) -> Any:
+        """Fit the inner predictor to the skin with this baseline curve, (number,)."""
+        raise NotImplementedError
 
-        X: shape (sweep, feature). y: labels. They fine-tune the estimators of other skins if
-        `inner` has `learn`; otherwise X is only checked.
-        """
-        self._skins = SkinCache(self._fitted)
-        self.mean_ = self._fitted(None)
-        self.n_features_in_ = 2 * self.mean_.n_features_in_
-        X = validate_data(self, X, reset=False)
-        if getattr(self.inner, "learn", "nothing") != "nothing" and y is not None:
-            self.taught_ = [np.split(X, 2, axis=1)[0], np.asarray(y)]
-        return self
+    def for_baseline(self, curve: Real) -> Any:
+        """The inner predictor for the skin with this baseline curve, (number,)."""
+        return self.skins.of(curve, self.of_skin).estimator
 
-    def novel(self, X):
-        """True if even the best fit exceeds what noise and skin allow, shape (sweep,)."""
+    def in_background(self) -> Self:
+        """A copy that computes new tables in the background, see `SkinCache`."""
+        return replace(self, skins=SkinCache(in_background=True))
+
+    def novel(self, X: Real) -> Mask:
         return self._by_skin(X, lambda inner, change: inner.novel(change)).astype(bool)
 
-    def for_baseline(self, curve: Real):
-        """The estimator for the skin with this baseline curve of lnZ0 and phase0, (number,)."""
-        check_is_fitted(self)
-        return self._of_skin(curve)
-
-    def __getstate__(self):
-        """State without the cache of skins, which is filled again when needed."""
-        state: Any = super().__getstate__()
-        return {name: value for name, value in state.items() if name != "_skins"}
-
-    def _fitted(self, curve: Real | None):
-        inner: Any = self.kind() if self.inner is None else clone(self.inner)
-        inner.set_params(builder=self.builder)
-        if curve is None:
-            return inner.fit()
-        of_skin = partial(self.builder or simulated, baseline=curve, averaged=inner.rest_sweeps)
-        return inner.set_params(builder=of_skin).fit(*getattr(self, "taught_", []))
-
-    def _by_skin(self, X, predict: Callable[[Any, NDArray], NDArray]) -> Real:
-        """Result of `ask` for each row, by the estimator of its skin, shape (sweep, ...)."""
-        check_is_fitted(self)
-        X = validate_data(self, X, reset=False)
+    def _by_skin(self, X: Real, ask: Callable[[Any, NDArray], NDArray]) -> NDArray:
+        """Result of `ask` for each row, by the predictor of its skin, shape (sweep, ...)."""
         change, rest = np.split(X, 2, axis=1)
-        return self._by_curve(change, rest, predict)
-
-    def _by_curve(
-        self, change: NDArray, rest: NDArray, predict: Callable[[Any, NDArray], NDArray]
-    ) -> Real:
         curves, skin = np.unique(rest, axis=0, return_inverse=True)
         if not len(curves):
-            return predict(self.mean_, change)
+            return ask(self.mean, change)
         parts = [np.flatnonzero(skin == k) for k in range(len(curves))]
         results = [
-            predict(self._of_skin(curve), change[rows])
+            ask(self.for_baseline(curve), change[rows])
             for curve, rows in zip(curves, parts, strict=True)
         ]
         return np.concatenate(results)[np.argsort(np.concatenate(parts))]
 
-    def _of_skin(self, curve: Real):
-        skins = self.__dict__.setdefault("_skins", SkinCache(self._fitted))
-        if self.in_background:
-            return skins.nearest(curve).estimator
-        return (skins.exact(curve) or skins.fitted(curve)).estimator
+
+@dataclass(frozen=True, eq=False)
+class Touches(Plain):
+    """Labelled touches of a skin. changes: shape (n, number). labels: shape (n,)."""
+
+    changes: Annotated[Real, "n F"]
+    labels: Annotated[NDArray, "n labels"]
 
 
-class AdaptedClassifier(ClassifierMixin, _Adapted):
-    """Posterior probabilities of touches, adapted to the skin of each sweep."""
+@dataclass(frozen=True, eq=False)
+class AdaptedClassifier(Adapted):
+    """Posterior probabilities of touches, adapted to the skin of each sweep.
 
-    kind = ModelBased
+    touches: they fine-tune the parameters of the skin that the baseline curve leaves open; None
+    without fine-tuning.
+    """
+
+    plan: InversionPlan
+    mean: ModelBased
+    touches: Touches | None = None
+    skins: SkinCache = transient(default_factory=SkinCache)
+
+    @classmethod
+    def fitted(
+        cls, plan: InversionPlan, X: Real | None = None, y: NDArray | None = None
+    ) -> AdaptedClassifier:
+        """Take the tables of the mean skin.
+
+        X: shape (sweep, feature), y: labels: they fine-tune the predictors of skins if the plan's
+        `learn` says so.
+        """
+        touches = None
+        if plan.learn != "nothing" and X is not None and y is not None:
+            touches = Touches(np.split(X, 2, axis=1)[0], y)
+        return cls(plan, ModelBased.fitted(plan), touches)
+
+    def _check(self, sizes: Sizes) -> None:
+        own = self.touches
+        fits = own is None or own.changes.shape[1] == self.mean.features
+        require(fits, "touches", "must be of as many features as `mean`")
+        known = own is None or np.isin(own.labels, self.classes).all()
+        require(known, "touches.labels", "must be of the classes of `mean`")
 
     @property
-    def classes_(self):
-        """Classes in ascending order, shape (K,)."""
-        check_is_fitted(self)
-        return self.mean_.classes_
+    def classes(self) -> NDArray:  # pyright: ignore[reportIncompatibleVariableOverride]
+        return self.mean.classes
 
-    def predict_proba(self, X):
+    def of_skin(self, curve: Real) -> ModelBased:
+        own = self.touches
+        known = (None, None) if own is None else (own.changes, own.labels)
+        return ModelBased.fitted(self.plan, *known, baseline=curve)
+
+    def decisions(self, X: Real) -> Real:
+        return np.log(np.maximum(self.probabilities(X), MIN_PROBABILITY))
+
+    def probabilities(self, X: Real) -> Real:
         """Probability of each class, shape (sweep, class)."""
-        return self._by_skin(X, lambda inner, change: inner.predict_proba(change))
+        return self._by_skin(X, lambda inner, change: inner.probabilities(change))
 
-    def log_densities(self, X, numbers: tuple[int, ...] | None = None):
+    def log_densities(self, X: Real, numbers: tuple[int, ...] | None = None) -> Real:
         """`ModelBased.log_densities`, where numbers count changes, (sweep, class + 1)."""
         return self._by_skin(X, lambda inner, change: inner.log_densities(change, numbers))
 
-    def predict(self, X):
-        """The most probable class, shape (sweep,)."""
-        return self.classes_[self.predict_proba(X).argmax(axis=1)]
 
-
-class AdaptedPosition(RegressorMixin, _Adapted):
+@dataclass(frozen=True, eq=False)
+class AdaptedPosition(Adapted):
     """Place and strength of a touch, adapted to the skin of each sweep."""
 
-    kind = ModelBasedPosition
+    plan: InversionPlan
+    mean: ModelBasedPosition
+    skins: SkinCache = transient(default_factory=SkinCache)
+    classes = None
 
-    def predict(self, X, return_std=False):
-        """x [mm], y [mm] and strength, shape (sweep, 3).
+    @classmethod
+    def fitted(cls, plan: InversionPlan) -> AdaptedPosition:
+        """Take the tables of the mean skin."""
+        return cls(plan, ModelBasedPosition.fitted(plan))
 
-        return_std: also returns their deviations, of the same shape.
-        """
-        both = self._by_skin(X, _place_and_deviation)
-        return (both[:, 0], both[:, 1]) if return_std else both[:, 0]
+    def of_skin(self, curve: Real) -> ModelBasedPosition:
+        return ModelBasedPosition.fitted(self.plan, curve)
 
-    def places(self, X) -> list[PlaceDistribution]:
+    def positions(self, X: Real) -> tuple[Real, Real]:
+        both = self._by_skin(X, lambda inner, change: np.stack(inner.positions(change), axis=1))
+        return both[:, 0], both[:, 1]
+
+    def places(self, X: Real) -> list[PlaceDistribution]:
         """The posterior of the place of each sweep."""
         return self._by_skin(
             X, lambda inner, change: np.array(inner.places(change), object)
         ).tolist()
 
-    def cells(self, X):
+    def cells(self, X: Real) -> Real:
         """`ModelBasedPosition.cells` for the skin of each sweep, shape (sweep, cell, 7)."""
         return self._by_skin(X, lambda inner, change: inner.cells(change))
 
     @property
-    def bounds_(self):
+    def bounds(self) -> Real:
         """Lowest and highest x, y [mm] and strength, shape (3, 2)."""
-        return self.mean_.bounds_
+        return self.mean.bounds
 
     @property
-    def mask(self):
+    def mask(self) -> SkinMask | None:
         """Mask of the skin; None for a rectangle."""
-        return self.mean_.mask
+        return self.mean.mask
 
-    def share_within(self, X, radius):
+    def share_within(self, X: Real, radius: float) -> Real:
         """`ModelBasedPosition.share_within` for the skin of each sweep, shape (sweep,)."""
         return self._by_skin(X, lambda inner, change: inner.share_within(change, radius))
-
-
-def _place_and_deviation(inner: ModelBasedPosition, change: NDArray) -> Real:
-    place, deviation = inner.predict(change, return_std=True)
-    return np.stack([place, deviation], axis=1)

@@ -25,9 +25,9 @@ class ClassPosterior(SequentialPosterior):
         self, localizer: ModelBased, log_prior: Real | None = None, sharpness: float = 1.0
     ) -> None:
         mixture, chances = localizer.part(None)
-        super().__init__(mixture, localizer.noise_, localizer.doubt)
-        self._answer, self._sharpness = localizer.answer_, sharpness
-        self._of_class = mixture.log_chance - chances[localizer.answer_]
+        super().__init__(mixture, localizer.noise, localizer.doubt)
+        self._answer, self._sharpness = localizer.answer, sharpness
+        self._of_class = mixture.log_chance - chances[localizer.answer]
         self._log_prior = chances if log_prior is None else log_prior
 
     @property

@@ -6,8 +6,9 @@ from functools import partial
 from typing import Any, Literal
 
 import numpy as np
-from sklearn.pipeline import Pipeline
+from numpy.typing import NDArray
 
+from ...simulator.arrays import Real
 from ...simulator.scene.scene_files import carried_scene
 from ...simulator.sweeps import InputError
 from ..inputs.baselines import MIN_BASELINES
@@ -16,8 +17,9 @@ from ..inputs.samples import LocalizationProblem
 from ..inputs.targets import CLASSES, TARGETS
 from ..learners.classifiers import REFERENCE
 from ..learners.registry import REMOVED, Estimator, learners, removal_message
+from ..parts.predictor import Predictor
 from .adapted import AdaptedClassifier, AdaptedPosition
-from .classifier import ModelBased
+from .classifier import InversionPlan, ModelBased
 from .position import ModelBasedPosition
 
 MODEL_BASED, MODEL_ADAPTED = "model-based", "model-adapted"
@@ -72,30 +74,24 @@ def chosen(name: str | None, target: str) -> Estimator:
 
 def model_based() -> list[Estimator]:
     """Both estimators that invert the simulator: for the mean skin, and for the actual skin."""
-    adapted = partial(_pipeline, MODEL_ADAPTED)
+    adapted = partial(_fitted, MODEL_ADAPTED)
     return [
-        Estimator(MODEL_BASED, TARGETS, partial(_pipeline, MODEL_BASED), uses_sweeps=False),
+        Estimator(MODEL_BASED, TARGETS, partial(_fitted, MODEL_BASED), uses_sweeps=False),
         Estimator(MODEL_ADAPTED, TARGETS, adapted, max_sessions=SKINS, uses_sweeps=False),
     ]
 
 
-def build_in_background(pipeline: Pipeline) -> None:
-    """Compute tables of new skins in the background, if a pipeline needs any: see `SkinCache`."""
-    step: Any = pipeline[-1]
-    if isinstance(step, AdaptedClassifier | AdaptedPosition):
-        step.in_background = True
-
-
-def _pipeline(name: str, problem: LocalizationProblem) -> Pipeline:
+def _fitted(
+    name: str, problem: LocalizationProblem, X: Real, y: NDArray, **options: Any
+) -> Predictor:
+    """Trained estimator that inverts the simulator; options: those of `InversionPlan`."""
     _check(problem, name)
-    step: Any = (
-        ModelBasedPosition(problem.scene, rest_sweeps=MIN_BASELINES)
-        if problem.continuous
-        else ModelBased(problem.scene, problem.target, rest_sweeps=MIN_BASELINES)
-    )
-    if name == MODEL_ADAPTED:
-        step = (AdaptedPosition if problem.continuous else AdaptedClassifier)(step)
-    return Pipeline([("invert", step)])
+    plan = InversionPlan(problem.scene, problem.target, rest_sweeps=MIN_BASELINES, **options)  # pyright: ignore[reportArgumentType]
+    if problem.continuous:
+        kind = AdaptedPosition if name == MODEL_ADAPTED else ModelBasedPosition
+        return kind.fitted(plan)
+    kind = AdaptedClassifier if name == MODEL_ADAPTED else ModelBased
+    return kind.fitted(plan, X, y)
 
 
 def _check_features(problem: LocalizationProblem, name: str, names: FeatureNames) -> None:

@@ -6,6 +6,7 @@ In both modes the probabilities of strengths follow the observed ones.
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,14 +15,14 @@ from scipy.special import softmax
 from ...simulator.arrays import Mask, Real
 from .hypotheses import NONE, Hypotheses
 
-MODES = ("nothing", "skin", "error")
+Mode = Literal["nothing", "skin", "error"]
 PRIOR_STRENGTHS = 20.0
 """Weight of the prior of strengths, as a number of touches."""
 PRIOR_ERRORS = 10.0
 """Weight of the prior of no model error, as a number of touches."""
 
 
-def fine_tuned(known: Hypotheses, X: Real, possible: Mask, mode: str) -> Hypotheses:
+def fine_tuned(known: Hypotheses, X: Real, possible: Mask, mode: Mode) -> Hypotheses:
     """Hypotheses after labelled sweeps. X: in units of noise, shape (sweep, number).
 
     possible: entries that agree with each label, shape (sweep, entry). Sweeps of the unpressed skin

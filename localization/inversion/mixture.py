@@ -8,12 +8,14 @@ model's own error.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import softmax
 
 from ...simulator.arrays import Real
+from ..parts.plain import Plain, Sizes, is_close, require
 
 RANK = 8
 """Directions kept of each entry's spread."""
@@ -22,7 +24,7 @@ AT_ONCE = 2**22
 
 
 @dataclass(frozen=True, eq=False)
-class Mixture:
+class Mixture(Plain):
     """Entries N(mean, (1 - G'G)^-1), each with its prior probability.
 
     mean: shape (entry, number). directions: G, shape (entry, rank, number). log_weight: logarithm
@@ -30,10 +32,14 @@ class Mixture:
     G mean, shape (entry, rank).
     """
 
-    mean: Real
-    directions: Real
-    along: Real
-    log_weight: Real
+    mean: Annotated[Real, "E F"]
+    directions: Annotated[Real, "E r F"]
+    along: Annotated[Real, "E r"]
+    log_weight: Annotated[Real, "E log"]
+
+    def _check(self, sizes: Sizes) -> None:
+        along = np.einsum("ern,en->er", self.directions, self.mean)
+        require(is_close(self.along, along), "along", "must be of its `directions` and `mean`")
 
     @property
     def power(self) -> Real:

@@ -29,17 +29,17 @@ class PlacePosterior(SequentialPosterior):
     """
 
     def __init__(self, localizer: ModelBasedPosition, log_prior: Real) -> None:
-        touched = localizer.mixture()
-        super().__init__(_with_unpressed(touched), localizer.noise_, localizer.doubt)
+        touched = localizer.mixture
+        super().__init__(_with_unpressed(touched), localizer.noise, localizer.doubt)
         self._localizer = localizer
         cell = np.arange(len(touched.mean)) // GRID[2]
         chance = touched.log_chance
         self._cell = np.append(cell, NO_PLACE)
         self._of_cell = np.append(chance - _by_cell(chance)[cell], 0.0)
         self._log_prior = log_prior[self._cell + 1]
-        outside = getattr(localizer, "beside_", np.zeros(cell.size, dtype=bool))
+        outside = localizer.outside
         self._possible = np.append(~outside, np.isfinite(log_prior[0]))
-        self._along = _along(touched.spread, localizer.slopes_)
+        self._along = _along(touched.spread, localizer.slopes)
 
     @property
     def log_densities(self) -> Real:
@@ -62,12 +62,12 @@ class PlacePosterior(SequentialPosterior):
         """Posterior of place and strength, given that there is a touch."""
         share, of = self._share[:-1], self._localizer
         kept = np.flatnonzero(share > MIN_POSTERIOR_SHARE * share.max())
-        T, scale = self._along[kept], of.scale_
+        T, scale = self._along[kept], of.scale
         moved = np.einsum("erk,er->ek", T, self.latent_mean[kept]) * scale
         known = np.eye(T.shape[1]) - self.latent_covariance[kept]
         left = np.eye(3) - np.einsum("erj,ers,esk->ejk", T, known, T)
         covariance = left * scale[:, None] * scale
-        return Posterior(kept, share[kept] / share[kept].sum(), of.theta_[kept] + moved, covariance)
+        return Posterior(kept, share[kept] / share[kept].sum(), of.theta[kept] + moved, covariance)
 
     @property
     def places(self) -> PlaceDistribution:
@@ -110,7 +110,7 @@ def log_prior_of(localizer: ModelBasedPosition, unpressed: float) -> Real:
 
     unpressed: prior of the unpressed skin.
     """
-    by_cell = _by_cell(localizer.mixture().log_chance)
+    by_cell = _by_cell(localizer.mixture.log_chance)
     with np.errstate(divide="ignore"):
         return np.append(np.log(unpressed), np.log1p(-unpressed) + by_cell)
 

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
-from sklearn.base import BaseEstimator, RegressorMixin
-from sklearn.utils.validation import check_is_fitted, validate_data
 
-from ...simulator.arrays import Real
-from .classifier import Builder, simulated
+from ...simulator.arrays import Mask, Real
+from ..parts.plain import Sizes, require
+from ..parts.predictor import Predictor
+from .classifier import InversionPlan, novelty_limit
 from .mixture import Mixture, mixture
-from .region import PlaceDistribution, Region, region_of
-from .response_surface import ResponseSurface, response_surface
+from .region import PlaceDistribution
+from .response_surface import response_surface
 from .skin_mask import SkinMask, skin_mask_of
 
 POSITION = "position"
@@ -45,156 +44,126 @@ class Posterior(NamedTuple):
     covariance: Real
 
 
-class ModelBasedPosition(RegressorMixin, BaseEstimator):
+@dataclass(frozen=True, eq=False)
+class ModelBasedPosition(Predictor):
     """Peak of the blurred posterior of x [mm] and y [mm], mean strength, and their deviations.
 
-    Parameters: see `ModelBased`; the model assumes one touch. The blur makes a broad peak with
-    more probability win over a narrow, high one.
+    The model assumes one touch. The blur makes a broad peak with more probability win over a
+    narrow, high one.
 
-    Attributes
-    ----------
-    noise_: standard deviation of each feature, shape (feature,). bounds_: see `ResponseSurface`.
-    theta_: x, y and strength of each entry, (entry, 3). scale_: standard deviations within an
-    entry, (3,). slopes_: change of the features for one such deviation, (entry, feature, 3). mean_,
-    directions_, along_, log_weight_: arrays of the `Mixture`. edge_: squared distance beyond which
-    a sweep is novel. on_skin_, sides_: the `SkinMask`, if the skin is no rectangle. beside_: True
-    for entries completely outside such a skin, (entry,).
+    noise: standard deviation of each feature, shape (feature,). bounds: see `ResponseSurface`.
+    theta: x, y and strength of each entry, (entry, 3). scale: standard deviations within an entry,
+    (3,). slopes: change of the features for one such deviation, (entry, feature, 3). mask: that of
+    the skin, None for a rectangle. outside: True for entries completely outside the skin, (entry,).
+    doubt: see `InversionPlan`.
     """
 
-    def __init__(
-        self,
-        scene="",
-        builder: Builder | None = None,
-        *,
-        presses="dataset",
-        rest_sweeps=20,
-        doubt=1e-3,
-    ):
-        self.scene = scene
-        self.builder = builder
-        self.presses = presses
-        self.rest_sweeps = rest_sweeps
-        self.doubt = doubt
+    noise: Annotated[Real, "F >0"]
+    bounds: Annotated[Real, "3 2"]
+    theta: Annotated[Real, "E 3"]
+    scale: Annotated[Real, "3 >0"]
+    slopes: Annotated[Real, "E F 3"]
+    mixture: Mixture
+    mask: SkinMask | None
+    outside: Annotated[Mask, "E bool"]
+    doubt: Annotated[float, ">0"]
+    classes = None
+    detects_novelty = True
 
-    def fit(self, X=None, y=None):
-        """Take the simulator's tables; X, y are only checked."""
-        tables = self._tables()
-        self.noise_ = tables["deviation"] * np.sqrt(1 + 1 / self.rest_sweeps)
-        self.n_features_in_ = self.noise_.size
-        if X is not None:
-            validate_data(self, X, reset=False)
-        self.edge_ = float(chi2.isf(self.doubt, self.noise_.size))
-        self._keep(response_surface(tables, self.noise_), tables)
-        return self
+    @classmethod
+    def fitted(cls, plan: InversionPlan, baseline: Real | None = None) -> ModelBasedPosition:
+        """Take the simulator's tables; baseline: see `InversionPlan.tables`."""
+        tables = plan.tables(baseline)
+        noise = plan.noise(tables)
+        curve = response_surface(tables, noise)
+        strengths, weights = tables["strengths"], tables["weights"]
+        fine = np.interp(np.arange(GRID[2]), [0, GRID[2] - 1], [strengths[0], strengths[-1]])
+        chance = np.interp(fine, strengths, weights)
+        x, y = (_middles(low, high, GRID[k]) for k, (low, high) in enumerate(curve.bounds[:2]))
+        theta = np.stack(np.meshgrid(x, y, fine, indexing="ij"), axis=-1).reshape(-1, 3)
+        steps = np.array([x[1] - x[0], y[1] - y[0], fine[1] - fine[0]])
+        scale = OVERLAP * np.where(steps > 0, steps, 1e-6)
+        slopes = curve.slopes(theta) * scale
+        spread = np.concatenate([slopes, curve.skin_effects(theta)], axis=2)
+        entries = np.tile(chance / chance.sum(), len(x) * len(y)) / (len(x) * len(y))
+        outside, mask = np.zeros(entries.size, dtype=bool), skin_mask_of(tables)
+        if mask is not None:
+            shares = np.repeat(_shares(mask, curve.bounds), GRID[2])
+            outside, entries = shares == 0, entries * np.maximum(shares, MIN_SKIN_SHARE)
+            entries /= entries.sum()
+        found = mixture(curve.values(theta), spread, entries)
+        return cls(noise, curve.bounds, theta, scale, slopes, found, mask, outside, plan.doubt)
 
-    def predict(self, X, return_std=False):
-        """x [mm], y [mm] and strength, shape (sweep, 3).
+    def _check(self, sizes: Sizes) -> None:
+        fits = self.mixture.mean.shape == (sizes["E"], sizes["F"])
+        require(fits, "mixture", "must be of as many entries and features")
+        require(sizes["E"] == CELLS * GRID[2], "theta", f"must be of {CELLS * GRID[2]} entries")
+        require((self.bounds[:, 0] <= self.bounds[:, 1]).all(), "bounds", "must be ascending")
+        require(not self.outside.all(), "outside", "must leave a part of the skin")
+        require(self.doubt < 1, "doubt", "must be below 1")
 
-        return_std: also returns the root-mean-square distance of the whole posterior from them, of
-        the same shape. If a touch elsewhere is equally probable, it is of the order of the distance
-        to that place.
+    @property
+    def features(self) -> int:
+        return self.noise.size
+
+    def positions(self, X: Real) -> tuple[Real, Real]:
+        """x [mm], y [mm] and strength, and their deviations, shape (sweep, 3) each.
+
+        A deviation is the root-mean-square distance of the whole posterior. If a touch elsewhere is
+        equally probable, it is of the order of the distance to that place.
         """
-        posteriors = [self._posterior(each) for each in self._scaled(X)]
+        posteriors = [self._posterior(each) for each in X / self.noise]
         best = np.array([self._best_estimate(each) for each in posteriors]).reshape(-1, 3)
-        if not return_std:
-            return best
         pairs = zip(posteriors, best, strict=True)
-        return best, np.array([_distance(posterior, theta) for posterior, theta in pairs])
+        return best, np.array([_distance(*each) for each in pairs]).reshape(-1, 3)
 
-    def regions(self, X, probability=0.95) -> list[Region]:
-        """The smallest region of places that contains the probability, for each sweep."""
-        return [region_of(each, probability) for each in self.places(X)]
-
-    def places(self, X) -> list[PlaceDistribution]:
+    def places(self, X: Real) -> list[PlaceDistribution]:
         """The posterior of the place of each sweep."""
-        return [self.places_of(self._posterior(each)) for each in self._scaled(X)]
+        return [self.places_of(self._posterior(each)) for each in X / self.noise]
 
-    def share_within(self, X, radius):
+    def share_within(self, X: Real, radius: float) -> Real:
         """Upper bound of the probability that any answer is within `radius` mm of the touch.
 
         Shape (sweep,).
         """
         return np.array([each.share_within(radius) for each in self.places(X)])
 
-    def cells(self, X):
+    def cells(self, X: Real) -> Real:
         """Probability of each cell of GRID, with mean and covariance of x and y [mm] in it.
 
         Shape (sweep, cell, 7): probability, 2 means, 4 entries of the covariance; zeros without
         probability. y varies fastest.
         """
-        return np.array([cells_of(self._posterior(each)) for each in self._scaled(X)])
+        return np.array([cells_of(self._posterior(each)) for each in X / self.noise])
 
-    def novel(self, X):
-        """True if even the best fit exceeds what noise and skin allow, shape (sweep,)."""
-        distances = self.mixture().distances(self._scaled(X))
-        if self.mask is not None:
-            distances[:, self.beside_] = np.inf
-        return distances.min(axis=1) > self.edge_
-
-    @property
-    def mask(self) -> SkinMask | None:
-        """Mask of the skin; None for a rectangle."""
-        if not hasattr(self, "on_skin_"):
-            return None
-        return SkinMask(self.on_skin_, self.sides_)
-
-    def _tables(self) -> Mapping[str, NDArray]:
-        return (self.builder or simulated)(self.scene, POSITION, self.presses)
-
-    def _scaled(self, X) -> Real:
-        check_is_fitted(self)
-        return validate_data(self, X, reset=False) / self.noise_
-
-    def _keep(self, curve: ResponseSurface, tables) -> None:
-        self.bounds_ = curve.bounds
-        strengths, weights = tables["strengths"], tables["weights"]
-        fine = np.interp(np.arange(GRID[2]), [0, GRID[2] - 1], [strengths[0], strengths[-1]])
-        chance = np.interp(fine, strengths, weights)
-        x, y = (_middles(low, high, GRID[k]) for k, (low, high) in enumerate(curve.bounds[:2]))
-        self.theta_ = np.stack(np.meshgrid(x, y, fine, indexing="ij"), axis=-1).reshape(-1, 3)
-        steps = np.array([x[1] - x[0], y[1] - y[0], fine[1] - fine[0]])
-        self.scale_ = OVERLAP * np.where(steps > 0, steps, 1e-6)
-        self.slopes_ = curve.slopes(self.theta_) * self.scale_
-        spread = np.concatenate([self.slopes_, curve.skin_effects(self.theta_)], axis=2)
-        entries = np.tile(chance / chance.sum(), len(x) * len(y)) / (len(x) * len(y))
-        mask = skin_mask_of(tables)
-        if mask is not None:
-            self.on_skin_, self.sides_ = mask.inside, mask.sides
-            shares = np.repeat(_shares(mask, curve.bounds), GRID[2])
-            self.beside_, entries = shares == 0, entries * np.maximum(shares, MIN_SKIN_SHARE)
-            entries /= entries.sum()
-        found = mixture(curve.values(self.theta_), spread, entries)
-        self.mean_, self.directions_, self.along_ = found.mean, found.directions, found.along
-        self.log_weight_ = found.log_weight
-
-    def mixture(self) -> Mixture:
-        """All entries as normal distributions of numbers in units of the noise."""
-        check_is_fitted(self)
-        return Mixture(self.mean_, self.directions_, self.along_, self.log_weight_)
+    def novel(self, X: Real) -> Mask:
+        distances = self.mixture.distances(X / self.noise)
+        distances[:, self.outside] = np.inf
+        return distances.min(axis=1) > novelty_limit(self.doubt, self.noise.size)
 
     def _posterior(self, x: Real) -> Posterior:
         """Posterior of one sweep; the response is linear within each relevant entry."""
-        found = self.mixture()
+        found = self.mixture
         share = found.responsibilities(found.distances(x[None]))[0]
         kept = np.flatnonzero(share > 1e-4 * share.max())
-        slopes, G, off = self.slopes_[kept], self.directions_[kept], x - self.mean_[kept]
+        slopes, G, off = self.slopes[kept], found.directions[kept], x - found.mean[kept]
         weighed = slopes - np.einsum("ern,erk->enk", G, np.einsum("ern,enk->erk", G, slopes))
-        moved = np.einsum("enk,en->ek", weighed, off) * self.scale_
+        moved = np.einsum("enk,en->ek", weighed, off) * self.scale
         left = np.eye(3) - np.einsum("enj,enk->ejk", slopes, weighed)
-        covariance = left * self.scale_[:, None] * self.scale_
+        covariance = left * self.scale[:, None] * self.scale
         return Posterior(
-            kept, share[kept] / share[kept].sum(), self.theta_[kept] + moved, covariance
+            kept, share[kept] / share[kept].sum(), self.theta[kept] + moved, covariance
         )
 
     def places_of(self, posterior: Posterior) -> PlaceDistribution:
         """Marginal posterior of the place."""
         covariance = posterior.covariance[:, :2, :2]
         mean = posterior.mean[:, :2]
-        return PlaceDistribution(posterior.share, mean, covariance, self.bounds_[:2], self.mask)
+        return PlaceDistribution(posterior.share, mean, covariance, self.bounds[:2], self.mask)
 
     def _best_estimate(self, posterior: Posterior) -> Real:
         strength = posterior.share @ posterior.mean[:, 2]
-        return np.append(self.places_of(posterior).peak(BLUR), np.clip(strength, *self.bounds_[2]))
+        return np.append(self.places_of(posterior).peak(BLUR), np.clip(strength, *self.bounds[2]))
 
 
 def cells_of(posterior: Posterior) -> Real:

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import fftconvolve
 
 from ...simulator.arrays import Mask, Real
 from .skin_mask import SkinMask
@@ -92,6 +91,8 @@ class PlaceDistribution:
 
         No answer lies within that distance of the touch with a higher probability.
         """
+        from scipy.signal import fftconvolve
+
         x, y = (np.arange(low, high + DISC_STEP, DISC_STEP) for low, high in self.bounds)
         density = self.density(*np.meshgrid(x, y))
         aside = np.arange(-radius // DISC_STEP, radius // DISC_STEP + 2) * DISC_STEP

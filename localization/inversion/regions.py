@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...simulator.arrays import Real
 from ..trust.fitted import Regressor
+from .adapted import AdaptedPosition
+from .position import ModelBasedPosition
 from .region import MAX_DEVIATIONS, PlaceDistribution, Region, region_of
 
 if TYPE_CHECKING:
     from ...simulator.scene.scene import Scene
 
 PROBABILITY = 0.95
+INVERTING_POSITIONS = ModelBasedPosition | AdaptedPosition
 MIN_DEVIATION = 1e-3
 """Minimum deviation, mm."""
 
@@ -25,9 +28,8 @@ def places_of(learned: Regressor, X: Real, scene: Scene | None) -> list[PlaceDis
     For a regressor without a posterior it is normal with its deviations. X: shape (n, feature).
     scene: its sides bound the places; None if unknown.
     """
-    last: Any = learned.pipeline[-1]
-    if hasattr(last, "places"):
-        return last.places(X)
+    if isinstance(own := learned.predictor, INVERTING_POSITIONS):
+        return own.places(X)
     positions, deviation = (each[:, :2] for each in learned.positions(X))
     deviation = np.maximum(deviation, MIN_DEVIATION)
     bounds = _reach(positions, deviation) if scene is None else sides_of(scene)

@@ -7,9 +7,10 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2, norm, qmc
+from scipy.special import ndtri
 
 from ...simulator.arrays import Real
+from .classifier import novelty_limit
 from .mixture import Mixture
 
 DRAWS = 64
@@ -64,7 +65,7 @@ class SequentialPosterior:
     @property
     def novelty_limit(self) -> float:
         """Squared distance beyond which the readings so far are novel."""
-        return float(chi2.isf(self._significance, 2 * max(1, len(self.used_readings))))
+        return novelty_limit(self._significance, 2 * max(1, len(self.used_readings)))
 
     @property
     def just_novel(self) -> float:
@@ -119,7 +120,9 @@ class SequentialPosterior:
 @cache
 def _normals(count: int) -> Real:
     """Quasi-random draws of two normal numbers, the same at every call, shape (count, 2)."""
-    return norm.ppf(qmc.Sobol(2, scramble=True, rng=0).random(count))
+    from scipy.stats import qmc
+
+    return ndtri(qmc.Sobol(2, scramble=True, rng=0).random(count))
 
 
 def _density(off: NDArray, root: NDArray) -> Real:

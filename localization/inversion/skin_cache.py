@@ -15,6 +15,7 @@ SAME_SKIN_RMS = 0.015
 REFIT_SHARE = 0.5
 """Fraction of SAME_SKIN_RMS from which on new tables are computed ahead."""
 MAX_SKINS = 16
+Fit = Callable[[Real], Any]
 
 
 class FittedSkin(NamedTuple):
@@ -25,24 +26,31 @@ class FittedSkin(NamedTuple):
 
 
 class SkinCache:
-    """The latest MAX_SKINS estimators. fit: makes the estimator of a curve."""
+    """The latest MAX_SKINS estimators.
 
-    def __init__(self, fit: Callable[[Real], Any]) -> None:
-        self._fit, self.kept = fit, ()
+    in_background: True if new ones are fitted in the background, and the nearest serves meanwhile.
+    """
+
+    def __init__(self, *, in_background: bool = False) -> None:
+        self.kept: tuple[FittedSkin, ...] = ()
+        self._in_background = in_background
         self._failure: BaseException | None = None
         self._making: Thread | None = None
 
-    def exact(self, curve: Real) -> FittedSkin | None:
-        """The estimator of exactly this curve; None if there is none."""
-        return next((skin for skin in self.kept if np.array_equal(skin.curve, curve)), None)
+    def of(self, curve: Real, fit: Fit) -> FittedSkin:
+        """The estimator of a curve. fit: makes one."""
+        if self._in_background:
+            return self._near(curve, fit)
+        same = (skin for skin in self.kept if np.array_equal(skin.curve, curve))
+        return next(same, None) or self._fitted(curve, fit)
 
-    def fitted(self, curve: Real) -> FittedSkin:
+    def _fitted(self, curve: Real, fit: Fit) -> FittedSkin:
         """Fit an estimator to this curve now."""
-        skin = FittedSkin(curve, self._fit(curve))
+        skin = FittedSkin(curve, fit(curve))
         self.kept = (*self.kept, skin)[-MAX_SKINS:]
         return skin
 
-    def nearest(self, curve: Real) -> FittedSkin:
+    def _near(self, curve: Real, fit: Fit) -> FittedSkin:
         """The nearest estimator; one for this curve is fitted in the background if needed.
 
         The call waits only for the first one. Raises the error of an earlier fit in the background.
@@ -52,9 +60,9 @@ class SkinCache:
             raise failure
         nearest = self._nearest(curve)
         if nearest is None:
-            return self.fitted(curve)
+            return self._fitted(curve, fit)
         if rms_distance(nearest.curve, curve) > REFIT_SHARE * SAME_SKIN_RMS and not self.busy:
-            self._making = Thread(target=self._make, args=(curve,), daemon=True)
+            self._making = Thread(target=self._make, args=(curve, fit), daemon=True)
             self._making.start()
         return nearest
 
@@ -66,10 +74,10 @@ class SkinCache:
     def _nearest(self, curve: Real) -> FittedSkin | None:
         return min(self.kept, key=lambda skin: float(rms_distance(skin.curve, curve)), default=None)
 
-    def _make(self, curve: Real) -> None:
+    def _make(self, curve: Real, fit: Fit) -> None:
         try:
-            self.fitted(curve)
-        except Exception as failure:  # of any table builder; `nearest` raises it next
+            self._fitted(curve, fit)
+        except Exception as failure:  # of any table builder; `_near` raises it next
             self._failure = failure
 
 

@@ -4,22 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...simulator.arrays import Mask, Real
+from ..parts.plain import Plain, Sizes, require
 
 
 @dataclass(frozen=True, eq=False)
-class SkinMask:
+class SkinMask(Plain):
     """Uniform cells over a rectangle from (0, 0), and a mask of those that are skin.
 
     inside: shape (y, x). sides: lengths of the rectangle along x and y, mm.
     """
 
-    inside: Mask
-    sides: Real
+    inside: Annotated[Mask, "rows columns bool"]
+    sides: Annotated[Real, "2 >0"]
+
+    def _check(self, sizes: Sizes) -> None:
+        require(self.inside.any(), "inside", "must have skin")
 
     def contains(self, x: Real, y: Real) -> Mask:
         """True for places in mm that are on the skin, x and y of the same shape."""

@@ -8,55 +8,26 @@ are more, count too, as long as the difference there is no larger than noise.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
 from ...simulator.arrays import Real
+from ..parts.normal_densities import BaselineCorrection
 
 FOLLOWED = 2
 """Number of directions in which skins differ most and drift is followed: foam and sheets."""
-OPENING = 0.65
-"""Weight of the opening sweeps in the baseline across the directions."""
 NOISE_QUANTILE = 0.99
 """Share of the training sweeps, which do not drift, whose squared length is within `noise`."""
 
 
-class DriftDirections(NamedTuple):
-    """Directions of drift, and the noise across them.
+def fitted_correction(opening: Real, recent: Real, count: int = FOLLOWED) -> BaselineCorrection:
+    """The correction of `normal_densities`, with the directions of skins that do not drift.
 
-    directions: orthonormal, shape (feature, direction). noise: squared length of the noise across
-    them.
+    opening, recent: means of the opening and of the latest baseline sweeps, each of shape
+    (sweep, feature). count: maximum number of directions.
     """
-
-    directions: Real
-    noise: float
-
-    @classmethod
-    def fitted(cls, opening: Real, recent: Real, count: int) -> DriftDirections:
-        """Fit the directions to skins that do not drift.
-
-        opening, recent: means of the opening and of the latest baseline sweeps, each of shape
-        (sweep, feature). count: maximum number of directions.
-        """
-        differences = opening - opening.mean(axis=0)
-        power, axes = np.linalg.eigh(differences.T @ differences)
-        ways = np.asarray(axes[:, np.argsort(power)[::-1][:count]], np.float64)
-        across = np.square(_across(recent - opening, ways)).sum(axis=1)
-        return cls(ways, float(np.quantile(across, NOISE_QUANTILE)))
-
-    def correction(self, moved: Real) -> Real:
-        """Correction to add to changes from the latest baseline, shape (sweep, feature).
-
-        moved: latest baseline less the opening one. The correction is its part across the
-        directions times OPENING. It is smaller the more that part exceeds the noise, by the
-        shrinkage of W. James and C. Stein (1961).
-        """
-        across = _across(moved, self.directions)
-        size = np.square(across).sum(axis=1, keepdims=True)
-        believed = np.minimum(self.noise / np.maximum(size, np.finfo(float).tiny), 1.0)
-        return OPENING * believed * across
-
-
-def _across(moved: Real, ways: Real) -> Real:
-    return moved - moved @ ways @ ways.T
+    differences = opening - opening.mean(axis=0)
+    power, axes = np.linalg.eigh(differences.T @ differences)
+    ways = np.asarray(axes[:, np.argsort(power)[::-1][:count]], np.float64)
+    across = BaselineCorrection(ways, 0.0).across(recent - opening)
+    squares = np.square(across).sum(axis=1)
+    return BaselineCorrection(ways, float(np.quantile(squares, NOISE_QUANTILE)))

@@ -15,14 +15,12 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import softmax
-from sklearn.base import BaseEstimator, ClassifierMixin
-from sklearn.utils.multiclass import check_classification_targets
-from sklearn.utils.validation import check_is_fitted, validate_data
 
 from ...simulator.arrays import Real
+from ..parts.normal_densities import ClassDensities, NormalDensities, terms
+from ..parts.parts import AffineMap
 from .drift import DRIFT, add_drift
-from .drift_directions import FOLLOWED, DriftDirections
+from .drift_directions import FOLLOWED, fitted_correction
 from .shrinkage import shared
 
 COMPONENTS, OF_CURVE, SQUARED, SPREAD = 16, 12, 3, 4
@@ -55,12 +53,7 @@ TINY = 1e-9
 
 
 class ClassDensity(NamedTuple):
-    """Density of one part of a class.
-
-    by_curve, curvature: coefficients of m and b as functions of the curve. strength: variance of t.
-    axes, own: directions of spread, shape (component, k), and variances; floor: variance of all
-    other directions. prior: ln of the share of all sweeps.
-    """
+    """Density of one part of a class, see `ClassDensities`."""
 
     by_curve: Real
     curvature: Real
@@ -68,140 +61,70 @@ class ClassDensity(NamedTuple):
     axes: Real
     own: Real
     floor: float
-    prior: float
 
 
-class GaussianClassifier(ClassifierMixin, BaseEstimator):
-    """Probabilities by normal densities of changes, given the baseline curve.
+def fitted(
+    X: Real,
+    index: NDArray[np.intp],
+    curve: NDArray[np.intp],
+    absolute: NDArray[np.intp],
+    *,
+    drift: float = DRIFT,
+    spread: int = SPREAD,
+    strengths: int = STRENGTHS,
+    followed: int = FOLLOWED,
+) -> NormalDensities:
+    """Densities of classes from training sweeps, to which synthetic drift is added.
 
-    Parameters
-    ----------
-    curve: indices of the features of the baseline curve; the other features have equal noise and
-    show the press. absolute: indices of the features of the sweep as it was read; with them changes
-    are taken from all baseline sweeps, see `DriftDirections`. components, of_curve, squared,
-    spread, strengths: maximum numbers, as the constants of these names. drift: as DRIFT. followed:
-    as FOLLOWED. absolute and drift are used if each of the three kinds has as many features, in
-    the same order.
-
-    Attributes
-    ----------
-    classes_: ascending, shape (K,). normals_: fields of `ClassDensity` for each part, class by
-    class. first_: number of the first part of each class, shape (K,).
-    moved_: fields of `DriftDirections`, None without `absolute`.
+    X: shape (sweep, feature). index: number of the class of each sweep, (sweep,). curve: indices of
+    the features of the baseline curve; the other features have equal noise and show the press.
+    absolute: indices of the features of the sweep as it was read; with them changes are taken from
+    all baseline sweeps, see `drift_directions`. Drift and `absolute` are used if each of the three
+    kinds has as many features, in the same order. drift, spread, strengths, followed: as DRIFT,
+    SPREAD, STRENGTHS, FOLLOWED.
     """
+    X = np.asarray(X, np.float64)
+    change = np.setdiff1d(np.arange(X.shape[1]), np.concatenate([curve, absolute]))
+    correction = None
+    if len(absolute) == len(curve) == len(change) > 0:
+        recent = X[:, absolute] - X[:, change]
+        correction = fitted_correction(X[:, curve], recent, followed)
+    X = drifted(X, curve, absolute, drift)
+    changes, curves = X[:, change], X[:, curve]
+    if correction is not None:
+        changes = changes + correction(X[:, absolute] - changes - curves)
+    _, turn = _axes(changes, COMPONENTS)
+    centre, axes = _axes(curves, OF_CURVE, whiten=True)
+    known = AffineMap(centre, axes, np.zeros(axes.shape[1]))
+    components = changes @ turn
+    parts, first = _by_strength(components, index, strengths)
+    densities = _densities(components, terms(known(curves), SQUARED), parts, first, spread)
+    return NormalDensities(
+        X.shape[1], change, curve, absolute, correction, turn, known, SQUARED, densities
+    )
 
-    def __init__(
-        self,
-        curve=(),
-        absolute=(),
-        components=COMPONENTS,
-        of_curve=OF_CURVE,
-        squared=SQUARED,
-        spread=SPREAD,
-        strengths=STRENGTHS,
-        drift=DRIFT,
-        followed=FOLLOWED,
-    ):
-        self.curve = curve
-        self.absolute = absolute
-        self.components = components
-        self.of_curve = of_curve
-        self.squared = squared
-        self.spread = spread
-        self.strengths = strengths
-        self.drift = drift
-        self.followed = followed
 
-    def fit(self, X, y):
-        """X: shape (sweep, feature), y: classes, shape (sweep,). Returns self."""
-        X, y = validate_data(self, X, y, dtype=np.float64, ensure_min_samples=2)
-        X = np.asarray(X, np.float64)
-        check_classification_targets(y)
-        self.classes_, index = np.unique(y, return_inverse=True)
-        moved = self._moved(X)
-        self.moved_ = None if moved is None else tuple(moved)
-        X = self.drifted(X)
-        change, curve = self._parts(X)
-        self._of_change = _axes(change, self.components)
-        self._of_curve = _axes(curve, self.of_curve, whiten=True)
-        change, known = self._projected(X)
-        index, self.first_ = _by_strength(change, index, self.strengths)
-        fits = _fitted(change, known, index, self.spread)
-        counts = np.bincount(index)
-        pooled = float(np.average([fit.floor for fit in fits], weights=counts))
-        least = TINY * float(np.square(change).mean()) + float(np.finfo(float).tiny)
-        self.normals_ = [
-            tuple(
-                fit._replace(
-                    floor=(n * fit.floor + NOISE_WEIGHT * pooled) / (n + NOISE_WEIGHT) + least,
-                    own=fit.own + least,
-                    prior=float(np.log(n / len(X))),
-                )
-            )
-            for fit, n in zip(fits, counts.tolist(), strict=True)
-        ]
-        return self
+def drifted(
+    X: Real, curve: NDArray[np.intp], absolute: NDArray[np.intp], drift: float = DRIFT
+) -> Real:
+    """The sweeps with synthetic drift since their baseline; arguments: see `fitted`."""
+    change = np.setdiff1d(np.arange(X.shape[1]), np.concatenate([curve, absolute]))
+    return add_drift(X, curve, [change], drift) if len(curve) == len(change) else X
 
-    def drifted(self, X: Real) -> Real:
-        """The sweeps with synthetic drift since their baseline, see `drift`."""
-        curve, change = self._columns(X.shape[1])
-        if len(curve) != len(change):
-            return X
-        return add_drift(X, curve, [change], self.drift)
 
-    def decision_function(self, X):
-        """ln of density times share of each class, shape (sweep, K).
-
-        For two classes, the value of the second less that of the first, shape (sweep,).
-        """
-        check_is_fitted(self)
-        X = validate_data(self, X, reset=False, dtype=np.float64)
-        change, known = self._projected(np.asarray(X, np.float64))
-        normals = [ClassDensity._make(each) for each in self.normals_]
-        parts = np.stack([_log_density(each, change, known) for each in normals], axis=1)
-        joint = np.logaddexp.reduceat(parts, self.first_, axis=1)
-        return joint[:, 1] - joint[:, 0] if len(self.classes_) == 2 else joint
-
-    def predict_proba(self, X):
-        """Probability of each class, shape (sweep, K)."""
-        joint = self.decision_function(X)
-        both = np.stack([np.zeros_like(joint), joint], axis=1) if joint.ndim == 1 else joint
-        return np.asarray(softmax(both, axis=1))
-
-    def predict(self, X):
-        """The most probable class, shape (sweep,)."""
-        check_is_fitted(self)
-        return self.classes_[self.predict_proba(X).argmax(axis=1)]
-
-    def _columns(self, width: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Indices of the curve, in the given order, and of the change."""
-        curve = np.array(self.curve, dtype=np.intp)
-        others = np.concatenate([curve, np.array(self.absolute, dtype=np.intp)])
-        return curve, np.setdiff1d(np.arange(width), others)
-
-    def _moved(self, X: Real) -> DriftDirections | None:
-        curve, change = self._columns(X.shape[1])
-        if not len(self.absolute) == len(curve) == len(change) > 0:
-            return None
-        recent = X[:, self.absolute] - X[:, change]
-        return DriftDirections.fitted(X[:, curve], recent, self.followed)
-
-    def _parts(self, X: Real) -> tuple[Real, Real]:
-        """The change, and the baseline curve."""
-        curve, columns = self._columns(X.shape[1])
-        change = X[:, columns]
-        if self.moved_ is not None:
-            moved = DriftDirections._make(self.moved_)
-            change = change + moved.correction(X[:, self.absolute] - change - X[:, curve])
-        return change, X[:, curve]
-
-    def _projected(self, X: Real) -> tuple[Real, Real]:
-        """Components of the change, and terms: 1, components of the curve, some products."""
-        change, curve = self._parts(X)
-        (_, turn), (centre, axes) = self._of_change, self._of_curve
-        z = (curve - centre) @ axes
-        known = np.hstack([np.ones((len(X), 1)), z, _products(z[:, : self.squared])])
-        return change @ turn, known
+def _densities(
+    change: Real, known: Real, index: NDArray[np.intp], first: NDArray[np.intp], spread: int
+) -> ClassDensities:
+    """Densities with noise that is shared between parts. change: components, (sweep, c)."""
+    fits, counts = _fitted(change, known, index, spread), np.bincount(index)
+    own = {name: np.array([getattr(fit, name) for fit in fits]) for name in ClassDensity._fields}
+    pooled = float(np.average(own["floor"], weights=counts))
+    least = TINY * float(np.square(change).mean()) + float(np.finfo(float).tiny)
+    floor = (counts * own["floor"] + NOISE_WEIGHT * pooled) / (counts + NOISE_WEIGHT) + least
+    prior = np.log(counts / len(change))
+    return ClassDensities(
+        **own | {"floor": floor, "own": own["own"] + least, "prior": prior, "first": first}
+    )
 
 
 def _axes(X: Real, count: int, whiten: bool = False) -> tuple[Real, Real]:
@@ -210,11 +133,6 @@ def _axes(X: Real, count: int, whiten: bool = False) -> tuple[Real, Real]:
     power, axes = np.linalg.eigh((X - mean).T @ (X - mean) / len(X))
     kept = np.flatnonzero(power > TINY * power.max(initial=0.0))[::-1][:count]
     return mean, np.asarray(axes[:, kept] / (np.sqrt(power[kept]) if whiten else 1.0), np.float64)
-
-
-def _products(z: Real) -> Real:
-    one, other = np.triu_indices(z.shape[1])
-    return z[:, one] * z[:, other]
 
 
 def _by_strength(
@@ -237,7 +155,7 @@ def _by_strength(
 
 
 def _fitted(change: Real, known: Real, index: NDArray[np.intp], spread: int) -> list[ClassDensity]:
-    """Densities of each part, without priors, and before noise is shared between parts."""
+    """Densities of each part, before noise is shared between parts."""
     root = np.linalg.cholesky(known.T @ known / len(known) + TINY * np.eye(known.shape[1]))
     turn = np.asarray(np.linalg.inv(root).T, np.float64)
     parts = [np.flatnonzero(index == k) for k in range(index.max() + 1)]
@@ -274,7 +192,7 @@ def _normal(
     strength = max(float(t.var()) - noise, 0.0)
     own, axes = np.asarray(power[:k], np.float64), np.asarray(axes[:, :k], np.float64)
     bent = turn[: len(bend), : len(bend)] @ bend
-    return ClassDensity(turn @ by_curve, bent, strength, axes, own, floor, 0.0)
+    return ClassDensity(turn @ by_curve, bent, strength, axes, own, floor)
 
 
 def _strength(change: Real, touch: Real) -> Real:
@@ -304,24 +222,3 @@ def _regressed(terms: list[Real], changes: list[Real]) -> Real:
     noise = noise + (least + float(np.finfo(float).tiny)) * np.eye(len(noise))
     precision = 1 / np.diagonal(np.linalg.inv(squares), axis1=1, axis2=2)
     return shared(found, 1 / precision.mean(axis=0), noise)
-
-
-def _log_density(normal: ClassDensity, change: Real, known: Real) -> Real:
-    """ln density by the Sherman-Morrison formula, as the spread of t adds a rank-one term."""
-    touch = known @ normal.by_curve
-    along, size = _inner(normal, change - touch, touch), _inner(normal, touch, touch)
-    wider = 1 + normal.strength * size
-    t = 1 + normal.strength * along / wider
-    left = change - touch - _curvature(t[:, None], known) @ normal.curvature
-    along = _inner(normal, left, touch)
-    distance = _inner(normal, left, left) - normal.strength * along**2 / wider
-    others = change.shape[1] - len(normal.own)
-    spread = np.log(normal.own).sum() + others * np.log(normal.floor) + np.log(wider)
-    return normal.prior - (distance + spread) / 2
-
-
-def _inner(normal: ClassDensity, one: Real, other: Real) -> Real:
-    """Inner product of each pair of rows, weighted by the inverse covariance of the residual."""
-    more = 1 / normal.own - 1 / normal.floor
-    within = ((one @ normal.axes) * (other @ normal.axes)) @ more
-    return (one * other).sum(axis=1) / normal.floor + within

@@ -13,10 +13,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import expit
-from sklearn.base import BaseEstimator, ClassifierMixin, RegressorMixin
-from sklearn.neural_network import MLPClassifier, MLPRegressor
-from sklearn.utils.validation import check_is_fitted, validate_data
+
+from ...simulator.arrays import Real
+from ..inputs.samples import LocalizationProblem
+from ..parts.parts import DenseLayers, Layer, LogProbabilities
+from ..parts.predictor import MIN_PROBABILITY, Chain
+from .classifiers import class_names, leading_components, on_one_scale, standardized
+from .drift import with_drift
 
 HIDDEN = (128, 128)
 STAGES = ((2e-3, 6000), (5e-4, 3000), (1e-4, 1500))
@@ -29,7 +32,7 @@ BATCHES_AT_ONCE = 10
 """Number of batches of one `partial_fit`, which encodes the classes of these sweeps only."""
 COMPONENTS = 26
 """Number of principal components of the features that a network takes."""
-
+Stages = tuple[tuple[float, int], ...]
 
 INTERRUPTED = "Training interrupted by user"
 """Start of scikit-learn's warning when it takes Ctrl-C for the end of a fit."""
@@ -46,59 +49,57 @@ def _interruptible() -> Iterator[None]:
         raise KeyboardInterrupt from None
 
 
-class _Network(BaseEstimator):
-    """Base of both networks: training in stages, and validation of features.
+def network(
+    problem: LocalizationProblem, X: Real, y: NDArray, stages: Stages | None = None
+) -> Chain:
+    """Components of unit variance, then a network of classes or of standardised positions.
 
-    Parameters
-    ----------
-    hidden: number of neurons of each layer. stages: as STAGES; each stage uses every sweep at least
-    once. seed: seed of the initial weights and of the order of sweeps.
-
-    Attributes
-    ----------
-    network_: the fitted network of scikit-learn, in single precision.
+    X: shape (n, feature). y: classes, (n,), or positions, (n, 3). stages: as STAGES, the default.
     """
+    first, X = on_one_scale(problem, with_drift(problem, X))
+    components = leading_components(X, COMPONENTS)
+    Z = components(X)
+    scaling = standardized(Z)
+    Z, chain = np.asarray(scaling(Z), np.float32), (*first, components, scaling)
+    stages = STAGES if stages is None else stages
+    if problem.continuous:
+        target = standardized(y)
+        return Chain((*chain, fitted_layers(Z, target(y), stages, HIDDEN), target.back))
+    layers, classes = fitted_layers(Z, y, stages, HIDDEN, classify=True), class_names(np.unique(y))
+    return Chain((*chain, layers, LogProbabilities(MIN_PROBABILITY)), classes)
 
-    kind: Any
 
-    def __init__(self, hidden=HIDDEN, stages=STAGES, seed=0):
-        self.hidden = hidden
-        self.stages = stages
-        self.seed = seed
+def fitted_layers(
+    X: NDArray[np.float32],
+    y: NDArray,
+    stages: Stages,
+    hidden: tuple[int, ...],
+    *,
+    classify: bool = False,
+    seed: int = 0,
+) -> DenseLayers:
+    """Layers fitted in stages; each uses every row at least once.
 
-    def fit(self, X, y):
-        """X: shape (n, feature). y: classes, or numbers, shape (n,) or (n, output)."""
-        X, y = validate_data(self, X, y, dtype=np.float32, multi_output=True)
-        batch, random = min(BATCH, len(X)), np.random.default_rng(self.seed)
-        self.network_ = self.kind(
-            hidden_layer_sizes=self.hidden,
-            batch_size=batch,
-            random_state=self.seed,
-            shuffle=False,
-        )
-        known = self._known(y)
-        with warnings.catch_warnings(), _interruptible():
-            warnings.filterwarnings("error", INTERRUPTED)
-            for step, count in self.stages:
-                self.network_.set_params(learning_rate_init=step)
-                for rows in _drawn(random, len(X), batch, count):
-                    self.network_.partial_fit(X[rows], y[rows], **known)
-                    known = {}
-                del self.network_._optimizer
-        return self
+    X: shape (n, F). y: classes, (n,), or numbers, (n, out), fitted by least squares. hidden: number
+    of neurons of each layer. seed: that of the initial weights and of the order of rows.
+    """
+    from sklearn.neural_network import MLPClassifier, MLPRegressor
 
-    def _known(self, y) -> dict[str, Any]:
-        """Keyword arguments of the first `partial_fit`."""
-        return {}
-
-    def predict(self, X):
-        """The most probable class, or the numbers, of each row."""
-        X = self._validated(X)
-        return self.network_.predict(X)
-
-    def _validated(self, X):
-        check_is_fitted(self)
-        return validate_data(self, X, reset=False, dtype=np.float32)
+    batch, random = min(BATCH, len(X)), np.random.default_rng(seed)
+    network: Any = (MLPClassifier if classify else MLPRegressor)(
+        hidden_layer_sizes=hidden, batch_size=batch, random_state=seed, shuffle=False
+    )
+    known = {"classes": np.unique(y)} if classify else {}
+    with warnings.catch_warnings(), _interruptible():
+        warnings.filterwarnings("error", INTERRUPTED)
+        for step, count in stages:
+            network.set_params(learning_rate_init=step)
+            for rows in _drawn(random, len(X), batch, count):
+                network.partial_fit(X[rows], y[rows], **known)
+                known = {}
+            del network._optimizer
+    pairs = zip(network.coefs_, network.intercepts_, strict=True)
+    return DenseLayers(tuple(Layer(W, b) for W, b in pairs))
 
 
 def _drawn(
@@ -117,42 +118,3 @@ def _drawn(
             waiting = np.concatenate([waiting, random.permutation(size)])
         yield waiting[:now]
         waiting, left = waiting[now:], left - now
-
-
-class NetworkClassifier(ClassifierMixin, _Network):
-    """Network that predicts classes and their probabilities."""
-
-    kind = MLPClassifier
-
-    def _known(self, y):
-        return {"classes": np.unique(y)}
-
-    @property
-    def classes_(self):
-        """Classes in ascending order, shape (K,)."""
-        check_is_fitted(self)
-        return self.network_.classes_
-
-    def predict_proba(self, X):
-        """Probability of each class, shape (n, K)."""
-        X = self._validated(X)
-        if self.classes_.size > 2:
-            return self.network_.predict_proba(X)
-        odds = self._log_odds(X)
-        return expit(np.hstack([-odds, odds]))
-
-    def _log_odds(self, X):
-        """ln of the odds of the second of two classes, shape (n, 1).
-
-        1 - p in single precision would round the smaller probability to a multiple of 6e-8.
-        """
-        *hidden, (W, b) = zip(self.network_.coefs_, self.network_.intercepts_, strict=True)
-        for inner, offset in hidden:
-            X = np.maximum(X @ inner + offset, 0)
-        return X @ W + b
-
-
-class NetworkRegressor(RegressorMixin, _Network):
-    """Network that predicts numbers, fitted by least squares."""
-
-    kind = MLPRegressor

@@ -2,22 +2,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from importlib.metadata import version
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
-from sklearn.pipeline import Pipeline
+from numpy.typing import NDArray
 
 from ...simulator.notebook_display import SmallChart, Tabular
 from ...simulator.scene.scene_files import carried_scene
 from ...simulator.sweeps import InputError
 from ..inputs.baselines import check_baselines, finite_sweeps
+from ..inputs.feature_names import QUANTITIES, names_beside
 from ..inputs.features import at_interfaces, available_features, baseline_changes
 from ..inputs.fingerprints import fingerprints_of
 from ..inputs.samples import LocalizationProblem, Samples, samples_of
+from ..inversion.adapted import Adapted
 from ..inversion.region import Region
 from ..inversion.regions import regions_of
+from ..parts.plain import Plain, Sizes, require, transient
+from ..parts.predictor import Predictor
 from ..trust.answers import CANNOT_TELL, NOTHING_PRESSED, Answers
 from ..trust.diagnosis import Diagnosis, diagnosis_features
 from ..trust.fitted import Classifier, Regressor
@@ -25,14 +30,13 @@ from .compatibility import check_compatible
 
 if TYPE_CHECKING:
     import xarray as xr
-    from numpy.typing import NDArray
 
     from ...simulator.arrays import Real
     from ...simulator.scene.scene import Scene
 
 
-SOFTWARE = ("rcskin", "scikit-learn", "skops")
-"""Packages whose versions a model stores."""
+SOFTWARE = ("rcskin", "scikit-learn")
+"""Packages whose versions at the training a model stores."""
 
 
 def current_versions() -> dict[str, str]:
@@ -41,33 +45,57 @@ def current_versions() -> dict[str, str]:
 
 
 @dataclass(frozen=True, repr=False)
-class Model(Tabular):
+class Model(Plain, Tabular):
     """A trained localizer and a description of its training, to check sweeps against."""
 
     learned: Classifier | Regressor
     estimator: str
     """Name of the estimator."""
     problem: LocalizationProblem
-    certain: float | None
+    certain: Annotated[float, ">0"] | None
     """Required accuracy of answers; None if every sweep is answered."""
     validation: str
     """Text on how sweeps were held out to calibrate probabilities and deviations."""
-    versions: dict[str, str]
+    versions: Mapping[str, str]
     """Versions of SOFTWARE at the training."""
-    trained_on: int
+    trained_on: Annotated[int, ">=0"]
     """Number of sweeps."""
     left_out: str
     """Description of the sweeps that were left out."""
-    fingerprints: NDArray[np.uint64] = field(compare=False)
+    fingerprints: Annotated[NDArray[np.uint64], "sweeps int"] = field(compare=False)
     """Fingerprints of the sweeps of training and adaptation, see `fingerprints_of`."""
     gate: Model | None = None
     """Model of the number of touches, for positions; None if all training sweeps had one touch."""
     diagnosis: Diagnosis | None = None
     """Names faults that sweeps without an answer resemble; None if the training had none."""
-    any_skin: bool = False
+    adapted: bool = False
+    """True if it was adapted by touches of a skin."""
+    any_skin: bool = transient(default=False)
     """True if sweeps of another skin are accepted."""
-    source: str = field(default="the model", compare=False)
+    source: str = transient(default="the model")
     """Name of the model in errors: its file."""
+
+    def _check(self, sizes: Sizes) -> None:
+        learned, problem, gate = self.learned, self.problem, self.gate
+        own = isinstance(learned, Regressor) == problem.continuous
+        require(own, "learned", f"must be of `problem.target` {problem.target}")
+        names, readings = problem.quantities, problem.readings
+        require(names and set(names) <= {*QUANTITIES}, "problem.quantities", "must be of features")
+        features = len(names) * readings
+        require(problem.features == features, "problem.features", f"must be {features}")
+        given = learned.predictor.features
+        require(given == features, "learned.predictor", f"takes {given} features of {features}")
+        require(gate is None or problem.continuous, "gate", "is for positions")
+        fits = gate is None or (gate.target == "touches" and gate.problem.readings == readings)
+        require(fits, "gate", "must count touches from the same readings")
+        each = len(names_beside(names).relative)
+        possible = [readings * k for k in range(1, each + 1)]
+        guards = learned.guards and learned.guards.changes
+        fits = not guards or guards.features in possible
+        require(fits, "learned.guards.changes", "must be of the changes of these readings")
+        kinds = {} if self.diagnosis is None else self.diagnosis.guards
+        fits = all(guard.features in possible for guard in kinds.values())
+        require(fits, "diagnosis", "must be of these readings")
 
     def _table(self) -> tuple[str, list[tuple[object, ...]]]:
         header = "target", "estimator", "features", "frequencies", "trained on", "held out"
@@ -82,18 +110,22 @@ class Model(Tabular):
         return held_out_chart(self)
 
     @property
-    def version_differences(self) -> str:
-        """Software versions of the training that differ from the installed ones; may be empty."""
-        here = current_versions()
-        return ", ".join(
-            f"{name} {then} (here {here[name]})"
-            for name, then in self.versions.items()
-            if here[name] != then
-        )
+    def version_difference(self) -> str:
+        """The version of rcskin that trained the model, if it is not this one; else empty."""
+        then, here = self.versions.get("rcskin", "none"), version("rcskin")
+        return "" if then == here else f"rcskin {then} (here {here})"
 
     def for_any_skin(self) -> Model:
         """A copy of the model that also accepts sweeps of another skin."""
         return replace(self, any_skin=True, gate=self.gate and self.gate.for_any_skin())
+
+    def in_background(self) -> Model:
+        """A copy that computes tables of new skins in the background, see `SkinCache`."""
+        if not isinstance(self.predictor, Adapted):
+            return self
+        return replace(
+            self, learned=replace(self.learned, predictor=self.predictor.in_background())
+        )
 
     def with_fingerprints(self, sweeps: xr.Dataset) -> Model:
         """A copy of the model with the fingerprints of further sweeps."""
@@ -101,9 +133,9 @@ class Model(Tabular):
         return replace(self, fingerprints=np.concatenate([self.fingerprints, further]))
 
     @property
-    def pipeline(self) -> Pipeline:
-        """The fitted pipeline."""
-        return self.learned.pipeline
+    def predictor(self) -> Predictor:
+        """What predicts from features."""
+        return self.learned.predictor
 
     @property
     def target(self) -> str:
@@ -194,9 +226,18 @@ class Model(Tabular):
 
         NaN for rows without a baseline: there the guards are not applied.
         """
-        if not self.guards_use_changes:
+        guards = self.learned.guards and self.learned.guards.changes
+        if guards is None:
             return None
-        return baseline_changes(sweeps, interfaces=self.interfaces, rest=rest)[rows]
+        changes = baseline_changes(sweeps, interfaces=self.interfaces, rest=rest)[rows]
+        self._check_guarded(changes, guards.features)
+        return changes
+
+    def _check_guarded(self, X: Real, features: int) -> None:
+        """Raises InputError unless sweeps have as many features as a guard takes."""
+        if X.shape[1] != features:
+            given = f"a guard takes {features} features, and the sweeps have {X.shape[1]}"
+            raise InputError(f"{self.source}: {given}")
 
     def fault_kinds(self, sweeps: xr.Dataset) -> NDArray[np.str_]:
         """Kind of the fault that each sweep resembles, shape (sweep,).
@@ -208,6 +249,7 @@ class Model(Tabular):
         found = np.full(sweeps.sizes["sweep"], "", dtype=object)
         X, rows = diagnosis_features(sweeps, self.interfaces)
         if rows.size:
+            self._check_guarded(X, next(iter(self.diagnosis.guards.values())).features)
             found[rows] = self.diagnosis.kinds(X)
         return found.astype(str)
 
@@ -237,7 +279,7 @@ class Model(Tabular):
 
         Raises InputError as `features`.
         """
-        return self.pipeline.predict(self.features(sweeps, rest))
+        return self.predictor.predict(self.features(sweeps, rest))
 
     def probabilities(
         self, sweeps: xr.Dataset, rest: xr.Dataset | None = None

@@ -84,7 +84,7 @@ def _diagnosis(
         every = samples_of(
             sweeps, problem.target, problem.quantities, interfaces=problem.interfaces, rest=rest
         )
-        right[every.rows] = learned.pipeline.predict(every.X) == every.y
+        right[every.rows] = learned.predict(every.X) == every.y
     return diagnosis_of(sweeps, problem.interfaces, right)
 
 

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from sklearn import config_context
 
 from ...simulator.measure.experiment import METER, stream
 from ...simulator.measure.readout import read_out
@@ -18,7 +17,7 @@ from ...simulator.report.page import Picture, ReportSection
 from ...simulator.scene.scene_files import load_scene
 from ...simulator.sweeps import checked_folder, made_folder, write
 from ..evaluation.confusion import Confusion, write_csv
-from ..evaluation.evaluation import UNCHECKED, cross_validate
+from ..evaluation.evaluation import cross_validate, unchecked
 from ..inputs.feature_names import PAPER
 from ..model.localizer_file import save
 from ..model.training import train
@@ -53,7 +52,7 @@ WRITTEN += tuple(f"{name}[-.]*" for name in EXPERIMENTS)
 """Name patterns of the files of a reproduction."""
 
 
-@config_context(**UNCHECKED)
+@unchecked()
 def reproduce(folder: Path, progress: ProgressCallback, ending: str = ".png") -> list[Claim]:
     """Write figures, tables, trained models and `report.html` into `folder`; return the claims.
 
@@ -105,7 +104,7 @@ def _write_tables(folder: Path, results: Results, claims: list[Claim]) -> None:
     for name, experiment in results.experiments.items():
         write(experiment.measured, folder / f"{name}-sweeps.csv")
         write_csv(results.confusions[name], folder / f"{name}-confusion.csv")
-        save(folder / f"{name}.skops", train(experiment.measured, quantities=PAPER))
+        save(folder / f"{name}.npz", train(experiment.measured, quantities=PAPER))
     for name, study in (
         ("frequencies", results.frequency),
         ("noise", results.noise),

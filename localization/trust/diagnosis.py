@@ -12,9 +12,10 @@ from ...simulator.measure.skin_faults import kind_of_fault, place_of_fault
 from ...simulator.sweeps.schema import FAULT
 from ..inputs.feature_names import names_of
 from ..inputs.features import available_features
+from ..parts.plain import Plain, Sizes, require
 from .answers import CANNOT_TELL
 from .folds import splits_of
-from .kinds import KindGuard
+from .kinds import KindGuard, fitted_kind_guard
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -37,7 +38,7 @@ MISLEADING = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class Diagnosis:
+class Diagnosis(Plain):
     """Guards that each know the sweeps of one kind of fault, and those without a fault.
 
     guards: by kind of fault and NO_FAULT, for logarithms of magnitudes and phases as read.
@@ -48,6 +49,13 @@ class Diagnosis:
 
     guards: Mapping[str, KindGuard]
     misleading: tuple[str, ...] = ()
+
+    def _check(self, sizes: Sizes) -> None:
+        known = self.guards.keys() - {NO_FAULT}
+        require(known and NO_FAULT in self.guards, "guards", "must be of a fault, and of none")
+        sizes_of = {guard.features for guard in self.guards.values()}
+        require(len(sizes_of) == 1, "guards", "must be of as many features each")
+        require(known >= set(self.misleading), "misleading", "must be faults of `guards`")
 
     def kinds(self, X: Real) -> NDArray[np.str_]:
         """Kind of the fault that each sweep resembles, "" if it resembles none, shape (n,).
@@ -122,4 +130,4 @@ def _guard(
     X, some = diagnosis_features(sweeps.isel(sweep=rows), interfaces)
     rows, sessions = rows[some], sessions[some]
     places = np.array([place_of_fault(text) or "anywhere" for text in faults[rows]])
-    return KindGuard().fit(X, places, splits=splits_of(None, sessions))
+    return fitted_kind_guard(X, places, splits=splits_of(None, sessions))

@@ -1,16 +1,17 @@
-"""A trained pipeline with calibrated probabilities, a threshold, and guards."""
+"""A trained predictor with calibrated probabilities, a threshold, and guards."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.pipeline import Pipeline
 
 from ...simulator.arrays import Mask, Real
-from ..learners.decisions import decisions
+from ..parts.parts import NearestErrors
+from ..parts.plain import Plain, Sizes, require
+from ..parts.predictor import Predictor
 from .answers import Answers, decide
 from .kinds import KindGuard
 from .rates import CountedRate
@@ -19,7 +20,7 @@ from .temperature import probabilities
 
 
 @dataclass(frozen=True, eq=False)
-class Guards:
+class Guards(Plain):
     """Guards fitted to the training sweeps.
 
     kinds: guard by kind of press. several: guard against several touches; None if `several_guard`
@@ -31,14 +32,25 @@ class Guards:
     several: SeveralGuard | None = None
     changes: Guards | None = None
 
+    def _check(self, sizes: Sizes) -> None:
+        several, changes = self.several, self.changes
+        fits = several is None or several.features == self.features
+        require(fits, "several.features", f"must be {self.features}")
+        require(changes is None or changes.changes is None, "changes", "must have no changes")
+
+    @property
+    def features(self) -> int:
+        """Number of features of a sweep."""
+        return self.kinds.features
+
     def novel(self, X: Real, changes: Real | None = None) -> Mask:
         """True for sweeps unlike those of the training, shape (n,).
 
         X: shape (n, feature). changes: as in `baseline_changes`, shape (n, feature).
         """
-        novel = self.kinds.predict(X) < 0
+        novel = self.kinds.novel(X)
         if self.several is not None:
-            novel |= self.several.predict(X) < 0
+            novel |= self.several.novel(X)
         if self.changes is not None and changes is not None:
             known = with_known_baseline(changes)
             if known.size:
@@ -51,20 +63,23 @@ def with_known_baseline(changes: Real) -> NDArray[np.intp]:
     return np.flatnonzero(np.isfinite(changes).all(axis=1))
 
 
-def has_novelty_test(pipeline: Pipeline) -> bool:
-    """True if the last step itself detects novel sweeps."""
-    return hasattr(pipeline[-1], "novel")
-
-
 @dataclass(frozen=True, eq=False)
-class Learned:
-    """Fitted pipeline with its guards.
+class Learned(Plain):
+    """Trained predictor with its guards.
 
-    guards: None if the pipeline itself detects novel sweeps.
+    guards: None if the predictor itself detects novel sweeps.
     """
 
-    pipeline: Pipeline
+    predictor: Predictor
     guards: Guards | None
+
+    def _check(self, sizes: Sizes) -> None:
+        of_classes = isinstance(self, Classifier) == (self.predictor.classes is not None)
+        require(of_classes, "predictor", "must predict classes or positions, as its localizer")
+        guards, features = self.guards, self.predictor.features
+        require(guards is not None or self.predictor.detects_novelty, "guards", "are missing")
+        fits = guards is None or guards.features == features
+        require(fits, "guards.kinds.features", f"must be {features}")
 
     def novel(self, X: Real, changes: Real | None = None) -> Mask:
         """True for sweeps unlike those of the training, shape (n,).
@@ -73,8 +88,11 @@ class Learned:
         """
         if self.guards is not None:
             return self.guards.novel(X, changes)
-        last: Any = self.pipeline[-1]
-        return last.novel(X)
+        return self.predictor.novel(X)
+
+    def predict(self, X: Real) -> NDArray:
+        """The most probable class of each row, shape (n,), or its position, shape (n, 3)."""
+        return self.predictor.predict(X)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,12 +105,17 @@ class Classifier(Learned):
     see `CountedRate`, of the right ones.
     """
 
-    sharpness: float
-    threshold: float
-    right: int
-    answered: int
-    held_out: int
-    independent: float | None
+    sharpness: Annotated[float, ">0"]
+    threshold: Annotated[float, ">=0"]
+    right: Annotated[int, ">=0"]
+    answered: Annotated[int, ">=0"]
+    held_out: Annotated[int, ">=0"]
+    independent: Annotated[float, ">0"] | None
+
+    def _check(self, sizes: Sizes) -> None:
+        super()._check(sizes)
+        require(self.right <= self.held_out, "right", f"must be at most {self.held_out}")
+        require(self.answered <= self.held_out, "answered", f"must be at most {self.held_out}")
 
     @property
     def outcome(self) -> str:
@@ -103,11 +126,13 @@ class Classifier(Learned):
     @property
     def classes(self) -> NDArray:
         """Classes in ascending order, shape (K,)."""
-        return self.pipeline.classes_
+        classes = self.predictor.classes
+        assert classes is not None
+        return classes
 
     def probabilities(self, X: Real) -> Real:
         """Probability of each class, shape (n, K)."""
-        return probabilities(decisions(self.pipeline, X), self.sharpness)
+        return probabilities(self.predictor.decisions(X), self.sharpness)
 
     def answers(self, X: Real, changes: Real | None = None) -> Answers:
         """A class or CANNOT_TELL for each row. changes: as in `novel`."""
@@ -119,14 +144,19 @@ class Classifier(Learned):
 class Regressor(Learned):
     """Localizer of positions.
 
-    factor: correction of the standard deviations, from held-out sweeps, shape (3,). spread:
-    predicts variances from positions, where the pipeline has no deviations of its own.
-    median_error: median error of the held-out sweeps, mm.
+    factor: correction of the standard deviations, from held-out sweeps, shape (3,). spread: the
+    variances, where the predictor knows no deviations. median_error: median error of the held-out
+    sweeps, mm.
     """
 
-    factor: Real
-    spread: Pipeline | None
-    median_error: float
+    factor: Annotated[Real, "3 >=0"]
+    spread: NearestErrors | None
+    median_error: Annotated[float, ">=0"]
+
+    def _check(self, sizes: Sizes) -> None:
+        super()._check(sizes)
+        known = self.spread is not None or self.predictor.detects_novelty
+        require(known, "spread", "is missing")
 
     @property
     def outcome(self) -> str:
@@ -135,8 +165,8 @@ class Regressor(Learned):
 
     def positions(self, X: Real) -> tuple[Real, Real]:
         """Positions (x, y in mm, strength) and standard deviations, each of shape (n, 3)."""
-        if self.spread is None:
-            places, deviation = self.pipeline.predict(X, return_std=True)
-            return places, self.factor * deviation
-        places = self.pipeline.predict(X)
-        return places, self.factor * np.sqrt(self.spread.predict(places))
+        places, deviation = self.predictor.positions(X)
+        if self.spread is not None:
+            deviation = np.sqrt(self.spread(places))
+        assert deviation is not None
+        return places, self.factor * deviation

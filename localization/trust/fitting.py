@@ -1,31 +1,28 @@
-"""Training of a localizer: pipeline, then probabilities and deviations on held-out sweeps."""
+"""Training of a localizer: predictor, then probabilities and deviations on held-out sweeps."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from sklearn.neighbors import KNeighborsRegressor
-from sklearn.pipeline import Pipeline, make_pipeline
-from sklearn.preprocessing import StandardScaler
 
 from ...simulator.arrays import Real
 from ...simulator.progress import ProgressCallback, silent, tracked
 from ...simulator.sweeps import InputError
 from ..inputs.samples import Samples, as_changes
-from ..learners.drift import drifting
+from ..learners.classifiers import standardized
 from ..learners.registry import Estimator
-from ..processor_count import physical_cpu_count
+from ..parts.parts import NearestErrors
+from ..parts.predictor import Predictor
 from .answers import threshold_of
-from .fitted import Classifier, Guards, Regressor, has_novelty_test, with_known_baseline
+from .fitted import Classifier, Guards, Regressor, with_known_baseline
 from .folds import PLENTY, Splits, held_out_indices, scoring_splits
 from .held_out import held_out_decisions, held_out_positions
 from .kinds import kind_guard
 from .rates import independent_sweeps
 from .several import several_guard
 from .temperature import probabilities, sharpness_of
-from .tuning import trainer
+from .tuning import Train, trainer
 
 NEIGHBOURS, RESIDUALS = 50, 5000
 """Number of errors whose root mean square is a deviation, and of errors kept in all."""
@@ -56,19 +53,20 @@ def learn_classes(
     train = trainer(estimator, tune=tune)
     fits = iter(tracked([WHOLE_FIT, *splits], f"training {estimator.name}", progress))
     next(fits)
-    pipeline = train(samples)
+    predictor = train(samples)
+    classes = np.asarray(predictor.classes)
     scored = held_out_indices(splits)
-    again = _retrained(train, estimator, pipeline)
-    held_out = held_out_decisions(again, samples, fits, scored, pipeline.classes_)
-    index = np.searchsorted(pipeline.classes_, samples.y[scored])
+    again = _retrained(train, estimator, predictor)
+    held_out = held_out_decisions(again, samples, fits, scored, classes)
+    index = np.searchsorted(classes, samples.y[scored])
     sharpness = sharpness_of(held_out, index)
     probability = probabilities(held_out, sharpness)
     right = probability.argmax(axis=1) == index
     best = probability.max(axis=1)
     threshold = 0.0 if certain is None else threshold_of(best, right, certain)
     return Classifier(
-        pipeline,
-        _guards(samples, splits, pipeline),
+        predictor,
+        _guards(samples, splits, estimator, predictor),
         sharpness,
         threshold,
         right=int(right.sum()),
@@ -95,8 +93,9 @@ def learn_positions(
     train = trainer(estimator, tune=tune)
     fits = iter(tracked([WHOLE_FIT, *splits], f"training {estimator.name}", progress))
     next(fits)
-    pipeline = train(samples)
-    predicted, deviation = held_out_positions(_retrained(train, estimator, pipeline), samples, fits)
+    predictor = train(samples)
+    again = _retrained(train, estimator, predictor)
+    predicted, deviation = held_out_positions(again, samples, fits)
     predicted, residual = predicted[held_out], (predicted - samples.y)[held_out]
     factor, spread = np.ones(predicted.shape[1]), None
     if deviation is None:
@@ -106,30 +105,31 @@ def learn_positions(
         z = np.divide(residual, deviation, out=np.zeros(predicted.shape), where=deviation > 0)
         factor = np.sqrt(np.square(z).mean(axis=0))
     median = float(np.median(np.linalg.norm(residual[:, :2], axis=1)))
-    return Regressor(pipeline, _guards(samples, splits, pipeline), factor, spread, median)
+    guards = _guards(samples, splits, estimator, predictor)
+    return Regressor(predictor, guards, factor, spread, median)
 
 
-def _retrained(
-    train: Callable[[Samples], Pipeline], estimator: Estimator, whole: Pipeline
-) -> Callable[[Samples], Pipeline]:
-    """Training on a part of the sweeps; the pipeline of all if it does not depend on sweeps."""
+def _retrained(train: Train, estimator: Estimator, whole: Predictor) -> Train:
+    """Training on a part of the sweeps; that of all if it does not depend on sweeps."""
     return train if estimator.uses_sweeps else lambda part: whole
 
 
-def _spread(predicted: Real, residual: Real) -> Pipeline:
-    """Fit the variance of errors as the mean over the nearest positions of held-out sweeps."""
-    physical_cpu_count()
+def _spread(predicted: Real, residual: Real) -> NearestErrors:
+    """The variance of errors as the mean over the nearest positions of held-out sweeps."""
     kept = np.random.default_rng(0).permutation(len(predicted))[:RESIDUALS]
-    near = KNeighborsRegressor(min(NEIGHBOURS, len(kept)), algorithm="brute")
-    return make_pipeline(StandardScaler(), near).fit(predicted[kept], np.square(residual[kept]))
+    scaling, squares = standardized(predicted[kept]), np.square(residual[kept])
+    return NearestErrors(scaling, scaling(predicted[kept]), squares, min(NEIGHBOURS, len(kept)))
 
 
-def _guards(samples: Samples, splits: Splits, pipeline: Pipeline) -> Guards | None:
-    """Guards, fitted to sweeps with synthetic drift; None if the pipeline detects novelties."""
-    if has_novelty_test(pipeline):
+def _guards(
+    samples: Samples, splits: Splits, estimator: Estimator, predictor: Predictor
+) -> Guards | None:
+    """Guards, fitted to sweeps with synthetic drift; None if it detects novelties itself."""
+    if predictor.detects_novelty:
         return None
-    own = _guards_of(replace(samples, X=drifting(pipeline)(samples.X)), splits)
-    return replace(own, changes=_guards_of_changes(samples, splits))
+    drifted = replace(samples, X=estimator.drifted(samples.problem, samples.X))
+    changes = _guards_of_changes(samples, splits)
+    return replace(_guards_of(drifted, splits), changes=changes)
 
 
 def _guards_of(samples: Samples, splits: Splits) -> Guards:

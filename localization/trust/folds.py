@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from sklearn.model_selection import GroupKFold, KFold, StratifiedGroupKFold, StratifiedKFold
 
 from ...simulator.sweeps import InputError
 
@@ -63,6 +62,8 @@ def splits_of(strata: NDArray | None, sessions: Integer, folds: int = 5, seed: i
     if strata is None:
         if not 2 <= most <= sessions.size:
             raise InputError(f"training needs at least 2 sweeps, got {sessions.size}")
+        from sklearn.model_selection import GroupKFold, KFold
+
         kind = KFold if groups is None else GroupKFold
         splitter = kind(n_splits=most, shuffle=True, random_state=seed)
         return list(splitter.split(np.zeros(sessions.size), None, groups))
@@ -134,6 +135,8 @@ def groups_of(sweeps: xr.Dataset, grouping: str | None) -> Integer | None:
 
 
 def _split(y: NDArray, groups: Integer | None, folds: int, seed: int) -> Splits:
+    from sklearn.model_selection import StratifiedGroupKFold, StratifiedKFold
+
     kind = StratifiedKFold if groups is None else StratifiedGroupKFold
     splitter = kind(n_splits=folds, shuffle=True, random_state=seed)
     return list(splitter.split(np.zeros(y.size), y, groups))

@@ -7,19 +7,20 @@ sweep that no press can cause, such as a failed reading, leads out of the princi
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
 from functools import reduce
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from sklearn.decomposition import PCA
-from sklearn.utils.validation import validate_data
 
-from ...simulator.arrays import Real
+from ...simulator.arrays import Mask, Real
 from ..inputs.features import press_features
 from ..inputs.samples import Samples
+from ..parts.parts import Components
+from ..parts.plain import Plain, Sizes, require
 from .answers import NOTHING_PRESSED
 from .folds import Splits, by_session
-from .guard import Guard
 
 COMPONENTS = 6
 """Number of principal components that describe a press; further ones hold noise alone."""
@@ -48,88 +49,108 @@ TAILS = 0.01
 """Share of the training at either end of a feature that may be outliers."""
 
 
-class KindGuard(Guard):
+@dataclass(frozen=True, eq=False)
+class KindGuard(Plain):
     """Guard by the Mahalanobis distance to the nearest kind of press.
 
-    The distance outside all components, times `beside_`, counts instead where it is larger.
+    u is the row of the features in `columns` over `scale`, p its components. The distance is the
+    larger of min over kinds k of |(p - mean_k) W_k| and |u - back from p| outside: beyond the limit
+    a sweep is novel. Each kind is a normal distribution: P. C. Mahalanobis, Proc. Natl. Inst. Sci.
+    India 2 (1936) 49-55.
 
-    Each kind is a normal distribution of leading components; the distance is that of
-    P. C. Mahalanobis, Proc. Natl. Inst. Sci. India 2 (1936) 49-55. The unpressed skin, whose own
-    spread is noise alone, takes the pooled spread of all kinds, so that it stays known while it
-    drifts. A few bad training sweeps do not widen the guard: features are clipped beyond TAILS, and
-    the limit is a quantile.
-
-    Parameters
-    ----------
-    share: share of the held-out sweeps that are to be of a known kind. reach: factor of the limit
-    over the distance of that share.
-
-    Attributes
-    ----------
-    told_: indices of the features used, shape (k,). scale_: their divisors. pca_: components.
-    means_: shape (kind, component). whitening_: shape (kind, component, component). limit_: the
-    largest distance that is no novelty. beside_: factor that brings distances outside the
-    components to the same limit.
+    features: number of features of a sweep. columns: indices of those used, shape (T,). means:
+    shape (kind, component). whitening: W, shape (kind, component, component). outside: factor that
+    brings distances outside the components to the same limit. limit: the largest distance that is
+    no novelty.
     """
 
-    def __init__(self, share=0.98, reach=LIMIT_MARGIN):
-        self.share = share
-        self.reach = reach
+    features: Annotated[int, ">0"]
+    columns: Annotated[NDArray[np.intp], "T <features"]
+    scale: Annotated[Real, "T >0"]
+    components: Components
+    means: Annotated[Real, "kinds c"]
+    whitening: Annotated[Real, "kinds c c"]
+    outside: Annotated[float, ">=0"] = 0.0
+    limit: Annotated[float, ">0"] = 1.0
 
-    def fit(
-        self,
-        X,
-        kinds: ArrayLike,
-        *,
-        splits: Splits,
-        columns: NDArray[np.intp] | None = None,
-        equal_errors: bool = True,
-    ):
-        """Fit the spread of each kind, and the limit to the distances of held-out sweeps.
+    def _check(self, sizes: Sizes) -> None:
+        own = self.components
+        require(own.sizes == (sizes["T"], sizes["c"]), "components", "must fit columns and means")
+        require(own.scale == 1, "components.scale", "must be 1")
+        require(sizes["kinds"], "means", "must be of one kind or more")
 
-        X: shape (n, feature). kinds: a name for each sweep, shape (n,). columns: indices of the
-        features to use; None uses all. equal_errors: True if these have equal errors; else each is
-        scaled to unit variance. Returns self.
-        """
-        X = np.asarray(validate_data(self, X, ensure_min_samples=2, dtype=np.float64))
-        kinds = np.asarray(kinds).astype(str)
-        self.told_ = np.arange(X.shape[1]) if columns is None else columns
-        held_out = [self._learn(X[a], kinds[a], equal_errors)._both(X[b]) for a, b in splits]
-        self._learn(X, kinds, equal_errors)
-        within, outside = np.concatenate(held_out, axis=1)
-        self.limit_ = self.reach * float(np.quantile(within, self.share, method="higher")) or 1.0
-        farthest = float(np.quantile(outside, OUTSIDE_QUANTILE, method="higher"))
-        least = MIN_OUTSIDE_DISTANCE * np.sqrt(self.told_.size)
-        self.beside_ = self.limit_ / (OUTSIDE_MARGIN * max(farthest, least))
-        return self
+    def distances(self, X: Real) -> Real:
+        """Distance divided by the limit: above 1 is novel. X: shape (n, feature). Shape (n,)."""
+        within, outside = self.both(X)
+        return np.maximum(within, self.outside * outside) / self.limit
 
-    def away(self, X: Real) -> Real:
-        """Distance from the nearest kind, or outside all components if larger, shape (n,)."""
-        within, outside = self._both(X)
-        return np.maximum(within, self.beside_ * outside)
+    def novel(self, X: Real) -> Mask:
+        """True for sweeps unlike those of the training, shape (n,)."""
+        return self.distances(X) > 1
 
-    def _both(self, X: Real) -> Real:
+    def both(self, X: Real) -> Real:
         """Distance to the nearest kind within the components, and outside them, shape (2, n)."""
-        shown = X[:, self.told_] / self.scale_
-        components = self.pca_.transform(shown)
+        shown = X[:, self.columns] / self.scale
+        components = self.components(shown)
         squares = (
             np.square((components - mean) @ turn).sum(axis=1)
-            for mean, turn in zip(self.means_, self.whitening_, strict=True)
+            for mean, turn in zip(self.means, self.whitening, strict=True)
         )
-        outside = np.linalg.norm(shown - self.pca_.inverse_transform(components), axis=1)
-        return np.array([np.sqrt(reduce(np.minimum, squares)), outside])
+        back = components @ self.components.directions + self.components.mean
+        return np.array(
+            [np.sqrt(reduce(np.minimum, squares)), np.linalg.norm(shown - back, axis=1)]
+        )
 
-    def _learn(self, X: Real, kinds: NDArray[np.str_], equal_errors: bool) -> KindGuard:
-        X = _without_outliers(X[:, self.told_])
-        names, index = np.unique(kinds, return_inverse=True)
-        spread = np.full(X.shape[1], X.std()) if equal_errors else X.std(axis=0)
-        self.scale_ = np.where(spread > 0, spread, 1.0)
-        enough = max(1, (len(X) - names.size) // SWEEPS_FOR_EACH)
-        self.pca_ = PCA(min(COMPONENTS, enough, *X.shape), svd_solver="full").fit(X / self.scale_)
-        components = self.pca_.transform(X / self.scale_)
-        self.means_ = np.array([components[index == k].mean(axis=0) for k in range(names.size)])
-        self.whitening_ = _whitenings(components - self.means_[index], index, names)
-        return self
+
+def fitted_kind_guard(
+    X: Real,
+    kinds: ArrayLike,
+    *,
+    splits: Splits,
+    columns: NDArray[np.intp] | None = None,
+    equal_errors: bool = True,
+    share: float = 0.98,
+    reach: float = LIMIT_MARGIN,
+) -> KindGuard:
+    """Fit the spread of each kind, and the limit to the distances of held-out sweeps.
+
+    The unpressed skin, whose own spread is noise alone, takes the pooled spread of all kinds, so
+    that it stays known while it drifts. A few bad training sweeps do not widen the guard: features
+    are clipped beyond TAILS, and the limit is a quantile.
+
+    X: shape (n, feature). kinds: a name for each sweep, shape (n,). columns: indices of the
+    features to use; None uses all. equal_errors: True if these have equal errors; else each is
+    scaled to unit variance. share: share of the held-out sweeps that are to be of a known kind.
+    reach: factor of the limit over the distance of that share.
+    """
+    kinds = np.asarray(kinds).astype(str)
+    columns = np.arange(X.shape[1]) if columns is None else columns
+    held_out = [_spread_of(X[a], kinds[a], columns, equal_errors).both(X[b]) for a, b in splits]
+    guard = _spread_of(X, kinds, columns, equal_errors)
+    within, outside = np.concatenate(held_out, axis=1)
+    limit = reach * float(np.quantile(within, share, method="higher")) or 1.0
+    farthest = float(np.quantile(outside, OUTSIDE_QUANTILE, method="higher"))
+    least = MIN_OUTSIDE_DISTANCE * float(np.sqrt(columns.size))
+    return replace(guard, limit=limit, outside=limit / (OUTSIDE_MARGIN * max(farthest, least)))
+
+
+def _spread_of(
+    X: Real, kinds: NDArray[np.str_], columns: NDArray[np.intp], equal_errors: bool
+) -> KindGuard:
+    """The guard before its limit is known."""
+    from sklearn.decomposition import PCA
+
+    features, X = X.shape[1], _without_outliers(X[:, columns])
+    names, index = np.unique(kinds, return_inverse=True)
+    spread = np.full(X.shape[1], X.std()) if equal_errors else X.std(axis=0)
+    scale = np.where(spread > 0, spread, 1.0)
+    enough = max(1, (len(X) - names.size) // SWEEPS_FOR_EACH)
+    pca: Any = PCA(min(COMPONENTS, enough, *X.shape), svd_solver="full").fit(X / scale)
+    leading = Components(pca.mean_, pca.components_, 1.0)
+    components = leading(X / scale)
+    means = np.array([components[index == k].mean(axis=0) for k in range(names.size)])
+    whitening = _whitenings(components - means[index], index, names)
+    return KindGuard(features, columns, scale, leading, means, whitening)
 
 
 def kind_guard(samples: Samples, splits: Splits) -> KindGuard:
@@ -138,8 +159,8 @@ def kind_guard(samples: Samples, splits: Splits) -> KindGuard:
     columns, equal_errors = press_features(problem.quantities, problem.features)
     kinds = _places(samples.y) if problem.continuous else samples.y
     reach = LIMIT_MARGIN if by_session(samples.sessions) else LIMIT_MARGIN_OF_ONE_SESSION
-    return KindGuard(reach=reach).fit(
-        samples.X, kinds, splits=splits, columns=columns, equal_errors=equal_errors
+    return fitted_kind_guard(
+        samples.X, kinds, splits=splits, columns=columns, equal_errors=equal_errors, reach=reach
     )
 
 
@@ -167,6 +188,9 @@ def _places(positions: Real) -> NDArray[np.intp]:
     """Cluster number of each touch, by its place. positions: shape (n, >= 2)."""
     from sklearn.cluster import KMeans
 
+    from ..processor_count import physical_cpu_count
+
+    physical_cpu_count()
     count = int(np.clip(len(positions) // SWEEPS_OF_PLACE, 1, MAX_CLUSTERS))
     places = positions[:, :2]
     count = min(count, len(np.unique(places, axis=0)))

@@ -88,7 +88,7 @@ def independent_sweeps(true: Mask, sessions: Integer) -> float | None:
     quantiles of Student's t: E. L. Korn, B. I. Graubard, Survey Methodology 24 (1998) 193-201.
     true, sessions: shape (sweep,).
     """
-    from scipy.stats import t
+    from scipy.special import stdtrit
 
     _, index, sizes = np.unique(sessions, return_inverse=True, return_counts=True)
     count, total = sizes.size, true.size
@@ -101,7 +101,7 @@ def independent_sweeps(true: Mask, sessions: Integer) -> float | None:
     found = total / within
     if variance > 0:
         found = min(found, float(rate * (1 - rate)) / variance)
-    few = t.ppf(CONFIDENCE, total - 1) / t.ppf(CONFIDENCE, count - 1)
+    few = stdtrit(total - 1, CONFIDENCE) / stdtrit(count - 1, CONFIDENCE)
     return float(found * few**2)
 
 

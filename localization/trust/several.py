@@ -7,20 +7,20 @@ skins than between touches, and an unknown skin would be taken for two touches.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from typing import Annotated
+
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.pipeline import Pipeline, make_pipeline
-from sklearn.preprocessing import StandardScaler
-from sklearn.svm import SVC
-from sklearn.utils.validation import validate_data
 
 from ...simulator.arrays import Mask, Real
 from ..inputs.features import press_features
 from ..inputs.samples import Samples, draw_stratified
-from ..processor_count import physical_cpu_count
+from ..learners.classifiers import separating_svm, standardized
+from ..parts.parts import KernelSum, Scaling
+from ..parts.plain import Plain, Sizes, require
 from .answers import NOTHING_PRESSED
 from .folds import Splits, by_session
-from .guard import Guard
 
 MIN_SWEEPS, MAX_SWEEPS_PER_KIND = 50, 5000
 """Minimum number of sweeps of several touches, and maximum number of sweeps of each kind."""
@@ -28,56 +28,36 @@ PENALTY = 10.0
 """Penalty of sweeps on the wrong side, `C` of the SVM."""
 
 
-class SeveralGuard(Guard):
+@dataclass(frozen=True, eq=False)
+class SeveralGuard(Plain):
     """Guard by the decision of an SVM between one touch and several.
 
     The limit is a quantile of the decisions of held-out sweeps of one touch. It fixes the share of
     single touches that are answered; the share of several touches that are detected follows.
 
-    Parameters
-    ----------
-    share: share of the held-out sweeps of one touch that are to be recognized as one touch.
-
-    Attributes
-    ----------
-    told_: indices of the features used, shape (k,). parting_: the fitted pipeline. limit_: exp of
-    the largest decision that is no novelty.
+    features: number of features of a sweep. columns: indices of those used, shape (T,). machine:
+    its decision is positive for several touches. limit: exp of the largest decision that is no
+    novelty.
     """
 
-    def __init__(self, share=0.99):
-        self.share = share
+    features: Annotated[int, ">0"]
+    columns: Annotated[NDArray[np.intp], "T <features"]
+    scaling: Scaling
+    machine: KernelSum
+    limit: Annotated[float, ">0"]
 
-    def fit(
-        self,
-        X,
-        several: Real,
-        *,
-        splits: Splits,
-        several_parts: list[NDArray[np.intp]],
-        touched: Mask,
-        columns: NDArray[np.intp],
-    ):
-        """Fit the SVM that separates several touches from fewer, and the limit.
+    def _check(self, sizes: Sizes) -> None:
+        size = sizes["T"]
+        require(self.scaling.sizes[0] == size, "scaling", "must be of as many numbers as `columns`")
+        require(self.machine.sizes == (size, 1), "machine", "must take them and give one number")
 
-        X: sweeps of one touch or none, shape (n, feature). several: sweeps of more touches, shape
-        (m, feature). splits: sweeps of X to train on and to hold out. several_parts: for each
-        split, the sweeps of `several` to train on. touched: True for sweeps of X with a touch,
-        shape (n,). columns: indices of the features to use. Returns self.
-        """
-        X = np.asarray(validate_data(self, X, ensure_min_samples=2, dtype=np.float64))
-        self.told_ = columns
-        distances = []
-        for (known, held_out), others in zip(splits, several_parts, strict=True):
-            self.parting_ = _separating_svm(X[known][:, columns], several[others][:, columns])
-            distances.append(self.away(X[held_out[touched[held_out]]]))
-        self.parting_ = _separating_svm(X[:, columns], several[:, columns])
-        self.limit_ = float(np.quantile(np.concatenate(distances), self.share, method="higher"))
-        return self
+    def distances(self, X: Real) -> Real:
+        """exp of the decision over the limit: above 1 is novel. X: (n, feature). Shape (n,)."""
+        return np.exp(_decision(self.scaling, self.machine, X[:, self.columns])) / self.limit
 
-    def away(self, X: Real) -> Real:
-        """exp of the decision for several touches, shape (n,)."""
-        physical_cpu_count()
-        return np.exp(self.parting_.decision_function(X[:, self.told_])) if len(X) else np.zeros(0)
+    def novel(self, X: Real) -> Mask:
+        """True for sweeps of several touches, shape (n,)."""
+        return self.distances(X) > 1
 
 
 def several_guard(samples: Samples, splits: Splits) -> SeveralGuard | None:
@@ -102,17 +82,46 @@ def several_guard(samples: Samples, splits: Splits) -> SeveralGuard | None:
     columns, _ = press_features(problem.quantities, problem.features)
     one = problem.continuous or ~np.isin(samples.y.astype(str), NOTHING_PRESSED)
     touched = np.broadcast_to(one, len(samples.X))
-    return SeveralGuard().fit(
-        samples.X, several, splits=splits, several_parts=parts, touched=touched, columns=columns
-    )
+    return fitted_several_guard(samples.X, several, columns, splits, parts, touched)
 
 
-def _separating_svm(one: Real, several: Real) -> Pipeline:
+def fitted_several_guard(
+    X: Real,
+    several: Real,
+    columns: NDArray[np.intp],
+    splits: Splits,
+    several_parts: list[NDArray[np.intp]],
+    touched: Mask,
+    share: float = 0.99,
+) -> SeveralGuard:
+    """Fit the SVM that separates several touches from fewer, and the limit.
+
+    X: sweeps of one touch or none, shape (n, feature). several: sweeps of more touches, shape
+    (m, feature). columns: indices of the features to use. splits: sweeps of X to train on and to
+    hold out. several_parts: for each split, the sweeps of `several` to train on. touched: True for
+    sweeps of X with a touch, shape (n,). share: share of the held-out sweeps of one touch to be
+    recognized as one touch.
+    """
+    features, X, several = X.shape[1], X[:, columns], several[:, columns]
+    decisions = []
+    for (known, held_out), others in zip(splits, several_parts, strict=True):
+        parts = _separating(X[known], several[others])
+        decisions.append(_decision(*parts, X[held_out[touched[held_out]]]))
+    limit = np.quantile(np.exp(np.concatenate(decisions)), share, method="higher")
+    return SeveralGuard(features, columns, *_separating(X, several), float(limit))
+
+
+def _separating(one: Real, several: Real) -> tuple[Scaling, KernelSum]:
     """Fit an SVM whose decision is positive for several touches."""
     parts = [_at_most(part) for part in (one, several)]
-    is_several = np.repeat([False, True], [len(part) for part in parts])
-    machine = make_pipeline(StandardScaler(), SVC(C=PENALTY, class_weight="balanced"))
-    return machine.fit(np.concatenate(parts), is_several)
+    is_several, X = np.repeat([False, True], [len(part) for part in parts]), np.concatenate(parts)
+    scaling = standardized(X)
+    machine = separating_svm(scaling(X), is_several, C=PENALTY, class_weight="balanced")
+    return scaling, machine
+
+
+def _decision(scaling: Scaling, machine: KernelSum, X: Real) -> Real:
+    return machine(scaling(X))[:, 0]
 
 
 def _at_most(X: Real) -> Real:

@@ -9,13 +9,13 @@ from .errors import InputError
 KINDS = {
     ".toml": "scene",
     **dict.fromkeys((".nc", ".csv", ".zarr"), "sweeps"),
-    ".skops": "model",
+    ".npz": "model",
 }
 GIVEN = {"scene": "this is a scene", "sweeps": "these are sweeps", "model": "this is a model"}
 EXPECTED = {
     "scene": "a scene is expected here: a .toml or a built-in name",
     "sweeps": "sweeps are expected here: a .nc, .csv or .zarr",
-    "model": "a model is expected here: a .skops, as rcskin train writes",
+    "model": "a model is expected here: a .npz, as rcskin train writes",
 }
 FOREIGN = "tables of instruments and other programs are read by rcskin import"
 

@@ -25,11 +25,11 @@ X, y = rcskin.features(skins, target="pixel", quantities=["dlnZ", "dphase"])
 assert X.shape[0] == y.shape[0]
 
 model: rcskin.Model = rcskin.train(skins, "column", "ksvm-ovo", quantities="dlnZ,dphase")
-rcskin.write(model, "columns.skops")
+rcskin.write(model, "columns.npz")
 unseen = rcskin.dataset(strip, 50, seed=2, rtol=1e-3)
-answers = rcskin.localize(rcskin.load_model("columns.skops"), unseen)
+answers = rcskin.localize(rcskin.load_model("columns.npz"), unseen)
 print(answers, answers.labels[0], check(answers.probability[0]), answers.novel.any())
-evaluation = rcskin.evaluate("columns.skops", unseen)
+evaluation = rcskin.evaluate("columns.npz", unseen)
 print(evaluation, check(evaluation.accuracy), check(evaluation.answered))
 
 limit = rcskin.limits(strip, "pixel", presses=1.5, draws=100)

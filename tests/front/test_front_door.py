@@ -117,7 +117,7 @@ def test_a_model_is_trained_in_memory_and_on_disk_and_asked_by_its_path(skins, t
     known, unseen = skins
     model = rcskin.train(known)
     assert model.quantities == ("dlnZ", "dphase")
-    path = tmp_path / "m.skops"
+    path = tmp_path / "m.npz"
     rcskin.write(model, path)
     labels = rcskin.localize(path, unseen).labels
     np.testing.assert_array_equal(labels, rcskin.localize(str(path), unseen).labels)

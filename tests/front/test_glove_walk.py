@@ -103,8 +103,8 @@ def recorded(rcskin, scene, resource, ports, folder):
 @pytest.fixture(scope="module")
 def model(rcskin, scene, folder):
     rcskin("dataset glove.toml --sweeps 3000 --seed 1 --workers 1 -o train.zarr")
-    rcskin("train train.zarr --target column --features dlnZ,dphase -o columns.skops")
-    return folder / "columns.skops"
+    rcskin("train train.zarr --target column --features dlnZ,dphase -o columns.npz")
+    return folder / "columns.npz"
 
 
 def test_what_the_scene_says_is_described(rcskin, scene, folder):
@@ -139,14 +139,14 @@ def _mean_Cp(sweeps, pixel):
 @pytest.fixture(scope="module")
 def accuracy(rcskin, model, recorded, folder):
     """Of the columns of the recorded sweeps."""
-    rcskin("evaluate columns.skops run.nc -o judged")
+    rcskin("evaluate columns.npz run.nc -o judged")
     with (folder / "judged" / "figures.csv").open(newline="") as file:
         figures = {row["figure"]: row["value"] for row in csv.DictReader(file)}
     return float(figures["right of all"])
 
 
 def test_columns_are_found_on_a_skin_never_seen(rcskin, recorded, accuracy):
-    answers = rcskin("localize columns.skops run.nc").splitlines()
+    answers = rcskin("localize columns.npz run.nc").splitlines()
     assert len(answers) == 1 + read(recorded).sizes["sweep"]
     assert accuracy >= 0.85
 
@@ -156,7 +156,7 @@ def test_live_answers_for_the_pixel_that_is_pressed(
     rcskin, model, recorded, resource, ports, pixel
 ):
     rcskin(f"meter press {pixel} --control 127.0.0.1:{ports[1]}")
-    told = rcskin(f"live --model columns.skops --resource {resource} --rest-file run.nc --sweeps 3")
+    told = rcskin(f"live --model columns.npz --resource {resource} --rest-file run.nc --sweeps 3")
     assert f"column {pixel[-1]}\t" in told
 
 

@@ -134,10 +134,10 @@ QUICK = """
     export joined.nc -o joined.csv
     export it.nc -o it.parquet
     export it.nc --format lerobot -o card
-    train it.nc it.nc it.nc it.nc it.nc it.nc --features Rs,Cp --estimator ksvm-ovo -o column.skops
-    localize column.skops joined.csv
-    localize column.skops joined.csv -o column.csv
-    evaluate column.skops joined.csv -o evaluated
+    train it.nc it.nc it.nc it.nc it.nc it.nc --features Rs,Cp --estimator ksvm-ovo -o column.npz
+    localize column.npz joined.csv
+    localize column.npz joined.csv -o column.csv
+    evaluate column.npz joined.csv -o evaluated
 """
 SLOW = """
     sweep it.toml -o it.nc
@@ -147,15 +147,15 @@ SLOW = """
     page it.toml -o page.html
     dataset it.toml --sweeps 200 --workers 1 --rtol 1e-2 -o set.zarr
     export set.zarr -o set.csv
-    train set.zarr --target position -o position.skops
-    evaluate position.skops it.nc -o evaluated
+    train set.zarr --target position -o position.npz
+    evaluate position.npz it.nc -o evaluated
     study it.toml --vary skin.foam.loss_tangent=0.01,0.02 --workers 1 -o study.csv
     limits it.toml -o limits
     frequencies it.toml -n 2
     calibrate it.toml it.nc --fit capacitance -o fit
     gap it.nc it.csv --calibration-touches 1 --draws 1 -o gap
 """
-BINARY = (".nc", ".skops", ".parquet", ".zarr", ".vtu")
+BINARY = (".nc", ".npz", ".parquet", ".zarr", ".vtu")
 
 
 @pytest.mark.parametrize(
@@ -218,8 +218,8 @@ TAKEN = """
     import it.z -o made.nc
     import it.json -o made.nc
     import it.dta -o made.nc
-    localize it.skops it.csv
-    export it.skops -o it.c
+    localize it.npz it.csv
+    export it.npz -o it.c
     sweep it.toml -o made.nc
     sweep glove --press it.toml -o made.nc
     meter record glove --resource x --reader it.toml -o made.nc

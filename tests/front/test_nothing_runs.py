@@ -69,7 +69,7 @@ READERS = {
         [".msh", ".vtk", ".vtu", ".inp"],
         "form/mesh_file",
     ),
-    "localizer": (localizer_file.load, [".skops"], "model/localizer_file"),
+    "localizer": (localizer_file.load, [".npz"], "model/localizer_file sweeps/array_files"),
     "reduced model": (model_file.load, [".npz"], "reduced/model_file"),
     "cached array": (cached_array, [".npz"], ""),
     "accuracy": (accuracy_table.read_table, [".toml"], "meters/accuracy_table"),

@@ -36,22 +36,22 @@ LINES = f"""
     describe strip-1x3 -o it.png
     page strip-1x3 -o it.html
     dataset strip-1x3 --sweeps 200 --workers 2 --rtol 1e-2 -o set.zarr
-    train set.zarr --features dlnZ,dphase -o it.skops
-    export it.skops -o it.c
-    export it.skops -o it.onnx
+    train set.zarr --features dlnZ,dphase -o it.npz
+    export it.npz -o it.c
+    export it.npz -o it.onnx
     export set.zarr -o set.parquet
     export set.zarr -o set.mcap
     export set.zarr --format lerobot -o lerobot
-    localize it.skops it.nc
-    evaluate it.skops set.zarr -o evaluated
-    adapt it.skops set.zarr -o adapted.skops
+    localize it.npz it.nc
+    evaluate it.npz set.zarr -o evaluated
+    adapt it.npz set.zarr -o adapted.npz
     meter serve --scene strip-1x3 --port 0 --control-port 0 --pace 0 --page &
     meter identify {{resource}}
     meter record strip-1x3 {AT} --control {{control}} --repetitions 1 --unattended -o run.nc
     meter gather run.nc -o so-far.nc
     meter correct open {AT}
     meter press 1,2 --control {{control}}
-    live --model it.skops {AT} --rest-file none.nc --sweeps 2 --page
+    live --model it.npz {AT} --rest-file none.nc --sweeps 2 --page
     meter select left --control {{control}}
     meter misbehave late --control {{control}} --seconds 0.1
     meter new-reader reader.toml

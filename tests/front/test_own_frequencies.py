@@ -62,7 +62,7 @@ def data(scene, folder):
 
 @pytest.fixture(scope="module")
 def model(data, folder):
-    path = folder / "m.skops"
+    path = folder / "m.npz"
     asked = ("--estimator", "model-based", "--target", "pixel", "--features", "dlnZ,dphase")
     command("train", data, *asked, "-o", path)
     return path
@@ -97,9 +97,9 @@ def test_a_localizer_that_inverts_the_simulator_is_trained_asked_and_adapted(
     command("evaluate", model, data, "-o", folder / "found")
     figures = (folder / "found" / "figures.csv").read_text().splitlines()
     assert float(next(row for row in csv.reader(figures) if row[0] == "right of all")[1]) > 0.5
-    out = command("adapt", model, data, "-o", folder / "better.skops")
+    out = command("adapt", model, data, "-o", folder / "better.npz")
     assert "after:" in out and "model: adapted by" in out
-    command("localize", folder / "better.skops", data, "-o", folder / "told.csv")
+    command("localize", folder / "better.npz", data, "-o", folder / "told.csv")
 
 
 @pytest.mark.slow

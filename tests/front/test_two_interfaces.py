@@ -83,7 +83,7 @@ def model(scene, exact, folder):
     """The path of a model of pixels against rest, trained on four simulated sessions."""
     readout, random = rcskin.load(scene).readout, np.random.default_rng(0)
     sweeps = concatenate([read_out(exact, readout, random, k) for k in range(4)])
-    path = folder / f"{scene.stem}-pixels.skops"
+    path = folder / f"{scene.stem}-pixels.npz"
     save(path, rcskin.train(sweeps, "pixel", quantities=("dlnZ", "dphase")))
     return path
 
@@ -128,8 +128,8 @@ def test_what_is_recorded_is_evaluated(recorded, model, folder):
 
 
 def test_what_is_recorded_trains(recorded, folder):
-    told("train", recorded, recorded, "--target", "column", "-o", folder / "own.skops")
-    assert (folder / "own.skops").exists()
+    told("train", recorded, recorded, "--target", "column", "-o", folder / "own.npz")
+    assert (folder / "own.npz").exists()
 
 
 @pytest.mark.slow

@@ -31,7 +31,7 @@ os.execv(sys.argv[3], sys.argv[3:])
 """
 """Starts a program in a session of its own, with the terminal as its controlling one."""
 RECORDING = ["rig.py", "record", "pillow", "--order", "order.txt", "-o", "run.nc"]
-LIVE = ["live/live_rig.py", "live", "--model", "m.skops"]
+LIVE = ["live/live_rig.py", "live", "--model", "m.npz"]
 COMMANDS = {
     "recording": [*RECORDING, "--unattended"],
     "prompt for a press": RECORDING,

@@ -35,7 +35,7 @@ def model(files):
 @pytest.fixture
 def saved(run, files, tmp_path):
     """Of that skin, on disk."""
-    path = tmp_path / "m.skops"
+    path = tmp_path / "m.npz"
     assert run("train", files / "own.nc", "--features", "Rs,Cp", "-o", path)[0] == 0
     return path
 

@@ -40,7 +40,7 @@ def lean(*lines):
 
 
 def test_sweeps_are_simulated_learned_from_and_localized(tmp_path):
-    sweeps, model = tmp_path / "all.nc", tmp_path / "m.skops"
+    sweeps, model = tmp_path / "all.nc", tmp_path / "m.npz"
     pressed = [f"1,{column}:{factor}" for column in (1, 2, 3) for factor in (1.5, 1.8, 2, 2.2, 2.5)]
     presses = " ".join(f"--press {press}" for press in pressed)
     done = lean(

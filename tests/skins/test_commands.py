@@ -27,14 +27,14 @@ def test_a_localizer_of_drawn_skins_finds_the_columns_of_another(kinds, done, tm
     (tmp_path / "skin.toml").write_text(scene_text(kinds[kind]), encoding="utf-8")
     loose = ("--rtol", "1e-2")
     done("dataset", "skin.toml", "--sweeps", 60, "--workers", 1, *loose, "-o", "set.zarr")
-    done("train", "set.zarr", "--features", "dlnZ,dphase", "-o", "columns.skops")
+    done("train", "set.zarr", "--features", "dlnZ,dphase", "-o", "columns.npz")
     done("sweep", "skin.toml", "--model", "reduced", *loose, "-o", "swept.nc")
     swept = read(tmp_path / "swept.nc")
     pressed = {*zip(swept["row"].values.tolist(), swept["column"].values.tolist(), strict=True)}
     assert (2, 2) not in pressed and {(0, 0), (1, 1), (1, 2)} <= pressed
-    told = done("localize", "columns.skops", "swept.nc").splitlines()
+    told = done("localize", "columns.npz", "swept.nc").splitlines()
     assert len(told) >= swept.sizes["sweep"]
-    assert "accuracy" in done("evaluate", "columns.skops", "swept.nc")
+    assert "accuracy" in done("evaluate", "columns.npz", "swept.nc")
 
 
 def test_a_pixel_without_skin_is_no_press_of_the_virtual_skin(kinds):

@@ -180,7 +180,7 @@ def test_positions_are_learned_and_reported_at_the_command_line(scenes, tmp_path
     alone = {"dataset.press.touches": [0.1, 0.9], "dataset.session.sweeps_per_session": 100}
     scene = scenes["flat"].with_({**noise, **alone})
     (tmp_path / "foam.toml").write_text(scene_text(scene), encoding="utf-8")
-    data, model = tmp_path / "foam.zarr", tmp_path / "position.skops"
+    data, model = tmp_path / "foam.zarr", tmp_path / "position.npz"
     made = run("dataset", tmp_path / "foam.toml", "--sweeps", 300, "--rtol", 1e-3, "-o", data)
     assert "on a lattice causes" in made.output and "touches on cells" in made.output
     run("train", data, "--target", "position", "-o", model)

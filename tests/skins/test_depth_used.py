@@ -61,7 +61,7 @@ def swept(tmp_path_factory):
 
 
 def test_positions_are_learned_from_presses_by_depth_and_force(swept):
-    model, answers = swept.with_name("places.skops"), swept.with_name("answers.csv")
+    model, answers = swept.with_name("places.npz"), swept.with_name("answers.csv")
     seen = ("--features", "dlnZ,dphase", "--target", "position")
     run("train", swept, *seen, "-o", model)
     assert "median error, mm" in run("evaluate", model, swept).stdout
@@ -76,7 +76,7 @@ def test_positions_are_learned_from_presses_by_depth_and_force(swept):
 
 
 def test_live_finds_columns_of_a_skin_pressed_by_depth(swept):
-    model, random = swept.with_name("columns.skops"), np.random.default_rng(0)
+    model, random = swept.with_name("columns.npz"), np.random.default_rng(0)
     several = [read_out(read(swept), strip().readout, random, k) for k in range(4)]
     write(concatenate(several), swept.with_name("several.nc"))
     run("train", swept.with_name("several.nc"), "--features", "dlnZ,dphase", "-o", model)

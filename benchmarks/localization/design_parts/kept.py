@@ -43,7 +43,7 @@ class Kept:
 
     def model(self, name: str, sweeps: int) -> Path:
         """A localizer, trained on simulation alone."""
-        data, path = self.folder / "skins.zarr", self.folder / f"{name}.skops"
+        data, path = self.folder / "skins.zarr", self.folder / f"{name}.npz"
         asked = "--sweeps", str(sweeps), "--seed", str(SEED), "--rtol", str(self.goal.rtol)
         command("dataset", str(self.design), *asked, "-o", str(data))
         if not path.exists():

@@ -53,7 +53,7 @@ class Way:
 
     def of(self, folder: Path) -> Path:
         """File of the localizer."""
-        return folder / f"{_file_name(self.name)}.skops"
+        return folder / f"{_file_name(self.name)}.npz"
 
 
 def believed(scene: Scene, training: str, body: bool) -> Scene:

@@ -13,7 +13,7 @@ import torch
 import xarray as xr
 from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inputs.sweep_files import read_first
-from rcskin.localization.learners.components import Components
+from rcskin.localization.learners.classifiers import leading_components
 from rcskin.localization.learners.networks import COMPONENTS, HIDDEN
 from rcskin.localization.streaming.class_names import class_numbers
 from rcskin.localization.streaming.sweep_stream import SweepStream
@@ -50,11 +50,11 @@ class Progress:
 def network(X: np.ndarray, classes: int) -> nn.Sequential:
     """Untrained: components of unit variance, then the layers of the house's `network`."""
     torch.manual_seed(0)
-    found = Components(COMPONENTS).fit(X)
+    found = leading_components(X, COMPONENTS)
     into = nn.Linear(X.shape[1], COMPONENTS)
-    shown = found.transform(X)
-    offset = found.transform(np.zeros((1, X.shape[1])))
-    axes = found.transform(np.eye(X.shape[1])) - offset
+    shown = found(X)
+    offset = found(np.zeros((1, X.shape[1])))
+    axes = found(np.eye(X.shape[1])) - offset
     with torch.no_grad():
         into.weight.copy_(torch.as_tensor((axes / shown.std(axis=0)).T))
         into.bias.copy_(torch.as_tensor(((offset - shown.mean(axis=0)) / shown.std(axis=0))[0]))

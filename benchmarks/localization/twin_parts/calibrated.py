@@ -64,8 +64,8 @@ def _moved(model: Model, examples: xr.Dataset, made: Estimator) -> Model:
     tables of a dozen skins.
     """
     samples = samples_of(examples, model.target, model.problem.quantities)
-    pipeline = made.build(samples.problem).fit(samples.X, samples.y)
-    learned = replace(model.learned, pipeline=pipeline)
+    predictor = made.fit(samples.problem, samples.X, samples.y)
+    learned = replace(model.learned, predictor=predictor)
     return replace(model, learned=learned, problem=samples.problem)
 
 

@@ -21,8 +21,7 @@ from rcskin.benchmarks.localization.twin_parts.trials import Trial
 from rcskin.localization.inputs.baselines import RECENT
 from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inversion.adapted import AdaptedPosition
-from rcskin.localization.inversion.classifier import simulated
-from rcskin.localization.inversion.position import ModelBasedPosition
+from rcskin.localization.inversion.classifier import InversionPlan, simulated
 from rcskin.simulator.dataset.skin_model import reduced
 from rcskin.simulator.models.reduced.reduced_model import Reduced
 from rcskin.simulator.scene.draws.draw_distributions import Normal
@@ -57,8 +56,13 @@ def _of_skin(trial: Trial, family: Reduced, number: int) -> pd.DataFrame:
     sweeps = read_at_once(twin, trial.recording(np.random.default_rng([SEED, number])))
     samples = samples_of(sweeps, "position", WHOLE)
     X, truth = samples.X, samples.y
-    inner = ModelBasedPosition(scene_text(_with_the_hand_of(trial)), rest_sweeps=RECENT)
-    localizer = AdaptedPosition(inner, partial(simulated, drift=DRIFT)).fit(X)
+    plan = InversionPlan(
+        scene_text(_with_the_hand_of(trial)),
+        "position",
+        rest_sweeps=RECENT,
+        builder=partial(simulated, drift=DRIFT),
+    )
+    localizer = AdaptedPosition.fitted(plan)
     off = np.hypot(*(localizer.predict(X) - truth)[:, :2].T)
     return pd.DataFrame({"share": localizer.share_within(X, trial.goal), "off": off})
 

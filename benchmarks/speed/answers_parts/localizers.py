@@ -13,12 +13,10 @@ from rcskin.benchmarks.bench import Run, best_time
 from rcskin.benchmarks.localization.localizers import AGAINST_REST, CASES, sweeps_of
 from rcskin.benchmarks.speed.answers_parts.question import Answer, Question
 from rcskin.localization.evaluation.evaluation import score
-from rcskin.localization.inputs.samples import LocalizationProblem, Samples, samples_of
+from rcskin.localization.inputs.samples import Samples, samples_of
 from rcskin.localization.inversion.estimators import MODEL_BASED, chosen
 from rcskin.localization.learners.networks import SHORT_STAGES
-from rcskin.localization.learners.registry import Estimator
 from rcskin.localization.trust.fitting import learn_classes
-from sklearn.pipeline import Pipeline
 
 CASE = replace(CASES[1], sweeps=8000, session=100)
 FEW = replace(CASE, sweeps=900)
@@ -31,7 +29,7 @@ LEARNED = {
     "network, short course": "network",
 }
 """Ways, and the localizers that they are."""
-SET = {"network": {"classify__stages": SHORT_STAGES}}
+SET = {"network": {"stages": SHORT_STAGES}}
 """Parameters of localizers, as `--tune` finds them from 1940 sweeps on; others are as they are."""
 HELD_BACK = 0.25
 """Of all sessions, the last."""
@@ -54,16 +52,14 @@ def answers(run: Run) -> Iterator[Answer]:
     yield _answered(MODEL, MODEL_BASED, against_rest, sessions[0])
 
 
-def _built(estimator: Estimator, problem: LocalizationProblem) -> Pipeline:
-    return estimator.build(problem).set_params(**SET.get(estimator.name, {}))
-
-
 def _answered(way: str, name: str, samples: Samples, sessions: int) -> Answer:
     held_back = samples.sessions >= (1 - HELD_BACK) * (samples.sessions.max() + 1)
     train = samples.part(np.flatnonzero(samples.sessions < sessions))
     test = samples.part(np.flatnonzero(held_back))
     estimator = chosen(name, "pixel")
-    learned = learn_classes(train, replace(estimator, build=partial(_built, estimator)))
+    learned = learn_classes(
+        train, replace(estimator, fit=partial(estimator.fit, **SET.get(name, {})))
+    )
     wrong = 1 - float(score(learned, test).right.mean())
     one = test.part(np.array([0]))
     seconds = best_time(lambda: score(learned, one))

@@ -1,9 +1,7 @@
-"""Reduced models on disk: arrays, scene and mesh in one NumPy archive."""
+"""Reduced models on disk: arrays, with scene and mesh as their description."""
 
 from __future__ import annotations
 
-import json
-import zipfile
 from collections.abc import Mapping
 from dataclasses import asdict, replace
 from pathlib import Path
@@ -17,7 +15,8 @@ from ...mesh.arcs import Arcs
 from ...mesh.domain import Domain
 from ...mesh.quadrilaterals import Resolution
 from ...scene.scene_files import parse_scene, scene_text
-from ...sweeps import InputError, digests, inputs, kept_file
+from ...sweeps import InputError, kept_file
+from ...sweeps.array_files import read_arrays, write_arrays
 from ..heterogeneous.mesh_choice import circuit_of
 from .families.family import Mesh, Triangulation
 from .indentation.applicator_arrays import arrays_from, arrays_of, with_arrays
@@ -28,8 +27,8 @@ OF_DOMAIN = ("p", "t", "pixel", "covered", "seams")
 ARRAYS = ("terminal_field", "conductance", "basis", "stiffness", "factors")
 FIXED = "fixed"
 """Name of an array that only models of scenes with surroundings have."""
-DESCRIPTION = "told"
-"""Name in the archive of everything that is no array, as JSON."""
+KIND, LAYOUT = "rcskin reduced model", 1
+"""Kind of file, and layout; a new number means that older files are not readable."""
 
 
 def save(reduced: Reduced, path: Path) -> None:
@@ -48,9 +47,7 @@ def save(reduced: Reduced, path: Path) -> None:
     arrays |= {FIXED: reduced.fixed} if reduced.fixed.size else {}
     arrays |= arrays_of(reduced) if isinstance(reduced, IndentationModel) else {}
     with kept_file(path) as unfinished:
-        with unfinished.open("wb") as file:
-            np.savez(file, allow_pickle=False, **{DESCRIPTION: json.dumps(description)}, **arrays)
-        digests.seal_archive(unfinished)
+        write_arrays(unfinished, KIND, LAYOUT, description, arrays)
 
 
 def load(path: Path) -> Reduced:
@@ -60,34 +57,19 @@ def load(path: Path) -> Reduced:
     fit.
     """
     try:
-        with inputs.check_input(path, inputs.MODEL).open("rb") as file:
-            inputs.check_archive(path, file)
-            digests.check_archive(path, file)
-        return _read(path)
+        return _model(path, *read_arrays(path, KIND, LAYOUT))
     except InputError:
         raise
-    except (
-        OSError,
-        ValueError,
-        LookupError,
-        TypeError,
-        AttributeError,
-        MemoryError,
-        RecursionError,
-        zipfile.BadZipFile,
-    ) as error:
+    except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(f"{path}: not a reduced model: {error}") from error
 
 
-def _read(path: Path) -> Reduced:
-    with np.load(path, allow_pickle=False) as archive:
-        description = json.loads(str(archive[DESCRIPTION]))
-        arrays: dict[str, Any] = {name: archive[name] for name in ARRAYS}
-        arrays |= {FIXED: archive[FIXED]} if FIXED in archive else {}
-        frequency = archive.get("frequency")
-        mesh = _mesh(description, archive)
-        stored = arrays_from(archive)
-        _check_finite({name: archive[name] for name in archive.files if name != digests.MEMBER})
+def _model(path: Path, description: dict[str, Any], stored: dict[str, NDArray]) -> Reduced:
+    _check_finite(stored)
+    arrays: dict[str, Any] = {name: stored[name] for name in ARRAYS}
+    arrays |= {FIXED: stored[FIXED]} if FIXED in stored else {}
+    frequency, applied = stored.get("frequency"), arrays_from(stored)
+    mesh = _mesh(description, stored)
     scene = parse_scene(description["scene"], str(path))
     circuit = circuit_of(scene, description["fields"] == 1)
     if circuit.fields != description["fields"]:
@@ -106,7 +88,7 @@ def _read(path: Path) -> Reduced:
         mesh_error=description["mesh_error"],
         **arrays,
     )
-    return model if stored is None else with_arrays(model, stored)
+    return model if applied is None else with_arrays(model, applied)
 
 
 def _check_finite(arrays: Mapping[str, NDArray]) -> None:

@@ -64,7 +64,7 @@ def start(spawn, ports):
     """A function that starts the command at the virtual meter, killed at the end if need be."""
 
     def start(*arguments, resource=ports.resource, **pipes):
-        words = [sys.executable, RIG, "live", "--model", "m.skops", "--resource", resource]
+        words = [sys.executable, RIG, "live", "--model", "m.npz", "--resource", resource]
         return spawn(*words, *arguments, **pipes)
 
     return start
@@ -79,7 +79,7 @@ def live(ports, monkeypatch):
     app.command("live")(command)
     with_overwrite_options(app)
 
-    def live(*arguments, model="m.skops"):
+    def live(*arguments, model="m.npz"):
         words = ["--resource", ports.resource, "--model", model]
         return CliRunner().invoke(app, [*words, *map(str, arguments)])
 

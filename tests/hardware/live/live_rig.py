@@ -124,8 +124,8 @@ def by_column(column, probabilities):
 
 
 def localizer_of(path, *manner):
-    """The localizer, whatever the path; `two.skops` is one that needs two interfaces."""
-    return Pixels() if Path(path).name == "two.skops" else Columns()
+    """The localizer, whatever the path; `two.npz` is one that needs two interfaces."""
+    return Pixels() if Path(path).name == "two.npz" else Columns()
 
 
 def document(data, kind, nonce):

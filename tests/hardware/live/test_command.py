@@ -197,7 +197,7 @@ def test_a_rest_of_other_frequencies_is_refused(live, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (["--model", "two.skops"], "the interfaces left, bottom need a switch that works"),
+        (["--model", "two.npz"], "the interfaces left, bottom need a switch that works"),
         (["--interface", "up"], "the model was trained on interface left, got 'up'"),
         (["--rest", "0"], "`rest` must be in 1..1000, got 0"),
         (["--sweeps", "0"], "`sweeps` must be at least 1, got 0"),

@@ -201,7 +201,7 @@ def test_the_meter_is_left_at_the_interface_where_it_was(session, instrument):
 def live(live, ports):
     """A function that runs the command with a model of two interfaces; gives the typer result."""
     words = ["--switch", f"127.0.0.1:{ports.control}", "--settle", "0"]
-    return lambda *more: live(*words, *more, model="two.skops")
+    return lambda *more: live(*words, *more, model="two.npz")
 
 
 def test_the_log_holds_both_interfaces_and_when_each_was_measured(live, tmp_path, instrument):

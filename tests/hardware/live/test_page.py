@@ -79,8 +79,8 @@ def test_bad_input_is_reported(live):
 
 
 def test_without_a_model_nothing_is_served(tmp_path):
-    words = ["live", "--model", str(tmp_path / "none.skops"), "--resource", "X", "--page"]
-    with pytest.raises(InputError, match=r"none\.skops"):
+    words = ["live", "--model", str(tmp_path / "none.npz"), "--resource", "X", "--page"]
+    with pytest.raises(InputError, match=r"none\.npz"):
         raise CliRunner().invoke(rcskin.app, words).exception
 
 

@@ -23,7 +23,7 @@ NOTHING = ["none"] * 3
 @pytest.fixture(scope="module")
 def model(tmp_path_factory):
     """A model of the strip's columns against rest."""
-    path = tmp_path_factory.mktemp("model") / "strip.skops"
+    path = tmp_path_factory.mktemp("model") / "strip.npz"
     save(path, train(sessions(), "column", quantities=("dlnZ", "dphase")))
     return path
 
@@ -59,7 +59,7 @@ def test_a_finger_is_answered_at_its_column_whether_it_presses_or_touches(tmp_pa
     exact = simulate(Solver(skin, 1e-4), [press_on(skin, press) for press in presses])
     random = np.random.default_rng(0)
     swept = concatenate([read_out(exact, skin.readout, random, k) for k in range(4)])
-    path, rest = tmp_path / "fingers.skops", tmp_path / "rest.nc"
+    path, rest = tmp_path / "fingers.npz", tmp_path / "rest.nc"
     save(path, train(swept, "column", quantities=("dlnZ", "dphase")))
     with serve(instrument(simulated(skin, seed=7), pace=0)) as ports:
         where = ["--resource", ports.resource, "--model", str(path)]
@@ -73,11 +73,11 @@ def test_a_finger_is_answered_at_its_column_whether_it_presses_or_touches(tmp_pa
 
 def test_two_fingers_are_no_column_to_a_model_of_the_papers_readings(tmp_path, serve):
     """It looks at Rs and Cp as they stand; what guards it looks at changes from rest."""
-    save(tmp_path / "raw.skops", train(sessions(), "column", quantities=("Rs", "Cp")))
+    save(tmp_path / "raw.npz", train(sessions(), "column", quantities=("Rs", "Cp")))
     served = load_scene(SCENE)
     meter = instrument(simulated(served, seed=7), pace=0)
     with serve(meter) as ports:
-        where = ["--resource", ports.resource, "--model", str(tmp_path / "raw.skops")]
+        where = ["--resource", ports.resource, "--model", str(tmp_path / "raw.npz")]
         rest = tmp_path / "rest.nc"
         live(*where, "--sweeps", "2", "--log", str(rest))
         for press, told in (("1,2", "column 2"), ("1,1+1,3", "cannot tell")):
@@ -91,7 +91,7 @@ def test_touches_are_followed_by_few_frequencies_where_a_model_inverts_the_simul
     presses = [*NOTHING, *(f"1,{j}:{f}" for j in (1, 2, 3) for f in (1.8, 2.2))]
     exact = simulate(Solver(scene), [parse_press(press, 2.0) for press in presses])
     sweeps = concatenate([read_out(exact, scene.readout, random, k) for k in range(3)])
-    inverting = model.with_name("inverting.skops")
+    inverting = model.with_name("inverting.npz")
     made = train(sweeps, "column", "model-based", quantities=("dlnZ", "dphase"))
     save(inverting, made)
     served = load_scene(SCENE)
@@ -115,7 +115,7 @@ def test_two_interfaces_are_read_by_choice_and_shown_on_a_page(tmp_path, serve):
     exact = simulate(Solver(scene), [parse_press(press, 2.0) for press in presses])
     random = np.random.default_rng(0)
     sweeps = concatenate([read_out(exact, scene.readout, random, k) for k in range(2)])
-    path = tmp_path / "pixels.skops"
+    path = tmp_path / "pixels.npz"
     quantities = ("dlnZ", "dphase")
     save(path, train(sweeps, "pixel", "model-based", quantities=quantities))
     (tmp_path / "two.toml").write_text(scene_text(scene))
@@ -143,13 +143,13 @@ def test_interfaces_with_frequencies_of_their_own_are_read_and_logged_at_these(t
     exact = simulate(Solver(scene), [parse_press(press, 2.0) for press in presses])
     random = np.random.default_rng(0)
     sweeps = concatenate([read_out(exact, scene.readout, random, k) for k in range(4)])
-    save(tmp_path / "own.skops", train(sweeps, "pixel", quantities=("dlnZ", "dphase")))
+    save(tmp_path / "own.npz", train(sweeps, "pixel", quantities=("dlnZ", "dphase")))
     (tmp_path / "own.toml").write_text(scene_text(scene))
     served = load_scene(str(tmp_path / "own.toml"))
     exhibit = simulated(served, seed=7)
     with serve(instrument(exhibit, pace=0)) as ports:
         control, rest = f"127.0.0.1:{ports.control}", tmp_path / "rest.nc"
-        where = ["--resource", ports.resource, "--model", str(tmp_path / "own.skops")]
+        where = ["--resource", ports.resource, "--model", str(tmp_path / "own.npz")]
         where += ["--switch", control, "--settle", "0"]
         told = live(*where, "--sweeps", "2", "--log", str(rest))
         assert labels(told) == ["nothing pressed"] * 2

@@ -20,14 +20,14 @@ def files(make_sweeps, tmp_path_factory):
     write(make_sweeps(frequency=np.array([1e3, 1e4])), folder / "other.nc")
     write(known.isel(sweep=known["column"].values > 0), folder / "pressed.nc")
     skops.io.dump(
-        dict.fromkeys(("pipeline", "target", "quantities", "interfaces"), 1), folder / "a.skops"
+        dict.fromkeys(("pipeline", "target", "quantities", "interfaces"), 1), folder / "a.npz"
     )
     return folder
 
 
 @pytest.mark.usefixtures("unpainted")
 def test_a_model_is_trained_evaluated_and_asked(run, files, tmp_path):
-    model = tmp_path / "m.skops"
+    model = tmp_path / "m.npz"
     code, out, err = run("train", files / "known.nc", "-o", model)
     assert (code, err) == (0, "")
     assert "column by ksvm-ovo from dlnZ, dphase at left" in out
@@ -56,7 +56,7 @@ def test_a_model_is_trained_evaluated_and_asked(run, files, tmp_path):
 
 
 def test_positions_are_trained_and_written(run, files, tmp_path):
-    model = tmp_path / "m.skops"
+    model = tmp_path / "m.npz"
     asked = ("--target", "position", "--estimator", "kernel-ridge", "--features", "dlnZ,dphase")
     assert run("train", files / "known.nc", *asked, "-o", model)[0] == 0
     assert run("localize", model, files / "unseen.nc", "-o", tmp_path / "out.csv")[0] == 0
@@ -106,7 +106,7 @@ def test_three_touches_at_once_are_left_out_and_counted(run, make_sweeps, tmp_pa
     three = sweeps.assign_coords(press=("sweep", press)).assign_attrs(scene=SCENE)
     write(three, tmp_path / "three.nc")
     for target in ("touches", "pair", "position"):
-        asked = ("--target", target, "--features", "Rs,Cp", "-o", tmp_path / f"{target}.skops")
+        asked = ("--target", target, "--features", "Rs,Cp", "-o", tmp_path / f"{target}.npz")
         code, out, _ = run("train", tmp_path / "three.nc", *asked)
         other = {
             "touches": "1 of more than 2 touches",
@@ -118,19 +118,19 @@ def test_three_touches_at_once_are_left_out_and_counted(run, make_sweeps, tmp_pa
 
 def test_answers_at_a_rate_are_reported_with_confidence_and_coverage(run, make_sweeps, tmp_path):
     write(make_sweeps(repetitions=40), tmp_path / "many.nc")
-    asked = ("--certain", 0.9, "-o", tmp_path / "m.skops")
+    asked = ("--certain", 0.9, "-o", tmp_path / "m.npz")
     code, out, _ = run("train", tmp_path / "many.nc", *asked)
     assert code == 0 and "at a rate of 0.9 or more, with 95 % confidence; held-out" in out
 
 
 def test_a_model_never_shown_rest_says_so(run, files, tmp_path):
-    code, out, _ = run("train", files / "pressed.nc", "-o", tmp_path / "m.skops")
+    code, out, _ = run("train", files / "pressed.nc", "-o", tmp_path / "m.npz")
     assert code == 0 and "never answers 'nothing pressed'" in out
 
 
 @pytest.mark.parametrize("command", ["train", "evaluate"])
 def test_without_the_unpressed_skin_readings_are_taken_as_they_stand(run, files, tmp_path, command):
-    output = ("-o", tmp_path / "m.skops") if command == "train" else ()
+    output = ("-o", tmp_path / "m.npz") if command == "train" else ()
     code, _, err = run(command, files / "pressed.nc", *output)
     assert code == 0 and err.startswith("rcskin: note: --features Rs,Cp is used because most")
     assert "--features" not in run(command, files / "pressed.nc", "--features", "Rs,Cp", *output)[2]
@@ -138,14 +138,14 @@ def test_without_the_unpressed_skin_readings_are_taken_as_they_stand(run, files,
 
 def test_raw_readings_of_several_skins_are_advised_against(run, files, tmp_path):
     advised = "usually more accurate: --features dlnZ,dphase"
-    model = ("-o", tmp_path / "m.skops")
+    model = ("-o", tmp_path / "m.npz")
     assert advised in run("train", files / "known.nc", "--features", "Rs,Cp", *model)[1]
     assert advised not in run("train", files / "known.nc", *model)[1]
     assert advised not in run("train", files / "pressed.nc", *model)[1]
 
 
 def test_raw_readings_without_rest_are_answered_with_a_note(run, files, tmp_path):
-    model, sweeps = tmp_path / "m.skops", read(files / "known.nc")
+    model, sweeps = tmp_path / "m.npz", read(files / "known.nc")
     write(sweeps.isel(sweep=sweeps["row"].values == 0), tmp_path / "rest.nc")
     assert run("train", files / "known.nc", "--features", "Rs,Cp", "-o", model)[0] == 0
     code, out, err = run("localize", model, files / "pressed.nc")
@@ -164,13 +164,13 @@ def test_raw_readings_without_rest_are_answered_with_a_note(run, files, tmp_path
 
 
 def test_only_so_many_sweeps_are_taken_and_whole_sessions_of_them(run, files, tmp_path):
-    code, out, _ = run("train", files / "known.nc", "--most", 50, "-o", tmp_path / "m.skops")
+    code, out, _ = run("train", files / "known.nc", "--most", 50, "-o", tmp_path / "m.npz")
     assert code == 0 and "; 46 sweeps" in out
 
 
 def test_what_scikit_learn_warns_of_is_not_shown(run, make_sweeps, tmp_path):
     write(make_sweeps(rows=4, columns=6, repetitions=2), tmp_path / "few.nc")
-    asked = ("--target", "pixel", "--features", "Rs,Cp", "-o", tmp_path / "m.skops")
+    asked = ("--target", "pixel", "--features", "Rs,Cp", "-o", tmp_path / "m.npz")
     code, _, err = run("train", tmp_path / "few.nc", *asked)
     assert (code, err) == (0, "")
 
@@ -178,37 +178,37 @@ def test_what_scikit_learn_warns_of_is_not_shown(run, make_sweeps, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
-        (["train", "known.nc", "--estimator", "oracle", "-o", "m.skops"], "--estimator must be"),
-        (["train", "known.nc", "-o", "m.pkl"], "must end in .skops"),
-        (["train", "known.nc", "--target", "depth", "-o", "m.skops"], "--target must be one of"),
-        (["train", "known.nc", "--features", "Z", "-o", "m.skops"], "--features must be of"),
-        (["train", "known.nc", "--interface", "up", "-o", "m.skops"], "no interface 'up'"),
+        (["train", "known.nc", "--estimator", "oracle", "-o", "m.npz"], "--estimator must be"),
+        (["train", "known.nc", "-o", "m.pkl"], "must end in .npz"),
+        (["train", "known.nc", "--target", "depth", "-o", "m.npz"], "--target must be one of"),
+        (["train", "known.nc", "--features", "Z", "-o", "m.npz"], "--features must be of"),
+        (["train", "known.nc", "--interface", "up", "-o", "m.npz"], "no interface 'up'"),
         (
-            ["train", "pressed.nc", "--features", "dlnZ", "-o", "m.skops"],
+            ["train", "pressed.nc", "--features", "dlnZ", "-o", "m.npz"],
             "no sweep of the unpressed skin",
         ),
         (
-            ["train", "known.nc", "--most", "0", "-o", "m.skops"],
+            ["train", "known.nc", "--most", "0", "-o", "m.npz"],
             "--most must be from 1 to",
         ),
         (
-            ["train", "known.nc", "--certain", "2", "-o", "m.skops"],
+            ["train", "known.nc", "--certain", "2", "-o", "m.npz"],
             "--certain must be from 0 to",
         ),
-        (["evaluate", "a.skops", "known.nc"], "holds no model of rcskin"),
-        (["localize", "none.skops", "known.nc"], "none.skops: no such file"),
-        (["localize", "good.skops", "other.nc"], "trained on 20 frequencies, the sweeps have 2"),
+        (["evaluate", "a.npz", "known.nc"], "holds no model of rcskin"),
+        (["localize", "none.npz", "known.nc"], "none.npz: no such file"),
+        (["localize", "good.npz", "other.nc"], "trained on 20 frequencies, the sweeps have 2"),
         (["evaluate", "known.nc", "--folds", "1"], "--folds must be from 2 to"),
         (
-            ["train", "pressed.nc", "--estimator", "model-based", "-o", "m.skops"],
+            ["train", "pressed.nc", "--estimator", "model-based", "-o", "m.npz"],
             "takes the features dlnZ,dphase",
         ),
     ],
 )
 def test_bad_input_is_one_line_and_code_2(run, refused, files, monkeypatch, arguments, told):
     monkeypatch.chdir(files)
-    if "good.skops" in arguments:
-        run("train", "known.nc", "-o", "good.skops")
+    if "good.npz" in arguments:
+        run("train", "known.nc", "-o", "good.npz")
     assert told in refused(*arguments)
 
 
@@ -216,11 +216,9 @@ def test_a_localizer_of_the_skin_at_hand_is_given_the_simulator_again(run, tmp_p
     monkeypatch.chdir(tmp_path)
     run("dataset", "sheet-3x3", "--sweeps", 200, "-o", "skin.zarr")
     whole = ["--features", "dlnZ,dphase,lnZ0,phase0"]
-    code, out, _ = run(
-        "train", "skin.zarr", "--estimator", "model-adapted", *whole, "-o", "m.skops"
-    )
+    code, out, _ = run("train", "skin.zarr", "--estimator", "model-adapted", *whole, "-o", "m.npz")
     assert code == 0 and "column by model-adapted" in out
-    code, out, _ = run("localize", "m.skops", "skin.zarr", "-o", "told.csv")
+    code, out, _ = run("localize", "m.npz", "skin.zarr", "-o", "told.csv")
     assert code == 0
     told = pd.read_csv("told.csv", dtype=str)
     single = told[~told["press"].str.contains(r"\+|none")]

@@ -24,7 +24,7 @@ def test_export_writes_the_format_of_its_ending(run, make_sweeps, tmp_path):
 def model(make_sweeps, tmp_path_factory):
     scene = scene_text(load_scene("strip-1x3").with_({"skin.length": 0.03}))
     known = concatenate([make_sweeps(session=k, seed=k) for k in range(3)])
-    path = tmp_path_factory.mktemp("model") / "columns.skops"
+    path = tmp_path_factory.mktemp("model") / "columns.npz"
     save(path, train(known.assign_attrs(scene=scene), "column", "ksvm-ovo"))
     return path
 
@@ -74,7 +74,7 @@ def test_a_model_becomes_c_code(run, model, tmp_path):
     ("given", "options", "message"),
     [
         ("model", ("-o", "a.txt"), "a.txt: must end in .onnx or .c, got '.txt'"),
-        ("sweeps", ("-o", "a.csv", "--single"), "--single applies to a model, MODEL.skops"),
+        ("sweeps", ("-o", "a.csv", "--single"), "--single applies to a model, MODEL.npz"),
         ("sweeps", ("-o", "a.onnx"), "must end in .nc or .csv or .parquet or"),
         ("model", ("-o", "a.onnx", "--format", "csv"), "--format applies to sweeps, and this is a"),
         (
@@ -82,7 +82,7 @@ def test_a_model_becomes_c_code(run, model, tmp_path):
             ("-o", "a.c", "--single"),
             "--single applies to a graph, OUT.onnx, not to C code",
         ),
-        ("absent", ("-o", "a.onnx"), "absent.skops"),
+        ("absent", ("-o", "a.onnx"), "absent.npz"),
     ],
 )
 def test_what_export_refuses(refused, model, make_sweeps, tmp_path, given, options, message):
@@ -90,7 +90,7 @@ def test_what_export_refuses(refused, model, make_sweeps, tmp_path, given, optio
     sources = {
         "model": model,
         "sweeps": tmp_path / "data.nc",
-        "absent": tmp_path / "absent.skops",
+        "absent": tmp_path / "absent.npz",
     }
     placed = [tmp_path / each if each.startswith("a.") else each for each in options]
     assert message in refused("export", sources[given], *placed)

@@ -31,7 +31,7 @@ def followed(run, hands, tmp_path):
     """A function from the target to its model's answers, row by row, alone or over time."""
 
     def followed(target, *options):
-        model = tmp_path / f"{target}.skops"
+        model = tmp_path / f"{target}.npz"
         if not model.exists():
             kind = ["--estimator", "kernel-ridge"] if target == "position" else []
             asked = ("--target", target, *kind, "--features", "dlnZ,dphase", "-o", model)
@@ -70,8 +70,8 @@ def test_positions_are_followed_and_no_more_reported_when_the_touch_has_gone(fol
 
 
 def test_a_pace_of_nothing_is_refused(run, refused, hands, tmp_path):
-    asked = ("--features", "dlnZ,dphase", "-o", tmp_path / "m.skops")
+    asked = ("--features", "dlnZ,dphase", "-o", tmp_path / "m.npz")
     assert run("train", hands / "known.nc", *asked)[0] == 0
     assert "--pace must be from 0.001 to 1e+06, got 0" in refused(
-        "localize", tmp_path / "m.skops", hands / "hands.nc", "--filter", "--pace", 0
+        "localize", tmp_path / "m.npz", hands / "hands.nc", "--filter", "--pace", 0
     )

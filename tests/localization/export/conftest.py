@@ -67,8 +67,8 @@ def few_readings():
 def short_training():
     """Networks are trained for few steps."""
     with pytest.MonkeyPatch.context() as patch:
-        few = ((16, 16), ((1e-2, 200),), 0)
-        patch.setattr(networks._Network.__init__, "__defaults__", few)
+        patch.setattr(networks, "HIDDEN", (16, 16))
+        patch.setattr(networks, "STAGES", ((1e-2, 200),))
         yield
 
 

@@ -128,8 +128,8 @@ def test_the_header_says_what_the_code_takes(trained):
 
 @pytest.mark.parametrize("case", ["gaussian", "positions"])
 def test_what_has_no_code(trained, case):
-    model = replace(trained(case), source="m.skops")
-    with pytest.raises(InputError, match="m.skops: C code is for .*, and this "):
+    model = replace(trained(case), source="m.npz")
+    with pytest.raises(InputError, match="m.npz: C code is for .*, and this "):
         c_files(model, portable(model), "skin")
 
 

@@ -14,6 +14,7 @@ from rcskin.localization.export.onnx_file import onnx_model
 from rcskin.localization.export.portable import portable
 from rcskin.localization.learners import networks
 from rcskin.localization.model.training import train
+from rcskin.localization.parts.predictor import Predictor
 from rcskin.localization.trust.diagnosis import NO_FAULT, Diagnosis
 from rcskin.simulator.sweeps import InputError, build
 from rcskin.simulator.sweeps.reading_quantities import GAIN, MAGNITUDE
@@ -163,20 +164,18 @@ def test_faults_that_a_graph_does_not_know_are_named(trained, make_sessions):
 
 
 def test_a_model_that_inverts_the_simulator_stays(trained):
-    from rcskin.localization.inversion.classifier import ModelBased
-    from sklearn.pipeline import Pipeline
+    class Inverting(Predictor):
+        classes, features = trained("the paper's").predictor.classes, 24
 
-    model = trained("the paper's")
-    pipeline = Pipeline([("invert", ModelBased("", "column"))])
-    learned = replace(model.learned, pipeline=pipeline)
+    learned = replace(trained("the paper's").learned, predictor=Inverting())
+    model = replace(trained("the paper's"), learned=learned, estimator="model-based")
     with pytest.raises(InputError, match="model-based computes with the simulator and cannot be"):
-        portable(replace(model, learned=learned, estimator="model-based"))
+        portable(model)
 
 
 @pytest.fixture
 def of_few_steps(monkeypatch):
-    few = (networks.HIDDEN, networks.SHORT_STAGES, 0)
-    monkeypatch.setattr(networks._Network.__init__, "__defaults__", few)
+    monkeypatch.setattr(networks, "STAGES", networks.SHORT_STAGES)
 
 
 @pytest.mark.slow

@@ -9,13 +9,12 @@ import pytest
 from rcskin.localization.filtering.adaptive_policy import AdaptivePolicy
 from rcskin.localization.filtering.cell_grid import cell_grid_of
 from rcskin.localization.filtering.follower import Follower
-from rcskin.localization.inversion.classifier import ModelBased
+from rcskin.localization.inversion.classifier import InversionPlan, ModelBased
 from rcskin.localization.inversion.position import ModelBasedPosition
 from rcskin.localization.trust.answers import CANNOT_TELL
 from rcskin.localization.trust.fitted import Classifier, Regressor
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError, build
-from sklearn.pipeline import Pipeline
 
 _places = runpy.run_path(str(Path(__file__).parents[1] / "inversion" / "test_position.py"))
 ROWS, COLUMNS, READINGS = 2, 3, 6
@@ -53,13 +52,13 @@ def builder(scene, target, presses):
 def model_of(step, learned, target, knows_unpressed=True):
     """What of a trained model is asked for."""
     return SimpleNamespace(
-        pipeline=Pipeline([("invert", step)]),
+        predictor=step,
         learned=learned,
         target=target,
         estimator="model-based",
         interfaces=INTERFACES,
         frequencies=FREQUENCIES,
-        classes=tuple(step.classes_.tolist()) if target != "position" else (),
+        classes=tuple(step.classes.tolist()) if target != "position" else (),
         knows_unpressed=knows_unpressed,
         problem=SimpleNamespace(taken=()),
         known_scene=SCENE,
@@ -68,14 +67,14 @@ def model_of(step, learned, target, knows_unpressed=True):
 
 
 def of_classes(target):
-    step = ModelBased("", target, builder).fit()
-    return model_of(step, Classifier(None, None, 1.0, 0.0, 1, 1, 1, None), target)
+    step = ModelBased.fitted(InversionPlan("", target, builder=builder))
+    return model_of(step, Classifier(step, None, 1.0, 0.0, 1, 1, 1, None), target)
 
 
 @pytest.fixture(scope="module")
 def placing():
-    step = ModelBasedPosition("", _places["builder"], rest_sweeps=20).fit()
-    return model_of(step, Regressor(None, None, np.ones(3), None, 1.0), "position")
+    step = ModelBasedPosition.fitted(InversionPlan("", "position", builder=_places["builder"]))
+    return model_of(step, Regressor(step, None, np.ones(3), None, 1.0), "position")
 
 
 @pytest.fixture(scope="module")

@@ -95,7 +95,7 @@ def test_sweeps_without_noise_or_scene_are_served_by_the_scene_named(
 
 @pytest.mark.usefixtures("linear_intervals", "unpainted")
 def test_the_users_own_model_is_asked_as_it_is_and_adapted(gap, files, tmp_path, earth_alone):
-    model = tmp_path / "m.skops"
+    model = tmp_path / "m.npz"
     simulated, twin = map(read, files)
     save(model, train(simulated, quantities=("Rs", "Cp")))
     code, out, err = gap(*files, "--model", model, "-o", tmp_path / "gap", "--draws", 2)
@@ -117,7 +117,7 @@ def test_the_users_own_model_is_asked_as_it_is_and_adapted(gap, files, tmp_path,
 
 
 def test_a_model_leaves_no_choice_of_target(gap, files, tmp_path):
-    model = tmp_path / "m.skops"
+    model = tmp_path / "m.npz"
     save(model, train(read(files[0])))
     code, _, err = gap(*files, "--model", model, "--target", "row", "-o", tmp_path / "gap")
     both = "rcskin: --model already sets target and estimator: leave out --target and --estimator\n"

@@ -1,13 +1,12 @@
 """Features of many sweeps are found block by block: the same numbers, in little more room."""
 
 import tracemalloc
-from functools import partial
 
 import numpy as np
 import pytest
 from rcskin.localization.inputs import features
 from rcskin.localization.inputs.sweep_files import read_first
-from rcskin.localization.learners.networks import NetworkClassifier
+from rcskin.localization.learners import networks
 from rcskin.localization.model.training import train
 from rcskin.simulator.sweeps import build, concatenate, read, write
 
@@ -81,8 +80,8 @@ def test_a_model_is_the_same_from_memory_and_from_a_store_in_parts(
     sweeps, readings = concatenate(parts), ("Rs", "X", "Cp")
     chunked = {name: sweeps[name].chunk(sweep=13) for name in readings}
     write(sweeps.assign(chunked), tmp_path / "a.zarr")
-    few = partial(NetworkClassifier, (8,), ((1e-2, 40),))
-    monkeypatch.setattr("rcskin.localization.learners.classifiers.NetworkClassifier", few)
+    monkeypatch.setattr(networks, "HIDDEN", (8,))
+    monkeypatch.setattr(networks, "STAGES", ((1e-2, 40),))
     whole = train(read(tmp_path / "a.zarr"), "column", "network", quantities=RELATIVE)
     monkeypatch.setattr(features, "BLOCK", 20)
     stored = read_first(tmp_path / "a.zarr", 10_000, lazy=True)
@@ -90,6 +89,6 @@ def test_a_model_is_the_same_from_memory_and_from_a_store_in_parts(
     assert not any(stored[name].variable._in_memory for name in readings)
     np.testing.assert_array_equal(own.fingerprints, whole.fingerprints)
     assert own.learned.sharpness == whole.learned.sharpness
-    coefficients = [each.pipeline[-1].network_.coefs_ for each in (own, whole)]
-    for one, other in zip(*coefficients, strict=True):
-        np.testing.assert_array_equal(one, other)
+    layers = [each.predictor.parts[-2].layers for each in (own, whole)]
+    for one, other in zip(*layers, strict=True):
+        np.testing.assert_array_equal(one.weights, other.weights)

@@ -1,22 +1,20 @@
 """Inversion for the skin at hand: skins of closed form that are darker or lighter than the mean."""
 
+from dataclasses import replace
 from threading import Event
 
 import numpy as np
 import pytest
-import skops.io
 from rcskin.localization.inputs.samples import LocalizationProblem
 from rcskin.localization.inversion.adapted import AdaptedClassifier, AdaptedPosition
-from rcskin.localization.inversion.classifier import ModelBased
+from rcskin.localization.inversion.classifier import InversionPlan, ModelBased
 from rcskin.localization.inversion.estimators import MODEL_ADAPTED, MODEL_BASED, estimators
 from rcskin.localization.inversion.position import ModelBasedPosition
 from rcskin.localization.inversion.regions import regions_of
-from rcskin.localization.inversion.skin_cache import MAX_SKINS, SAME_SKIN_RMS
+from rcskin.localization.inversion.skin_cache import MAX_SKINS, SAME_SKIN_RMS, SkinCache
 from rcskin.localization.trust.fitted import Regressor
 from rcskin.simulator.scene.scene_files import builtin_text
 from rcskin.simulator.sweeps import InputError
-from sklearn.base import clone
-from sklearn.pipeline import Pipeline
 
 COLUMNS, NUMBERS, NOISE, REST = 4, 8, 0.003, 8
 STRENGTHS = np.array([1.9, 2.0, 2.1])
@@ -105,10 +103,13 @@ def tables():
     return Tables()
 
 
+def plan(tables, target="column", **options):
+    return InversionPlan("", target, rest_sweeps=REST, builder=tables, **options)
+
+
 @pytest.fixture
 def adapted(tables):
-    inner = ModelBased("", "column", rest_sweeps=REST)
-    return AdaptedClassifier(inner, tables).fit(np.zeros((1, 2 * NUMBERS)))
+    return AdaptedClassifier.fitted(plan(tables))
 
 
 def test_each_skin_is_read_by_its_own_tables(adapted, tables):
@@ -118,31 +119,32 @@ def test_each_skin_is_read_by_its_own_tables(adapted, tables):
     assert len(tables.curves) == 2
     for curve, shade in zip(sorted(tables.curves, key=np.mean), (-0.4, 0.6), strict=True):
         np.testing.assert_allclose(curve, at_rest(shade), atol=4 * NOISE / np.sqrt(REST))
-    mean = ModelBased("", "column", tables, rest_sweeps=REST).fit()
+    mean = ModelBased.fitted(plan(tables))
     assert (mean.predict(X[:, :NUMBERS]) == columns).mean() < 0.9
 
 
 def test_the_answer_to_a_sweep_does_not_depend_on_the_others_of_a_batch(adapted):
     X = rows(np.tile([1, 2, 3, 4], 4), 0.3 + 0.002 * np.arange(16))
-    together = adapted.predict_proba(X)
-    alone = np.concatenate([clone(adapted).fit(X).predict_proba(each[None]) for each in X])
+    together = adapted.probabilities(X)
+    fresh = [replace(adapted, skins=SkinCache()).probabilities(each[None]) for each in X]
+    alone = np.concatenate(fresh)
     np.testing.assert_allclose(together, alone, rtol=1e-9, atol=1e-12)
     mixed = np.random.default_rng(1).permutation(16)
-    np.testing.assert_allclose(adapted.predict_proba(X[mixed]), together[mixed], rtol=1e-9)
+    np.testing.assert_allclose(adapted.probabilities(X[mixed]), together[mixed], rtol=1e-9)
 
 
 def test_a_skin_that_is_met_again_needs_no_new_tables(adapted, tables):
     X = rows([1, 2], [0.2, 0.2])
-    np.testing.assert_array_equal(adapted.predict_proba(X), adapted.predict_proba(X))
+    np.testing.assert_array_equal(adapted.probabilities(X), adapted.probabilities(X))
     assert len(tables.curves) == 1
     for shade in range(MAX_SKINS + 3):
         adapted.predict(rows([1], [shade]))
-    assert len(adapted._skins.kept) == MAX_SKINS
+    assert len(adapted.skins.kept) == MAX_SKINS
 
 
 def test_a_rest_that_is_renewed_within_its_noise_needs_no_new_tables(adapted, tables):
     """As `live` asks: sweep after sweep, each against a rest a little other than before."""
-    adapted.in_background, columns = True, np.tile([1, 2, 3, 4], 15)
+    adapted, columns = adapted.in_background(), np.tile([1, 2, 3, 4], 15)
     shades = 0.2 + 0.2 * SAME_SKIN_RMS * np.sin(np.arange(60))
     told = [adapted.predict(each[None])[0] for each in rows(columns, shades)]
     np.testing.assert_array_equal(told, columns)
@@ -150,7 +152,7 @@ def test_a_rest_that_is_renewed_within_its_noise_needs_no_new_tables(adapted, ta
 
 
 def test_new_tables_are_made_beside_the_work_and_ahead_of_their_need(adapted, tables):
-    adapted.in_background, slow, ready = True, Event(), Event()
+    adapted, slow, ready = adapted.in_background(), Event(), Event()
     adapted.predict(rows([1], [0.2]))
     make = tables.pixels
 
@@ -163,20 +165,20 @@ def test_new_tables_are_made_beside_the_work_and_ahead_of_their_need(adapted, ta
     drifted = rows([2], [0.2 + SAME_SKIN_RMS / 2])
     for _ in range(5):
         assert adapted.predict(drifted) == 2
-    assert len(tables.curves) == 2 and len(adapted._skins.kept) == 1
+    assert len(tables.curves) == 2 and len(adapted.skins.kept) == 1
     ready.set()
     assert slow.wait(10)
-    adapted._skins._making.join(10)
+    adapted.skins._making.join(10)
     assert adapted.predict(drifted) == 2
-    assert len(tables.curves) == len(adapted._skins.kept) == 2
+    assert len(tables.curves) == len(adapted.skins.kept) == 2
 
 
 def test_tables_that_cannot_be_made_beside_are_reported_at_the_next_sweep(adapted, tables):
-    adapted.in_background = True
+    adapted = adapted.in_background()
     adapted.predict(rows([1], [0.2]))
     tables.pixels = None
     adapted.predict(rows([1], [0.6]))
-    adapted._skins._making.join(10)
+    adapted.skins._making.join(10)
     with pytest.raises(TypeError):
         adapted.predict(rows([1], [0.6]))
 
@@ -189,8 +191,7 @@ def test_a_sweep_like_no_touch_of_its_skin_is_novel(adapted):
 
 
 def test_places_on_a_dark_skin_are_right_and_their_deviations_shown(tables):
-    inner = ModelBasedPosition("", rest_sweeps=REST)
-    adapted = AdaptedPosition(inner, tables).fit(np.zeros((1, 2 * NUMBERS)))
+    adapted = AdaptedPosition.fitted(plan(tables, "position"))
     u, v = np.random.default_rng(2).uniform(0.02, 0.1, (2, 40))
     X = [
         np.concatenate([change(a / 0.12, 0.5) + change(b / 0.12, 0.5)[::-1], at_rest(0.5)])
@@ -198,13 +199,14 @@ def test_places_on_a_dark_skin_are_right_and_their_deviations_shown(tables):
     ]
     X = np.array(X)
     X[:, :NUMBERS] += NOISE * np.random.default_rng(3).standard_normal((40, NUMBERS))
-    told, deviation = adapted.predict(X, return_std=True)
+    told, deviation = adapted.positions(X)
     np.testing.assert_array_equal(told, adapted.predict(X))
     off = (told[:, :2] - 1e3 * np.stack([u, v], axis=1)) / deviation[:, :2]
     assert 0.6 < np.sqrt((off**2).mean()) < 1.5
-    away = np.abs(inner.set_params(builder=tables).fit().predict(X[:, :NUMBERS]) - told)
+    mean = ModelBasedPosition.fitted(plan(tables, "position"))
+    away = np.abs(mean.predict(X[:, :NUMBERS]) - told)
     assert np.median(away[:, 0]) > 3
-    learned = Regressor(Pipeline([("invert", adapted)]), None, np.ones(3), None, 0.0)
+    learned = Regressor(adapted, None, np.ones(3), None, 0.0)
     pairs = zip(regions_of(learned, X, ""), 1e3 * u, 1e3 * v, strict=True)
     assert np.mean([region.covers(x, y) for region, x, y in pairs]) >= 0.85
 
@@ -217,38 +219,36 @@ def test_few_touches_of_a_skin_teach_what_its_curve_at_rest_does_not_show(tables
     y = np.tile([1, 2, 3, 4], 15)
     X = rows(y, np.full(60, 0.3), seed=4)
     X[:, :NUMBERS] *= 1.3
-    inner = ModelBased("", "column", rest_sweeps=REST)
-    taught = clone(inner).set_params(learn="skin")
-    known = X[:30], y[:30]
-    told = [AdaptedClassifier(each, doubtful).fit(*known) for each in (inner, taught)]
-    sure = [each.predict_proba(X[30:])[np.arange(30), y[30:]].mean() for each in told]
+    plans = [plan(doubtful, learn=learn) for learn in ("nothing", "skin")]
+    told = [AdaptedClassifier.fitted(each, X[:30], y[:30]) for each in plans]
+    sure = [each.probabilities(X[30:])[np.arange(30), y[30:]].mean() for each in told]
     assert sure[1] > sure[0]
 
 
-def test_a_model_read_back_makes_the_tables_of_skins_anew(tables, tmp_path, monkeypatch):
+def test_a_model_read_back_makes_the_tables_of_skins_anew(tables, monkeypatch):
     monkeypatch.setattr("rcskin.simulator.inversion.touch_templates.templates", tables)
-    inner = ModelBased(SCENE, "column", rest_sweeps=REST)
-    adapted = AdaptedClassifier(inner).fit(np.zeros((1, 2 * NUMBERS)))
+    adapted = AdaptedClassifier.fitted(InversionPlan(SCENE, "column", rest_sweeps=REST))
     X = rows([1, 3], [0.2, 0.2])
-    before = adapted.predict_proba(X)
-    skops.io.dump(adapted, tmp_path / "m.skops")
-    untrusted = skops.io.get_untrusted_types(file=tmp_path / "m.skops")
-    again = skops.io.load(tmp_path / "m.skops", trusted=untrusted)
-    np.testing.assert_array_equal(again.classes_, adapted.classes_)
-    np.testing.assert_array_equal(again.predict_proba(X), before)
+    before = adapted.probabilities(X)
+    again = AdaptedClassifier.of(*adapted.described())
+    np.testing.assert_array_equal(again.classes, adapted.classes)
+    np.testing.assert_array_equal(again.probabilities(X), before)
     assert len(tables.curves) == 2
 
 
 @pytest.mark.parametrize("name", [MODEL_BASED, MODEL_ADAPTED])
-def test_other_features_and_sweeps_without_their_scene_are_refused(name):
+def test_other_features_and_sweeps_without_their_scene_are_refused(name, tables, monkeypatch):
     made = estimators()[name]
     takes = ("dlnZ", "dphase", "lnZ0", "phase0")[: 2 if name == MODEL_BASED else 4]
     problem = LocalizationProblem("column", NUMBERS, takes, ("left",), (1e3,), SCENE)
-    assert made.build(problem).steps[0][0] == "invert"
+    nothing = np.zeros((1, NUMBERS)), np.zeros(1, dtype=int)
+    monkeypatch.setattr("rcskin.simulator.inversion.touch_templates.templates", tables)
+    assert made.fit(problem, *nothing).detects_novelty
     for wrong, told in (
         (("Rs", "Cp"), f"takes the features {','.join(takes)}, got Rs,Cp"),
         (takes, "needs the scene"),
     ):
         scene = "" if wrong == takes else SCENE
         with pytest.raises(InputError, match=told):
-            made.build(LocalizationProblem("column", NUMBERS, wrong, ("left",), (1e3,), scene))
+            other = LocalizationProblem("column", NUMBERS, wrong, ("left",), (1e3,), scene)
+            made.fit(other, *nothing)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rcskin.localization.inversion.class_posterior import ClassPosterior
-from rcskin.localization.inversion.classifier import ModelBased
+from rcskin.localization.inversion.classifier import InversionPlan, ModelBased
 
 _rig = runpy.run_path(str(Path(__file__).with_name("test_classifier.py")))
 builder, change, NOISE, REST = (_rig[name] for name in ("builder", "change", "NOISE", "REST"))
@@ -15,7 +15,8 @@ READINGS = _rig["NUMBERS"] // 2
 
 @pytest.fixture(scope="module")
 def localizer():
-    return ModelBased("", "column", builder, rest_sweeps=REST).fit()
+    plan = InversionPlan("", "column", rest_sweeps=REST, builder=builder)
+    return ModelBased.fitted(plan)
 
 
 def sweep(column, seed=0):
@@ -44,7 +45,7 @@ def test_readings_in_any_order_give_what_their_mixture_gives(localizer, column):
         )
     whole = told(localizer, x, range(READINGS))
     np.testing.assert_allclose(
-        whole.probabilities, localizer.predict_proba(x[None])[0], rtol=1e-6, atol=1e-12
+        whole.probabilities, localizer.probabilities(x[None])[0], rtol=1e-6, atol=1e-12
     )
 
 
@@ -57,7 +58,7 @@ def test_gains_are_the_information_that_readings_give(localizer):
     entries = random.choice(len(mixture.mean), 1500, p=np.exp(mixture.log_chance))
     hidden = random.standard_normal((1500, mixture.spread.shape[2]))
     X = mixture.mean[entries] + np.einsum("enr,er->en", mixture.spread[entries], hidden)
-    X = (X + random.standard_normal(X.shape)) * localizer.noise_
+    X = (X + random.standard_normal(X.shape)) * localizer.noise
     before = -(inquiry.probabilities * np.log(inquiry.probabilities)).sum()
     fallen = []
     for k in range(READINGS):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.localization.inversion.adapted import AdaptedClassifier
-from rcskin.localization.inversion.classifier import ModelBased
+from rcskin.localization.inversion.classifier import InversionPlan, ModelBased
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import press_on
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
@@ -22,10 +22,11 @@ def test_the_key_of_a_touch_follows_from_magnitudes_at_both_ends(yarn):
 
     untouched = logarithms("none")
     changes = [logarithms(f"1,{key}:{20 + 2 * key}pF") - untouched for key in range(1, 10)]
-    model = ModelBased(scene_text(yarn), "column").fit()
-    assert model.n_features_in_ == untouched.size
+    plan = InversionPlan(scene_text(yarn), "column")
+    model = ModelBased.fitted(plan)
+    assert model.features == untouched.size
     np.testing.assert_array_equal(model.predict(np.array(changes)), range(1, 10))
     curve = np.tile(untouched, (9, 1))
     X = np.column_stack([changes, curve])
-    adapted = AdaptedClassifier(ModelBased(scene_text(yarn), "column")).fit(X)
+    adapted = AdaptedClassifier.fitted(plan)
     np.testing.assert_array_equal(adapted.predict(X), range(1, 10))

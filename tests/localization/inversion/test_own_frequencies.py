@@ -58,7 +58,7 @@ def models(request, sweeps):
 
 
 def test_answers_are_those_of_all_readings_of_which_these_are_looked_at(sweeps, own):
-    whole, part = (trained(each, "model-based").pipeline[-1] for each in sweeps)
+    whole, part = (trained(each, "model-based").predictor for each in sweeps)
     X, fewer = (features(each, CHANGES, rest=each.isel(sweep=slice(9))) for each in sweeps)
     kept = np.flatnonzero(np.tile(own.taken.ravel(), 2))
     np.testing.assert_array_equal(fewer, X[:, kept])
@@ -93,7 +93,7 @@ def test_a_sweep_is_asked_reading_by_reading_of_those_taken(models, sweeps, own)
     assert len(asked) == len(set(asked)) and all(own.taken[place] for place in asked)
     assert questions.answer(1.0).label == f"{pressed['row'].item()},{pressed['column'].item()}"
     step, curve = inverter_for(models[1], rest)
-    assert curve.shape == (own.taken.sum(),) and step.noise_.size == 2 * own.taken.sum()
+    assert curve.shape == (own.taken.sum(),) and step.noise.size == 2 * own.taken.sum()
 
 
 def test_sweeps_read_otherwise_than_their_scene_says_are_refused(sweeps, own, shared):

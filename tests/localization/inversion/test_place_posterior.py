@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from rcskin.localization.inversion.classifier import InversionPlan
 from rcskin.localization.inversion.place_posterior import PlacePosterior, log_prior_of
 from rcskin.localization.inversion.position import ModelBasedPosition, cells_of
 from rcskin.localization.inversion.region import region_of
@@ -17,7 +18,8 @@ EVERY = np.arange(READINGS)
 
 @pytest.fixture(scope="module")
 def own():
-    return ModelBasedPosition("", builder, rest_sweeps=REST).fit()
+    plan = InversionPlan("", "position", rest_sweeps=REST, builder=builder)
+    return ModelBasedPosition.fitted(plan)
 
 
 def told(own, x, order, rest=0.5):
@@ -48,7 +50,7 @@ def test_regions_of_parts_of_sweeps_hold_the_touch_as_often_as_they_say(own):
 def test_rest_is_distinguished_from_touches_and_both_from_what_is_neither(own):
     X, _ = touches(20, 3)
     assert max(told(own, x, EVERY).unpressed for x in X) < 0.05
-    nothing = own.noise_ * np.random.default_rng(1).standard_normal((20, 2 * READINGS))
+    nothing = own.noise * np.random.default_rng(1).standard_normal((20, 2 * READINGS))
     assert min(told(own, x, EVERY).unpressed for x in nothing) > 0.95
     assert told(own, X[0] + 0.05 * (-1.0) ** np.arange(2 * READINGS), EVERY).novel
 

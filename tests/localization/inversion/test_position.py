@@ -1,13 +1,11 @@
 """Position and strength of a touch by inversion, on a skin of closed form."""
 
-from copy import copy
-
 import numpy as np
 import pytest
-import skops.io
+from rcskin.localization.inversion.classifier import InversionPlan
 from rcskin.localization.inversion.position import ModelBasedPosition
+from rcskin.localization.inversion.region import region_of
 from rcskin.localization.inversion.response_surface import response_surface
-from sklearn.base import clone
 
 SIDE, TOUCH, NUMBERS = 0.12, 0.015, 12
 NOISE, REST = 0.003, 20
@@ -61,20 +59,29 @@ def touches(count, seed, noise=NOISE):
     return X, theta * [1e3, 1e3, 1]
 
 
+def fitted(builder, scene=""):
+    plan = InversionPlan(scene, "position", rest_sweeps=REST, builder=builder)
+    return ModelBasedPosition.fitted(plan)
+
+
+def regions(own, X):
+    return [region_of(each, 0.95) for each in own.places(X)]
+
+
 @pytest.fixture(scope="module")
 def own():
-    return ModelBasedPosition("", builder, rest_sweeps=REST).fit()
+    return fitted(builder)
 
 
 def test_touches_without_noise_are_found_within_what_noise_would_do(own):
     X, theta = touches(30, 0, noise=0.0)
-    told, deviation = own.predict(X, return_std=True)
+    told, deviation = own.positions(X)
     assert (np.abs(told - theta) / deviation).max() < 1
 
 
 def test_slopes_of_the_surface_are_differences(own):
     curve, theta = (
-        response_surface(builder("", "position", ""), own.noise_),
+        response_surface(builder("", "position", ""), own.noise),
         np.array([[43.0, 71.0, 2.1]]),
     )
     slopes = curve.slopes(theta)[0]
@@ -86,10 +93,10 @@ def test_slopes_of_the_surface_are_differences(own):
 
 def test_the_spread_of_answers_is_that_of_the_cramer_rao_bound(own):
     theta, rng = np.array([40.0, 70.0, 2.5]), np.random.default_rng(1)
-    J = response_surface(builder("", "position", ""), own.noise_).slopes(theta[None])[0]
+    J = response_surface(builder("", "position", ""), own.noise).slopes(theta[None])[0]
     bound = np.linalg.inv(J.T @ J)
     x = change(*(theta * [1e-3, 1e-3, 1]))
-    told = own.predict(x + own.noise_ * rng.standard_normal((150, NUMBERS)))
+    told = own.predict(x + own.noise * rng.standard_normal((150, NUMBERS)))
     np.testing.assert_allclose(told.std(axis=0), np.sqrt(np.diag(bound)), rtol=0.25)
     np.testing.assert_allclose(
         told.mean(axis=0), theta, atol=4 * np.sqrt(np.diag(bound) / 150).max()
@@ -98,25 +105,25 @@ def test_the_spread_of_answers_is_that_of_the_cramer_rao_bound(own):
 
 def test_regions_cover_as_often_as_they_say(own):
     X, theta = touches(100, 2)
-    covered = [r.covers(x, y) for r, (x, y, _) in zip(own.regions(X), theta, strict=True)]
+    covered = [r.covers(x, y) for r, (x, y, _) in zip(regions(own, X), theta, strict=True)]
     assert 0.95 - 0.05 < np.mean(covered) <= 1
 
 
 def test_deviations_are_how_far_answers_are_off(own):
     X, theta = touches(100, 3)
-    told, deviation = own.predict(X, return_std=True)
+    told, deviation = own.positions(X)
     ratio = np.sqrt(np.mean(((told - theta) / deviation) ** 2, axis=0))
     np.testing.assert_allclose(ratio, 1.0, atol=0.25)
 
 
 def test_the_region_of_a_mirrored_skin_covers_both_places():
-    mirrored = ModelBasedPosition("mirrored", builder, rest_sweeps=REST).fit()
+    mirrored = fitted(builder, "mirrored")
     X = change(0.05, 0.03, 2.5, mirrored=True)[None]
-    (region,) = mirrored.regions(X)
+    (region,) = regions(mirrored, X)
     assert region.covers(50, 30) and region.covers(50, 90)
     assert not region.covers(50, 60)
     assert region.area < 0.2 * (1e3 * SIDE) ** 2
-    _, deviation = mirrored.predict(X, return_std=True)
+    _, deviation = mirrored.positions(X)
     assert deviation[0, 1] > 30
 
 
@@ -126,22 +133,15 @@ def test_an_absurd_sweep_is_novel(own):
     assert own.novel(X[:20] + 0.05 * (-1.0) ** np.arange(NUMBERS)).all()
 
 
-def test_a_model_read_back_needs_no_simulator(own, tmp_path):
-    X, _ = touches(10, 5)
-    skops.io.dump(copy(own).set_params(builder=None), tmp_path / "m.skops")
-    untrusted = skops.io.get_untrusted_types(file=tmp_path / "m.skops")
-    assert untrusted == ["rcskin.localization.inversion.position.ModelBasedPosition"]
-    again = skops.io.load(tmp_path / "m.skops", trusted=untrusted)
-    np.testing.assert_array_equal(again.predict(X), own.predict(X))
-
-
-def test_a_copy_is_made_anew(own):
-    X, theta = touches(5, 6)
-    np.testing.assert_array_equal(clone(own).fit(X, theta).predict(X), own.predict(X))
+@pytest.mark.parametrize("tables", [builder, builder_of_an_l])
+def test_what_is_stored_answers_without_the_simulator(tables):
+    own, (X, _) = fitted(tables), touches(10, 5)
+    again = ModelBasedPosition.of(*own.described())
+    np.testing.assert_array_equal(again.positions(X), own.positions(X))
 
 
 def test_answers_and_regions_are_on_a_skin_that_is_no_rectangle(own):
-    l_shaped = ModelBasedPosition("", builder_of_an_l, rest_sweeps=REST).fit()
+    l_shaped = fitted(builder_of_an_l)
     X, theta = touches(200, 5, noise=2 * NOISE)
     x, y, _ = theta.T
     near = (np.maximum(x, y) > 1e3 * CUT) & (np.abs(np.minimum(x, y) - 1e3 * CUT) < 6)
@@ -152,12 +152,12 @@ def test_answers_and_regions_are_on_a_skin_that_is_no_rectangle(own):
 
     assert beside(own.predict(X[near]).T[:2])
     assert not beside(l_shaped.predict(X[near]).T[:2])
-    for region in l_shaped.regions(X[near][:5]):
+    for region in regions(l_shaped, X[near][:5]):
         at = np.stack(np.meshgrid(region.x, region.y))[:, region.inside]
         assert at.size and not beside(at)
 
 
 def test_what_only_a_touch_beside_the_skin_would_give_is_novel():
-    l_shaped = ModelBasedPosition("", builder_of_an_l, rest_sweeps=REST).fit()
+    l_shaped = fitted(builder_of_an_l)
     X = np.array([change(0.06, 0.06, 2.5), change(0.02, 0.06, 2.5)])
     assert l_shaped.novel(X).tolist() == [True, False]

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 from rcskin.localization.inputs.samples import LocalizationProblem
-from rcskin.localization.learners.classifiers import gaussian
-from rcskin.localization.learners.drift_directions import FOLLOWED, OPENING, DriftDirections
-from rcskin.localization.learners.gaussians import GaussianClassifier
+from rcskin.localization.learners.classifiers import curve_and_absolute
+from rcskin.localization.learners.drift_directions import FOLLOWED, fitted_correction
+from rcskin.localization.learners.gaussians import fitted
+from rcskin.localization.parts.normal_densities import OPENING
 
 FEATURES, SWEEPS, NOISE = 40, 4000, 0.01
 
@@ -20,7 +21,7 @@ def at_rest(random, way, drift=0.0, across=0.0):
 
 def error(learned, now, opening, recent):
     """Root mean square of the reference that changes are told against, over the noise."""
-    reference = recent - learned.correction(recent - opening)
+    reference = recent - learned(recent - opening)
     return np.sqrt(np.square(reference - now).mean()) / NOISE
 
 
@@ -28,7 +29,7 @@ def test_noise_is_averaged_and_drift_is_followed():
     random = np.random.default_rng(1)
     way = random.standard_normal(FEATURES)
     _, opening, recent = at_rest(random, way)
-    learned = DriftDirections.fitted(opening, recent, 1)
+    learned = fitted_correction(opening, recent, 1)
     averaged = np.sqrt(OPENING**2 + (1 - OPENING) ** 2)
     assert abs(error(learned, *at_rest(random, way)) - averaged) < 0.03
     assert abs(error(learned, *at_rest(random, way, drift=0.5)) - averaged) < 0.03
@@ -43,7 +44,7 @@ def test_noise_is_averaged_along_ways_that_neither_foam_nor_sheets_drift():
     opening, still, recent = (
         each + NOISE * random.standard_normal(now.shape) for each in (opened, opened, now)
     )
-    learned = DriftDirections.fitted(opening, still, FOLLOWED)
+    learned = fitted_correction(opening, still, FOLLOWED)
     averaged = (OPENING**2 + (1 - OPENING) ** 2) * 8 / 10 + 2 / 10
     assert error(learned, now, opening, recent) < np.sqrt(averaged) + 0.03
 
@@ -52,7 +53,7 @@ def test_a_skin_that_has_moved_far_in_another_way_is_compared_with_its_latest_re
     random = np.random.default_rng(2)
     way, other = random.standard_normal((2, FEATURES))
     _, opening, recent = at_rest(random, way)
-    learned = DriftDirections.fitted(opening, recent, 1)
+    learned = fitted_correction(opening, recent, 1)
     assert error(learned, *at_rest(random, way, across=other)) < 1.1
 
 
@@ -68,12 +69,13 @@ def test_touches_are_found_better_with_the_sweeps_as_they_were_read():
         read = now + touch + NOISE * random.standard_normal(now.shape)
         return np.hstack([read - recent, opening, read]), y
 
-    blocks = [tuple(range(k * FEATURES, (k + 1) * FEATURES)) for k in range(3)]
+    blocks, nothing = np.arange(3 * FEATURES).reshape(3, -1), np.arange(0)
     (X, y), (asked, told) = sweeps(0.0), sweeps(0.05)
-    known = GaussianClassifier(blocks[1], blocks[2], spread=2).fit(X, y)
-    without = GaussianClassifier(blocks[1], spread=2).fit(X[:, : 2 * FEATURES], y)
-    right = (known.predict(asked) == told).mean()
-    assert right > (without.predict(asked[:, : 2 * FEATURES]) == told).mean() + 0.015
+    known = fitted(X, y, blocks[1], blocks[2], spread=2)
+    without = fitted(X[:, : 2 * FEATURES], y, blocks[1], nothing, spread=2)
+    right = (known(asked).argmax(axis=1) == told).mean()
+    others = without(asked[:, : 2 * FEATURES]).argmax(axis=1)
+    assert right > (others == told).mean() + 0.015
 
 
 @pytest.mark.parametrize(
@@ -91,5 +93,5 @@ def test_features_of_one_reading_are_paired_in_whatever_order_they_are_asked(
 ):
     names = tuple(quantities.split(","))
     problem = LocalizationProblem("column", len(names), names, ("left",), (1e3,), "")
-    made = gaussian(problem)[-1]
-    assert (made.curve, made.absolute) == (curve, absolute)
+    found = [tuple(each.tolist()) for each in curve_and_absolute(problem)]
+    assert found == [curve, absolute]

@@ -2,15 +2,15 @@
 
 import _thread
 import threading
-from functools import partial
 
 import numpy as np
 import pytest
-from rcskin.localization.learners import classifiers, networks, regressors
-from rcskin.localization.learners.components import Components
-from rcskin.localization.learners.networks import NetworkClassifier, NetworkRegressor
+from rcskin.localization.learners import networks
+from rcskin.localization.learners.networks import fitted_layers
 from rcskin.localization.model.localizer_file import load, save
 from rcskin.localization.model.training import train
+from rcskin.localization.parts.parts import LogProbabilities
+from rcskin.localization.parts.predictor import MIN_PROBABILITY
 from rcskin.localization.trust.folds import (
     PLENTY,
     describe_splits,
@@ -20,22 +20,11 @@ from rcskin.localization.trust.folds import (
 )
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import concatenate
-from sklearn import clone
-from sklearn.utils.estimator_checks import parametrize_with_checks
 
-FEW = ((2e-2, 80), (2e-3, 20))
 OF_COLUMNS = ((2e-3, 4000), (5e-4, 1000))
 OF_POSITIONS = ((2e-3, 400), (5e-4, 100))
 SCENE = scene_text(load_scene("strip-1x3").with_({"skin.length": 0.06, "pixels.columns": 6}))
 SEEN = ("dlnZ", "dphase", "lnZ0", "phase0")
-
-
-@pytest.mark.filterwarnings("ignore")
-@parametrize_with_checks(
-    [NetworkClassifier((16,), FEW), NetworkRegressor((16,), FEW), Components()]
-)
-def test_scikit_learns_own_checks(estimator, check):
-    check(estimator)
 
 
 @pytest.fixture(scope="module")
@@ -48,21 +37,21 @@ def mountings(make_sweeps):
 def test_a_network_finds_sweeps_never_seen_and_is_the_same_from_its_file(
     mountings, make_sweeps, tmp_path, monkeypatch, target
 ):
-    small = NetworkClassifier((64, 64), OF_COLUMNS), NetworkRegressor((64,), OF_POSITIONS)
-    for kinds, network in zip((classifiers, regressors), small, strict=True):
-        monkeypatch.setattr(kinds, type(network).__name__, partial(clone, network))
+    small = ((64, 64), OF_COLUMNS) if target == "column" else ((64,), OF_POSITIONS)
+    for name, each in zip(("HIDDEN", "STAGES"), small, strict=True):
+        monkeypatch.setattr(networks, name, each)
     model = train(mountings, target, "network", quantities=SEEN)
     unseen = make_sweeps(1, 6, 8, noise=0.006, rests=3, session=9, seed=13).assign_attrs(
         scene=SCENE
     )
     samples = model.samples(unseen)
-    answers = model.pipeline.predict(samples.X)
+    answers = model.predictor.predict(samples.X)
     if target == "column":
         assert (answers == samples.y).mean() > 0.85
     else:
         assert np.median(np.abs(answers - samples.y)[:, 0]) < 5
-    save(tmp_path / "n.skops", model)
-    again = load(tmp_path / "n.skops").pipeline.predict(samples.X)
+    save(tmp_path / "n.npz", model)
+    again = load(tmp_path / "n.npz").predictor.predict(samples.X)
     np.testing.assert_array_equal(again, answers)
 
 
@@ -71,22 +60,24 @@ def test_the_same_seed_gives_the_same_network_and_smaller_steps_fit_better():
     X = random.standard_normal((2000, 3))
     y = np.sin(2 * X[:, 0]) * X[:, 1]
     coarse, fine, again = (
-        NetworkRegressor((32,), stages).fit(X, y)
+        fitted_layers(np.float32(X), y, stages, (32,))(X)[:, 0]
         for stages in (((0.2, 300),), ((0.2, 300), (1e-3, 300)), ((0.2, 300), (1e-3, 300)))
     )
-    assert np.var(fine.predict(X) - y) < 0.8 * np.var(coarse.predict(X) - y)
-    np.testing.assert_array_equal(fine.predict(X), again.predict(X))
+    assert np.var(fine - y) < 0.8 * np.var(coarse - y)
+    np.testing.assert_array_equal(fine, again)
 
 
-@pytest.mark.parametrize("kind", [NetworkClassifier, NetworkRegressor])
-def test_however_many_batches_are_handed_over_the_network_is_the_same(monkeypatch, kind):
+@pytest.mark.parametrize("classify", [True, False])
+def test_however_many_batches_are_handed_over_the_network_is_the_same(monkeypatch, classify):
     random = np.random.default_rng(0)
-    X = random.standard_normal((1234, 3))
+    X = np.float32(random.standard_normal((1234, 3)))
     y = np.sign(X[:, 0] * X[:, 1]).astype(int)
     told = []
     for batches in (1, 3, 1000):
         monkeypatch.setattr(networks, "BATCHES_AT_ONCE", batches)
-        told.append(kind((8,), ((1e-2, 30), (1e-3, 10))).fit(X, y).network_.coefs_)
+        stages = ((1e-2, 30), (1e-3, 10))
+        layers = fitted_layers(X, y, stages, (8,), classify=classify).layers
+        told.append([each.weights for each in layers])
     for one, two, three in zip(*told, strict=True):
         np.testing.assert_array_equal(one, two)
         np.testing.assert_array_equal(one, three)
@@ -100,16 +91,6 @@ def test_every_sweep_is_in_as_many_batches_but_for_one():
         assert rows.size % batch == 0 and rows.size >= steps * batch
 
 
-def test_components_vary_by_one_in_sum_and_each_has_a_name():
-    X = np.random.default_rng(0).standard_normal((500, 4)) * [1, 10, 100, 1e-3]
-    assert list(Components(3).set_output(transform="pandas").fit_transform(X)) == [
-        "components0",
-        "components1",
-        "components2",
-    ]
-    assert Components(3).fit_transform(X).var(axis=0, ddof=1).sum() == pytest.approx(1)
-
-
 def test_sweeps_in_plenty_are_held_out_once():
     sessions = np.arange(PLENTY + 500) // 500
     once, few = scoring_splits(None, sessions), scoring_splits(None, sessions[:2000])
@@ -121,19 +102,17 @@ def test_sweeps_in_plenty_are_held_out_once():
 
 def test_ctrl_c_ends_more_than_a_stage():
     random = np.random.default_rng(0)
-    X, y = random.standard_normal((40, 3)), np.arange(40) % 2
-    endless = NetworkClassifier(hidden=(4,), stages=((1e-3, 10**9),))
+    X, y = np.float32(random.standard_normal((40, 3))), np.arange(40) % 2
     interruption = threading.Timer(0.5, _thread.interrupt_main)
     interruption.start()
     with pytest.raises(KeyboardInterrupt):
-        endless.fit(X, y)
+        fitted_layers(X, y, ((1e-3, 10**9),), (4,), classify=True)
 
 
 def test_the_smaller_of_two_probabilities_keeps_its_digits():
     X = np.linspace(-1, 1, 200)[:, None]
-    network = NetworkClassifier((8,), ((1e-2, 300),)).fit(X, X[:, 0] > 0)
-    found = network.predict_proba(4 * X)
-    assert 0 < found.min() < 1e-12
+    layers = fitted_layers(np.float32(X), X[:, 0] > 0, ((1e-2, 300),), (8,), classify=True)
+    found = np.exp(LogProbabilities(1e-30)(layers(4 * X)))
+    assert 0 < found.min() < MIN_PROBABILITY
     odds = np.log(found[:, 1] / found[:, 0])
     assert (np.diff(odds) >= 0).all() and np.unique(odds).size > 150
-    np.testing.assert_array_equal(network.predict(X), found[:, 1] > 0.5)

@@ -16,8 +16,7 @@ def test_what_only_the_capacitance_shows_is_learned(name):
     told, other = np.repeat([1.0, 2.0], 60), random.normal(size=(120, 3))
     Cp = told[:, None] + 0.1 * random.normal(size=(120, 3))
     X = np.hstack([OHM * (1 + 0.1 * other), FARAD * Cp])
-    answers = np.stack([told, told], axis=1) if target == "position" else told.astype(int)
+    answers = np.stack([told, told, told], axis=1) if target == "position" else told.astype(int)
     problem = LocalizationProblem(target, 6, ("Rs", "Cp"), ("left",), (1e3, 1e4, 1e5), "")
-    learned = made.build(problem).fit(X[::2], answers[::2])
-    found = learned.predict(X[1::2])
+    found = made.fit(problem, X[::2], answers[::2]).predict(X[1::2])
     assert (np.abs(found - answers[1::2]) < 0.5).mean() > 0.95

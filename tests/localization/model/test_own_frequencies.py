@@ -38,8 +38,8 @@ def test_features_are_those_of_what_was_read(sheet, thinned, taken, quantities):
 def test_a_model_of_them_is_kept_and_takes_no_others(sheet, thinned, taken, estimator, tmp_path):
     sweeps = thinned(taken)
     model = train(sweeps, "column", estimator, quantities="Rs,Cp")
-    save(tmp_path / "own.skops", model)
-    again = load(tmp_path / "own.skops")
+    save(tmp_path / "own.npz", model)
+    again = load(tmp_path / "own.npz")
     assert again.problem == model.problem and again.problem.taken
     np.testing.assert_array_equal(again.predict(sweeps), model.predict(sweeps))
     for other in (sheet, thinned(np.roll(taken, 1, axis=1))):

@@ -143,7 +143,7 @@ def test_crossed_contacts_stay_below_their_cap_and_the_same_edge_above(results):
 @pytest.mark.parametrize("name", SHEETS)
 def test_the_saved_model_knows_the_sweeps_it_was_trained_on(results, name):
     measured = sweeps.read(results / f"{name}-sweeps.csv")
-    assert np.mean(load(results / f"{name}.skops").predict(measured) == labels(measured)) > 0.97
+    assert np.mean(load(results / f"{name}.npz").predict(measured) == labels(measured)) > 0.97
 
 
 @pytest.mark.parametrize("name", ["sheet-5x5-sweeps.csv", "figure-2c.svg", "report.html"])

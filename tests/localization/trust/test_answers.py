@@ -3,16 +3,9 @@
 import numpy as np
 import pytest
 from rcskin.localization.inputs.samples import draw_stratified
-from rcskin.localization.learners.components import Components
 from rcskin.localization.trust.answers import CANNOT_TELL, decide, threshold_of
 from rcskin.localization.trust.temperature import calibration_error, probabilities, sharpness_of
 from rcskin.simulator.sweeps import InputError
-from sklearn.utils.estimator_checks import parametrize_with_checks
-
-
-@parametrize_with_checks([Components()])
-def test_it_keeps_the_conventions_of_scikit_learn(estimator, check):
-    check(estimator)
 
 
 @pytest.fixture

@@ -39,7 +39,7 @@ def parts(sweeps):
 @pytest.fixture(scope="module", params=["Rs,Cp", "dlnZ,dphase"])
 def model(request, parts, tmp_path_factory):
     """A trained model, as it is read from its file."""
-    path = tmp_path_factory.mktemp("model") / "m.skops"
+    path = tmp_path_factory.mktemp("model") / "m.npz"
     save(path, train(parts[0], "column", quantities=request.param))
     return load(path)
 

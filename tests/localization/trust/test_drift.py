@@ -1,6 +1,7 @@
 """What a skin drifts by since the rest before is no novelty to who allows for it."""
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -31,8 +32,7 @@ def samples(seed, drift=0.0):
 def quick_network():
     """The network with fewer steps."""
     network = chosen("network", "column")
-    steps = {"classify__stages": ((2e-3, 150), (2e-4, 50))}
-    return replace(network, build=lambda problem: network.build(problem).set_params(**steps))
+    return replace(network, fit=partial(network.fit, stages=((2e-3, 150), (2e-4, 50))))
 
 
 @pytest.fixture(

@@ -37,7 +37,7 @@ def test_probabilities_of_sweeps_never_seen_are_honest(columns, make_sweeps):
     classes, told = columns.probabilities(unseen)
     told = told[samples.rows]
     right = classes[told.argmax(axis=1)] == samples.y
-    raw = probabilities(columns.pipeline.decision_function(samples.X), 1.0).max(axis=1)
+    raw = probabilities(columns.predictor.decisions(samples.X), 1.0).max(axis=1)
     honest = calibration_error(told.max(axis=1), right)
     assert honest < 0.08 < calibration_error(raw, right)
 
@@ -48,7 +48,7 @@ def test_answers_are_right_more_often_than_guesses(make_sweeps):
     unseen = noisy[4]
     told = model.answers(unseen)
     samples = model.samples(unseen)
-    guesses = model.pipeline.predict(samples.X).astype(str)
+    guesses = model.predictor.predict(samples.X).astype(str)
     told, truth = told.labels[samples.rows], samples.y.astype(str)
     answered = told != CANNOT_TELL
     assert 0.3 < answered.mean() < 0.95
@@ -87,8 +87,8 @@ def test_positions_are_found_with_deviations_that_hold(mountings, make_sweeps, t
     assert 0.85 < inside.mean() <= 1
     rest = model.answers(unseen).labels[unseen["column"].values == 0]
     assert rest[0] == CANNOT_TELL and set(rest[1:]) == {"0"}
-    save(tmp_path / "p.skops", model)
-    np.testing.assert_array_equal(load(tmp_path / "p.skops").positions(unseen)[1], deviation)
+    save(tmp_path / "p.npz", model)
+    np.testing.assert_array_equal(load(tmp_path / "p.npz").positions(unseen)[1], deviation)
 
 
 def test_a_model_takes_its_interfaces_of_sweeps_that_have_more(sheet):

@@ -5,7 +5,7 @@ import pytest
 from rcskin.localization.model.localizer_file import load, save
 from rcskin.localization.model.training import train
 from rcskin.localization.trust.answers import CANNOT_TELL
-from rcskin.localization.trust.kinds import KindGuard
+from rcskin.localization.trust.kinds import fitted_kind_guard
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver
@@ -50,8 +50,8 @@ def known(press):
 def test_pairs_are_not_localized_and_single_presses_are(
     press, known, tmp_path, target, features, least
 ):
-    save(tmp_path / "m.skops", train(known, target, quantities=features))
-    model = load(tmp_path / "m.skops")
+    save(tmp_path / "m.npz", train(known, target, quantities=features))
+    model = load(tmp_path / "m.npz")
     pairs = [f"{a}+{b}" for a, b in zip(PIXELS, PIXELS[7:] + PIXELS[:7], strict=True)]
     found = [model.answers(press(asked, 9)).labels[4:] for asked in (2 * PIXELS, pairs)]
     single, both = [np.mean(labels == CANNOT_TELL) for labels in found]
@@ -74,7 +74,7 @@ def fifths(count):
 
 def guarded(X, **how):
     """A guard that knows two kinds of sweeps, which are alike."""
-    return KindGuard().fit(X, np.arange(len(X)) % 2, splits=fifths(len(X)), **how)
+    return fitted_kind_guard(X, np.arange(len(X)) % 2, splits=fifths(len(X)), **how)
 
 
 def test_what_lies_off_the_training_is_novel_whatever_the_units():
@@ -82,21 +82,21 @@ def test_what_lies_off_the_training_is_novel_whatever_the_units():
     flat = random.standard_normal((400, 2)) @ random.standard_normal((2, 12))
     X = (flat + 1e-3 * random.standard_normal(flat.shape)) * np.geomspace(1e-12, 1e6, 12)
     guard = guarded(X[:300], equal_errors=False)
-    assert (guard.predict(X[300:]) == 1).mean() > 0.97
+    assert (~guard.novel(X[300:])).mean() > 0.97
     for feature in (2, 11):
         off = X[300:] * (1 + 0.3 * np.eye(12)[feature])
-        assert (guard.predict(off) == -1).mean() > 0.9
+        assert guard.novel(off).mean() > 0.9
 
 
 def test_one_bad_sweep_of_the_training_does_not_hide_novelties():
     random = np.random.default_rng(3)
     X = random.standard_normal((1200, 8))
     clean, bad = guarded(X), guarded(np.vstack([X, 1e3 * random.standard_normal(8)]))
-    assert bad.limit_ == pytest.approx(clean.limit_, rel=0.3)
+    assert bad.limit == pytest.approx(clean.limit, rel=0.3)
     unseen = random.standard_normal((200, 8))
-    assert (bad.predict(unseen) == 1).mean() > 0.98
+    assert (~bad.novel(unseen)).mean() > 0.98
     for feature in np.eye(8):
-        assert (bad.predict(unseen + 12 * feature) == -1).all()
+        assert bad.novel(unseen + 12 * feature).all()
 
 
 def test_the_guard_looks_at_its_own_columns_alone():
@@ -107,8 +107,8 @@ def test_the_guard_looks_at_its_own_columns_alone():
     )
     X = np.hstack([change, curve])
     guard = guarded(X, columns=np.arange(3))
-    assert (guard.predict(X[:50] + np.array([10, 0, 0, 0, 0, 0])) == -1).all()
-    assert (guard.predict(X[:50] + np.array([0, 0, 0, 99, 0, 0])) == 1).mean() > 0.9
+    assert guard.novel(X[:50] + np.array([10, 0, 0, 0, 0, 0])).all()
+    assert (~guard.novel(X[:50] + np.array([0, 0, 0, 99, 0, 0]))).mean() > 0.9
 
 
 @pytest.mark.parametrize("target", ["column", "pair"])
@@ -126,7 +126,7 @@ def test_a_rest_that_drifts_stays_one():
     strength = (kinds != "0") * (1 + 0.2 * random.standard_normal(180))
     course = np.array([np.linspace(1, k, 8) for k in (0, 0, 3)])[kinds.astype(int)]
     X = strength[:, None] * course + 0.01 * random.standard_normal((180, 8))
-    guard = KindGuard().fit(X, kinds, splits=fifths(180))
+    guard = fitted_kind_guard(X, kinds, splits=fifths(180))
     drifted = 0.05 * np.linspace(1, 0, 8)
-    assert guard.predict(drifted[None])[0] == 1
-    assert guard.predict((course[60] + course[120])[None])[0] == -1
+    assert not guard.novel(drifted[None])[0]
+    assert guard.novel((course[60] + course[120])[None])[0]

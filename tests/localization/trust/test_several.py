@@ -70,10 +70,10 @@ def rates(model, asked):
 
 def test_pairs_shown_in_training_are_noticed_more_often(session, known, tmp_path):
     without = train(known.isel(sweep=counts_of(known) < 2), quantities=CHANGES)
-    save(tmp_path / "m.skops", train(known, quantities=CHANGES))
+    save(tmp_path / "m.npz", train(known, quantities=CHANGES))
     asked = concatenate([session(number) for number in range(90, 98)])
     (before, _), (pairs, single) = (
-        rates(model, asked) for model in (without, load(tmp_path / "m.skops"))
+        rates(model, asked) for model in (without, load(tmp_path / "m.npz"))
     )
     assert pairs >= before + 0.02
     assert pairs >= 0.8
@@ -81,8 +81,8 @@ def test_pairs_shown_in_training_are_noticed_more_often(session, known, tmp_path
 
 
 def test_a_localizer_of_raw_readings_is_guarded_by_changes_from_rest(session, known, tmp_path):
-    save(tmp_path / "m.skops", train(known, quantities=("Rs", "Cp")))
-    raw = load(tmp_path / "m.skops")
+    save(tmp_path / "m.npz", train(known, quantities=("Rs", "Cp")))
+    raw = load(tmp_path / "m.npz")
     asked = concatenate([session(number) for number in range(90, 98)])
     pairs, single = rates(raw, asked)
     assert pairs >= 0.8

@@ -287,7 +287,7 @@ def test_a_long_invalid_line_is_shown_in_part(of):
     assert len(str(refused.value)) < 1000
 
 
-@pytest.mark.parametrize(("name", "told"), [("all.nc", "sweeps"), ("m.skops", "a model")])
+@pytest.mark.parametrize(("name", "told"), [("all.nc", "sweeps"), ("m.npz", "a model")])
 def test_other_files_than_scenes_are_refused_by_their_kind(name, told, tmp_path):
     (tmp_path / name).write_bytes(b"\x89HDF")
     with pytest.raises(InputError, match=f"{told}, a scene is expected here"):

@@ -114,7 +114,7 @@ def received(request, tmp_path, run, tables):
         "calibrate sheet-3x3 {0} -o {2} --fit capacitance --fix others",
         "check {0}",
         "plot {0} -o {2}.png",
-        "train {0} -o {2}.skops",
+        "train {0} -o {2}.npz",
         "evaluate {0} -o {2}",
         "export {0} -o {2}.parquet",
     ],

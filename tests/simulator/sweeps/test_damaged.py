@@ -56,11 +56,11 @@ def test_a_folder_is_no_file_to_write_to(tmp_path):
 
 
 def test_an_empty_model_is_reported(tmp_path):
-    (tmp_path / "m.skops").touch()
+    (tmp_path / "m.npz").touch()
     with pytest.raises(
-        InputError, match=r"m\.skops: not a model in the format of skops: it is empty"
+        InputError, match=r"m\.npz: not a model in the format of skops: it is empty"
     ):
-        load(tmp_path / "m.skops")
+        load(tmp_path / "m.npz")
 
 
 def test_a_scene_may_begin_with_a_byte_order_mark_and_must_be_text(tmp_path):

@@ -184,9 +184,9 @@ def test_a_scene_given_for_sweeps_is_reported_with_what_makes_sweeps(reader, fol
 
 @pytest.mark.parametrize("reader", [read, import_file])
 def test_a_model_given_for_sweeps_is_reported(reader, folder):
-    (folder / "m.skops").write_bytes(b"PK\0")
-    with pytest.raises(InputError, match=r"m\.skops: this is a model, sweeps are expected here"):
-        reader(folder / "m.skops")
+    (folder / "m.npz").write_bytes(b"PK\0")
+    with pytest.raises(InputError, match=r"m\.npz: this is a model, sweeps are expected here"):
+        reader(folder / "m.npz")
 
 
 def test_files_of_another_kind_are_reported(tmp_path):

@@ -24,7 +24,7 @@ READERS = {
     ".toml": load_scene,
     ".nc": read,
     ".csv": read,
-    ".skops": load,
+    ".npz": load,
 }
 MAP = '[skin.top.map]\nkind = "file"\npath = "{}"\n'
 
@@ -119,9 +119,9 @@ def test_small_files_that_declare_much_are_refused(tmp_path, make, name, reader,
 
 def test_an_archive_that_unpacks_to_much_is_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(inputs, "MODEL", inputs.InputKind("a model", 2**20))
-    with zipfile.ZipFile(tmp_path / "a.skops", "w", zipfile.ZIP_DEFLATED) as archive:
+    with zipfile.ZipFile(tmp_path / "a.npz", "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("schema.json", bytes(2**21))
-    assert "unpacks to" in refusal(load, tmp_path / "a.skops")
+    assert "unpacks to" in refusal(load, tmp_path / "a.npz")
 
 
 def png(width, height):

@@ -352,10 +352,10 @@ def test_binary_files_are_refused_with_what_to_do(imported, name, advice):
 def test_commands_that_read_sweeps_name_import_for_tables_of_others(run, tmp_path, name, above):
     (tmp_path / name).write_text("\n".join([*above, "f/Hz;Rs;X", "100;1;2", "200;1;2"]))
     for command in (
-        ["localize", "any.skops"],
-        ["evaluate", "any.skops"],
-        ["adapt", "any.skops", "-o", tmp_path / "b.skops"],
-        ["train", "-o", tmp_path / "b.skops"],
+        ["localize", "any.npz"],
+        ["evaluate", "any.npz"],
+        ["adapt", "any.npz", "-o", tmp_path / "b.npz"],
+        ["train", "-o", tmp_path / "b.npz"],
         ["calibrate", "strip-1x3"],
         ["join", "-o", tmp_path / "b.nc"],
         ["gap", "-o", tmp_path / "gap", tmp_path / name],

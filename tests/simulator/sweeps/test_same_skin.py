@@ -89,11 +89,9 @@ def test_another_skin_is_refused_in_one_line():
     with pytest.raises(InputError, match=told):
         check_same_skin(builtin_text("sheet-5x5"), builtin_text("sheet-3x3"), "run.nc")
     with pytest.raises(
-        InputError, match="^columns.skops: trained for sheet-5x5, but used for glove: "
+        InputError, match="^columns.npz: trained for sheet-5x5, but used for glove: "
     ):
-        check_same_skin(
-            builtin_text("sheet-5x5"), builtin_text("glove"), "columns.skops", "trained"
-        )
+        check_same_skin(builtin_text("sheet-5x5"), builtin_text("glove"), "columns.npz", "trained")
 
 
 @pytest.mark.parametrize("text", ["", "no scene; another", 'name = "bare"', "skin = 3"])

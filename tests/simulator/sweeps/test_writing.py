@@ -396,7 +396,7 @@ def test_a_folder_whose_writer_was_killed_between_two_renames_is_put_back(
     out = tmp_path / "out.nc"
     words = {
         "check": ("check", path),
-        "train": ("train", path, "-o", tmp_path / "m.skops"),
+        "train": ("train", path, "-o", tmp_path / "m.npz"),
         "join": ("join", path, "-o", out),
         "export": ("export", path, "-o", out),
         "sweep": ("sweep", "sheet-3x3", "--press", "none", "-o", path),
