@@ -81,8 +81,11 @@ def removal_message(name: str) -> str:
 def learners() -> dict[str, Estimator]:
     """The estimators that are trained on sweeps alone, by name."""
     few = tuple(target for target in CLASSES if target != "pair")
-    drift = {"drifted": with_drift, "max_sweeps": 500_000}
-    of_gaussian = {"check": curve_and_absolute, "drifted": _drifted_for_gaussian}
+    drift: dict[str, Any] = {"drifted": with_drift, "max_sweeps": 500_000}
+    of_gaussian: dict[str, Any] = {
+        "check": curve_and_absolute,
+        "drifted": _drifted_for_gaussian,
+    }
     made = [
         Estimator(REFERENCE, few, _reference, _reference_grid),
         Estimator("ksvm-components", CLASSES, components_svm, SVM_GRID),
