@@ -169,4 +169,4 @@ def _check_learnable(samples: PairedSamples, estimator: Estimator) -> None:
         raise InputError(
             f"`target` {target}: the simulated sweeps must have 2 classes, got {count}"
         )
-    estimator.build(samples.problem)
+    estimator.check(samples.problem)

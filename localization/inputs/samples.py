@@ -238,7 +238,7 @@ def samples_of(
         raise InputError(f"no sweep with a `target` {target} has a baseline sweep before it")
     some, used = sweeps.isel(sweep=usable), at_interfaces(sweeps, interfaces)
     problem = LocalizationProblem(
-        target=target,
+        target=target,  # pyright: ignore[reportArgumentType]
         features=X.shape[1],
         quantities=names,
         interfaces=tuple(str(name) for name in used["interface"].values),

@@ -49,7 +49,8 @@ class Adapted(Predictor):
 
     def in_background(self) -> Self:
         """A copy that computes new tables in the background, see `SkinCache`."""
-        return replace(self, skins=SkinCache(in_background=True))
+        own: Any = self
+        return replace(own, skins=SkinCache(in_background=True))
 
     def novel(self, X: Real) -> Mask:
         return self._by_skin(X, lambda inner, change: inner.novel(change)).astype(bool)

@@ -74,11 +74,21 @@ def chosen(name: str | None, target: str) -> Estimator:
 
 def model_based() -> list[Estimator]:
     """Both estimators that invert the simulator: for the mean skin, and for the actual skin."""
-    adapted = partial(_fitted, MODEL_ADAPTED)
     return [
-        Estimator(MODEL_BASED, TARGETS, partial(_fitted, MODEL_BASED), uses_sweeps=False),
-        Estimator(MODEL_ADAPTED, TARGETS, adapted, max_sessions=SKINS, uses_sweeps=False),
+        _inverting(MODEL_BASED),
+        _inverting(MODEL_ADAPTED, max_sessions=SKINS),
     ]
+
+
+def _inverting(name: str, max_sessions: int | None = None) -> Estimator:
+    return Estimator(
+        name,
+        TARGETS,
+        partial(_fitted, name),
+        check=partial(_check, name=name),
+        max_sessions=max_sessions,
+        uses_sweeps=False,
+    )
 
 
 def _fitted(

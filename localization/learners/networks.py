@@ -86,9 +86,8 @@ def fitted_layers(
     from sklearn.neural_network import MLPClassifier, MLPRegressor
 
     batch, random = min(BATCH, len(X)), np.random.default_rng(seed)
-    network: Any = (MLPClassifier if classify else MLPRegressor)(
-        hidden_layer_sizes=hidden, batch_size=batch, random_state=seed, shuffle=False
-    )
+    kind: Any = MLPClassifier if classify else MLPRegressor
+    network = kind(hidden_layer_sizes=hidden, batch_size=batch, random_state=seed, shuffle=False)
     known = {"classes": np.unique(y)} if classify else {}
     with warnings.catch_warnings(), _interruptible():
         warnings.filterwarnings("error", INTERRUPTED)

@@ -35,16 +35,18 @@ class Estimator:
     """A localizer to be trained.
 
     targets: targets that it can predict. fit: trains it. grid: values of the parameters of `fit`
-    that tuning tries, or a function of the problem that returns them. drifted: adds the synthetic
-    drift of its training to sweeps. max_sweeps: maximum number of training sweeps; more are
-    subsampled evenly. max_sessions: maximum number of training sessions, None for all. uses_sweeps:
-    True if predictions depend on the training sweeps.
+    that tuning tries, or a function of the problem that returns them. check: raises InputError for
+    a problem that it cannot learn. drifted: adds the synthetic drift of its training to sweeps.
+    max_sweeps: maximum number of training sweeps; more are subsampled evenly. max_sessions: maximum
+    number of training sessions, None for all. uses_sweeps: True if predictions depend on the
+    training sweeps.
     """
 
     name: str
     targets: tuple[str, ...]
     fit: Fit
     grid: Grid | Callable[[LocalizationProblem], Grid] = field(default_factory=dict)
+    check: Callable[[LocalizationProblem], object] = lambda problem: None
     drifted: Callable[[LocalizationProblem, Real], Real] = lambda problem, X: X
     max_sweeps: int = 20_000
     max_sessions: int | None = None
@@ -79,11 +81,15 @@ def removal_message(name: str) -> str:
 def learners() -> dict[str, Estimator]:
     """The estimators that are trained on sweeps alone, by name."""
     few = tuple(target for target in CLASSES if target != "pair")
-    many, drift = {"max_sweeps": 100_000}, {"drifted": with_drift, "max_sweeps": 500_000}
+    drift: dict[str, Any] = {"drifted": with_drift, "max_sweeps": 500_000}
+    of_gaussian: dict[str, Any] = {
+        "check": curve_and_absolute,
+        "drifted": _drifted_for_gaussian,
+    }
     made = [
         Estimator(REFERENCE, few, _reference, _reference_grid),
         Estimator("ksvm-components", CLASSES, components_svm, SVM_GRID),
-        Estimator("gaussian", CLASSES, gaussian, drifted=_drifted_for_gaussian, **many),
+        Estimator("gaussian", CLASSES, gaussian, **of_gaussian, max_sweeps=100_000),
         Estimator("kernel-ridge", ("position",), kernel_ridge, RIDGE_GRID, max_sweeps=6000),
         Estimator("network", TARGETS, network, NETWORK_GRID, **drift),
     ]

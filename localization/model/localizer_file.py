@@ -47,7 +47,8 @@ def load(path: str | Path) -> Model:
         return replace(_answering(Model.of(description.get("model"), arrays)), source=str(path))
     except ForeignFileError as error:
         earlier = "layout" in str(error)
-        raise InputError(_train_again(path) if earlier else f"{path}: no model: {error}") from error
+        reason = _train_again(path) if earlier else f"{path}: not a model of rcskin: {error}"
+        raise InputError(reason) from error
     except UnsoundError as error:
         raise InputError(f"{path}: damaged or forged: {error}; train it again") from error
     except (ValueError, RecursionError) as error:

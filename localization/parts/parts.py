@@ -269,7 +269,7 @@ def centred(decisions: Real) -> Real:
 
 def kernel(x: Real, vectors: Real, gamma: float) -> Real:
     """exp(-gamma |x - v|²) of each row and vector, shape (n, V)."""
-    return np.exp(-gamma * squared_distances(x, vectors))
+    return np.asarray(np.exp(-gamma * squared_distances(x, vectors)), np.float64)
 
 
 def squared_distances(x: Real, vectors: Real) -> Real:

@@ -76,7 +76,7 @@ class Plain:
         return found
 
 
-def require(holds: bool | np.bool_, name: str, reason: str) -> None:
+def require(holds: object, name: str, reason: str) -> None:
     """Raises UnsoundError unless a condition holds."""
     if not holds:
         raise UnsoundError(name, reason)
@@ -95,7 +95,7 @@ def require_orthonormal(rows: NDArray, name: str) -> None:
 
 
 @cache
-def _hints(kind: type[Plain]) -> dict[str, Any]:
+def _hints(kind: Any) -> dict[str, Any]:
     """Annotations of the stored fields."""
     hints = get_type_hints(kind, include_extras=True)
     return {

@@ -30,7 +30,7 @@ def held_out_decisions(
         predictor = train(samples.part(train_on))
         found = predictor.decisions(samples.X[test])
         rows = np.searchsorted(held_out, test)
-        places = np.searchsorted(classes, predictor.classes)
+        places = np.searchsorted(classes, np.asarray(predictor.classes))
         decided[rows] = found.min(axis=1, keepdims=True)
         decided[np.ix_(rows, places)] = found
     return decided

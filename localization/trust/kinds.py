@@ -45,6 +45,8 @@ Only noise lies outside the components. It is larger after fewer baseline sweeps
 """
 MIN_OUTSIDE_DISTANCE = 1e-5
 """Minimum of that quantile, relative to the root-sum-square spread of the features."""
+MAX_LIMIT = 1e100
+"""Maximum limit; kinds with one sweep each, which have no spread, give an infinite one."""
 TAILS = 0.01
 """Share of the training at either end of a feature that may be outliers."""
 
@@ -128,7 +130,7 @@ def fitted_kind_guard(
     held_out = [_spread_of(X[a], kinds[a], columns, equal_errors).both(X[b]) for a, b in splits]
     guard = _spread_of(X, kinds, columns, equal_errors)
     within, outside = np.concatenate(held_out, axis=1)
-    limit = reach * float(np.quantile(within, share, method="higher")) or 1.0
+    limit = min(reach * float(np.quantile(within, share, method="higher")) or 1.0, MAX_LIMIT)
     farthest = float(np.quantile(outside, OUTSIDE_QUANTILE, method="higher"))
     least = MIN_OUTSIDE_DISTANCE * float(np.sqrt(columns.size))
     return replace(guard, limit=limit, outside=limit / (OUTSIDE_MARGIN * max(farthest, least)))

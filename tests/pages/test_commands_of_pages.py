@@ -51,7 +51,7 @@ OF_A_SCENE = {
     *("sweep", "describe", "view", "dataset", "study", "limits", "frequencies"),
     *("design", "calibrate"),
 }
-FILE = re.compile(r"[\w./-]+\.(toml|nc|csv|zarr|skops)")
+FILE = re.compile(r"[\w./-]+\.(toml|nc|csv|zarr|npz)")
 FOLDERS = ("limits", "judged")
 EXAMPLES = [each.epilog.split(": ", 1)[1] for each in app.registered_commands if each.epilog]
 

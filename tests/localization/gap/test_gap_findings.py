@@ -1,12 +1,13 @@
 """What is found of a known shift, and how missing pieces degrade."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rcskin.localization.gap.options import GapOptions
 from rcskin.localization.gap.report.sentences import accuracy_rows
-from rcskin.localization.learners.registry import Estimator
+from rcskin.localization.learners.registry import learners
 from rcskin.simulator.sweeps import InputError
-from sklearn.svm import SVC
 
 
 def reached(findings, stage, features="relative", k=0):
@@ -107,12 +108,11 @@ def test_sweeps_free_of_noise_are_read_before_they_train(make_skin_sweeps, make_
 def test_features_that_an_estimator_does_not_take_are_left_out(
     make_skin_sweeps, make_findings, monkeypatch
 ):
-    def build(problem):
+    def check(problem):
         if "Rs" in problem.quantities:
             raise InputError("takes no Rs")
-        return SVC()
 
-    picky = Estimator("picky", ("column",), build)
+    picky = replace(learners()["ksvm-components"], name="picky", check=check)
     monkeypatch.setattr("rcskin.localization.gap.comparison.chosen", lambda *_: picky)
     findings = make_findings(make_skin_sweeps(), make_skin_sweeps(seed=1), estimator="picky")
     assert list(findings.own) == ["relative"]

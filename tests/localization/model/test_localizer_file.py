@@ -189,7 +189,7 @@ def test_a_damaged_file_is_refused_in_one_line(model, tmp_path):
     path = tmp_path / "bad.npz"
     for data in (b"", b"target,output,count\n", whole[: len(whole) // 2]):
         path.write_bytes(data)
-        with pytest.raises(InputError, match=r"bad\.npz: (not a model of rcskin|no model)") as e:
+        with pytest.raises(InputError, match=r"bad\.npz: not a model of rcskin") as e:
             load(path)
         assert "\n" not in str(e.value)
 
@@ -205,7 +205,7 @@ def test_what_is_no_model_is_named_by_what_it_is(name, told, tmp_path):
 def test_an_archive_without_a_sound_description_is_refused(model, tmp_path, change):
     save(tmp_path / "good.npz", model)
     rewrite(tmp_path / "good.npz", tmp_path / "bad.npz", change)
-    with pytest.raises(InputError, match=r"bad\.npz: (not a model of rcskin|no model)"):
+    with pytest.raises(InputError, match=r"bad\.npz: not a model of rcskin"):
         load(tmp_path / "bad.npz")
 
 

@@ -57,9 +57,7 @@ def test_a_folder_is_no_file_to_write_to(tmp_path):
 
 def test_an_empty_model_is_reported(tmp_path):
     (tmp_path / "m.npz").touch()
-    with pytest.raises(
-        InputError, match=r"m\.npz: not a model in the format of skops: it is empty"
-    ):
+    with pytest.raises(InputError, match=r"m\.npz: not a model of rcskin: it is empty"):
         load(tmp_path / "m.npz")
 
 
