@@ -57,7 +57,8 @@ class NumberRange:
         """Raises ValueError naming the range and the first number outside it."""
         outside = [value for value in values if not self.low <= value <= self.high]
         if outside:
-            raise ValueError(f"must be {self.text} {self.unit}{of}, got {outside[0]:g}: {self.why}")
+            words = f"must be {self.text} {self.unit}".rstrip()
+            raise ValueError(f"{words}{of}, got {outside[0]:g}: {self.why}")
 
 
 class NumberWithin(NumberRange):

@@ -76,7 +76,6 @@ def test_a_changed_scene_is_another_skin(scene, sweeps):
 @pytest.mark.parametrize(
     "changes, told",
     [
-        ({"skin.top.sheet_resistanc": 1}, "`skin.top.sheet_resistanc` is not a known key"),
         ({"contact.9.resistance": 1}, "`contact.9.resistance`: there is no '9'"),
         ({"pixels": 0}, "`pixels.rows` must be >= 1, got 0"),
         ({"pixels.rows.x": 1}, "`pixels.rows.x`: there is no 'x'"),

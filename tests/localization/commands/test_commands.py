@@ -187,18 +187,9 @@ def test_what_scikit_learn_warns_of_is_not_shown(run, make_sweeps, tmp_path):
             ["train", "pressed.nc", "--features", "dlnZ", "-o", "m.skops"],
             "no sweep of the unpressed skin",
         ),
-        (
-            ["train", "known.nc", "--most", "0", "-o", "m.skops"],
-            "--most must be from 1 to",
-        ),
-        (
-            ["train", "known.nc", "--certain", "2", "-o", "m.skops"],
-            "--certain must be from 0 to",
-        ),
         (["evaluate", "a.skops", "known.nc"], "holds no model of rcskin"),
         (["localize", "none.skops", "known.nc"], "none.skops: no such file"),
         (["localize", "good.skops", "other.nc"], "trained on 20 frequencies, the sweeps have 2"),
-        (["evaluate", "known.nc", "--folds", "1"], "--folds must be from 2 to"),
         (
             ["train", "pressed.nc", "--estimator", "model-based", "-o", "m.skops"],
             "takes the features dlnZ,dphase",

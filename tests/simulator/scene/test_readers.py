@@ -28,14 +28,6 @@ SCENE = load_scene("sheet-5x5-two-interfaces")
         ),
         ({"interface.1.driven_with": ["bottom"]}, 'takes driven_with with reader = "gain" only'),
         (
-            GAIN | {"interface.1.series_resistance": 0.0},
-            "`interface[1].series_resistance` must be from 0.001 to 1e12 ohm, got 0: a node",
-        ),
-        (
-            GAIN | {"interface.1.load": {"resistance": 0.0}},
-            "`interface[1].load.resistance` must be from 0.001 to 1e15 ohm, got 0: an input of 0",
-        ),
-        (
             {"interface.1.reader": "gain", "interface.1.series_resistance": 1e6},
             "all interfaces must have the same `reader`, got 'gain' of 'left' and 'impedance' of",
         ),
