@@ -164,9 +164,11 @@ def _missing(locations: Sequence[Location]) -> list[str]:
 
 
 def _key(location: Location) -> str:
+    """The key as written in the file; pydantic's names of validators in unions are left out."""
     text = ""
     for part in location:
-        text += f"[{part + 1}]" if isinstance(part, int) else f".{part}"
+        if isinstance(part, int) or part.isidentifier():
+            text += f"[{part + 1}]" if isinstance(part, int) else f".{part}"
     return f"`{text.lstrip('.')}` " if text else ""
 
 
@@ -183,8 +185,8 @@ def _requirement(problem: Any) -> str:
     bounds = [f"{sign} {context[name]}" for name, sign in COMPARISONS.items() if name in context]
     if bounds:
         return f"must be {' and '.join(bounds)}, got {given!r}"
-    allowed = problem["msg"].removeprefix("Input should be ").removeprefix("a valid ")
-    return f"must be {allowed}, got {given!r}"
+    allowed = re.sub(r"^\w+ should ", "", problem["msg"]).replace("be a valid ", "be ")
+    return f"must {allowed}, got {given!r}"
 
 
 def _slip(problem: Any) -> str:

@@ -58,11 +58,9 @@ class Source(Table):
 
 def checked_sources(given: object) -> object:
     """Converts tables in a list of names and tables to sources; a name alone to a list."""
-    listed = given if isinstance(given, list | tuple) else [given]
-    for each in listed:
-        if not isinstance(each, str | Mapping | Source):
-            raise ValueError(f"must be names of interfaces or tables of sources, got {each!r}")
-    return [validated(Source, each) if isinstance(each, Mapping) else each for each in listed]
+    if not isinstance(given, list | tuple):
+        return [given] if isinstance(given, str) else given
+    return [validated(Source, one) if isinstance(one, Mapping) else one for one in given]
 
 
 def check_reader(interface: Interface) -> None:

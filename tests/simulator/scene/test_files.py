@@ -14,6 +14,7 @@ from rcskin.simulator.scene.scene_files import (
     scene_text,
 )
 from rcskin.simulator.sweeps import InputError
+from rcskin.tests.refusals import refusal_of
 
 SHEET = (BUILTIN / "sheet-3x3.toml").read_text(encoding="utf-8")
 
@@ -94,8 +95,7 @@ def replaced(*pairs):
 @pytest.mark.parametrize(
     ("pairs", "told"),
     [
-        # what is no TOML, no known key, or not there
-        (["[skin]", "[skin"], "not valid TOML"),
+        # what is no TOML
         (["length = 0.120", "length = 0.120\nlength = 1"], "not valid TOML"),
         # the skin
         ([FOAM, ""], "`skin.foam` needs either capacitance_per_area, or thickness with"),
@@ -187,9 +187,7 @@ def test_scenes_are_frozen():
     ],
 )
 def test_values_of_another_kind_are_refused(old, new, told):
-    with pytest.raises(InputError) as refused:
-        parse_scene(replaced(old, new), "mine.toml")
-    assert told in str(refused.value)
+    assert told in refusal_of(parse_scene, replaced(old, new), "mine.toml")
 
 
 @pytest.mark.parametrize(

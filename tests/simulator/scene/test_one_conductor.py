@@ -134,26 +134,6 @@ def test_touches_of_two_sheets_and_mixed_strengths_are_refused(yarn, make_scene)
         press_on(yarn, "1,3:2.0:30pF")
 
 
-@pytest.mark.parametrize(
-    ("command", "output", "message"),
-    [
-        (
-            "view",
-            "out.vtu",
-            "knit-36: view shows the field of one source, and interface 'left' is `driven_with`",
-        ),
-        (
-            "page",
-            "out.html",
-            "knit-36: a page shows impedances, and the readings of this scene are gains",
-        ),
-    ],
-)
-def test_commands_that_show_one_impedance_refuse_gains(run, tmp_path, command, output, message):
-    code, _, err = run(command, "knit-36", "-o", tmp_path / output)
-    assert code == 2 and message in err.splitlines()[-1]
-
-
 def test_describe_names_the_conductor_and_no_contacts_of_earth(run):
     code, out, _ = run("describe", "knit-36")
     assert code == 0 and "below" not in out and "bottom" not in out

@@ -80,6 +80,8 @@ def excluded(field):
     number = {float, int, Fixed} & {kind, *others}
     words = "must" if others else f"must be {TYPES.get(kind, '')}".rstrip()
     yield "many" if number else 3.5, words
+    texts = [each for each in constraints_of(field) if kind is str and hasattr(each, "min_length")]
+    yield from (("", f"must have at least {each.min_length} character") for each in texts)
     yield from ((value, words) for value in {int: (True, 2.5), float: (True,)}.get(kind, ()))
     for limits in (getattr(each, "func", each) for each in constraints_of(field) if number):
         if isinstance(limits, NumberRange):
