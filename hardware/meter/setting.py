@@ -46,8 +46,10 @@ class MeterProperty(Generic[T]):
     @overload
     def __get__(self, meter: SettingsOwner, owner: type) -> T: ...
     def __get__(self, meter: Any, owner: type) -> Self | T:
-        if meter is None:
-            return self
+        return self if meter is None else self.query_of(meter)
+
+    def query_of(self, meter: Any) -> T:
+        """Present value on a meter."""
         at = {"range": meter.range} if "{range}" in self.query else {}
         return meter.talk.query(self.query.format(**at), self.read_answer)
 
@@ -122,32 +124,23 @@ class Setting(MeterProperty[T]):
             meter.save_original()
 
 
-class SettingPart(Generic[T]):
+class SettingPart(MeterProperty[T]):
     """One value of a setting that holds several, see `PartsFormat`."""
 
     def __init__(self, whole: Setting[Any], index: int, meaning: str) -> None:
+        allowed: ValueFormat[T] = whole.allowed.parts[index]  # pyright: ignore
+        super().__init__(whole.query, allowed, meaning)
         self._whole, self._index = whole, index
-        self._allowed: ValueFormat[T] = whole.allowed.parts[index]  # pyright: ignore
-        self.__doc__ = f"{meaning}: {self._allowed}."
 
-    def __set_name__(self, owner: type, name: str) -> None:
-        self.name = name
-
-    @overload
-    def __get__(self, meter: None, owner: type) -> Self: ...
-    @overload
-    def __get__(self, meter: SettingsOwner, owner: type) -> T: ...
-    def __get__(self, meter: Any, owner: type) -> Self | T:
-        if meter is None:
-            return self
-        values: Any = self._whole.__get__(meter, owner)
-        return values[self._index]
+    def query_of(self, meter: Any) -> T:
+        """Present value of the part."""
+        return self._whole.query_of(meter)[self._index]
 
     def __set__(self, meter: SettingsOwner, value: T) -> None:
         """Set it, and leave the other parts. Raises as a `Setting`."""
-        text = self._allowed.write(value)
+        text = self.allowed.write(value)
         if text is None:
-            raise InputError(f"`{self.name}` must be {self._allowed}, got {value}")
-        values = list(self._whole.__get__(meter, type(meter)))
-        values[self._index] = self._allowed.read(text)
+            raise InputError(f"`{self.name}` must be {self.allowed}, got {value}")
+        values = list(self._whole.query_of(meter))
+        values[self._index] = self.allowed.read(text)
         self._whole.__set__(meter, tuple(values))

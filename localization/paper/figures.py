@@ -18,8 +18,7 @@ from ...simulator.scene.scene import Scene
 from ..evaluation.confusion import Confusion
 from ..evaluation.confusion_chart import draw_confusion
 from .paper_quantities import paper_frequencies, totals
-from .simulated_experiment import SimulatedExperiment
-from .studies import crossed_cap
+from .studies import SimulatedExperiment, crossed_cap
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ...simulator.models.solver import DEFAULT_RTOL
 from ...simulator.report.page import Cell, Items, ReportSection, TableGrid, write_page
-from .claim import RULES, Claim
+from .claims import RULES, Claim
 from .studies import DRAWS
 
 PAPER = (

@@ -14,6 +14,7 @@ from ...simulator.measure.readout import read_out
 from ...simulator.progress import ProgressCallback, tracked
 from ...simulator.report.files import filled_at_once, write_frame
 from ...simulator.report.page import Picture, ReportSection
+from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import load_scene
 from ...simulator.sweeps import checked_folder, made_folder, write
 from ..evaluation.confusion import Confusion, write_csv
@@ -22,25 +23,23 @@ from ..inputs.feature_names import PAPER
 from ..model.localizer_file import save
 from ..model.training import train
 from . import figures
-from .claim import Claim
-from .claims import Results, all_claims
+from .claims import Claim, all_claims
 from .paper_quantities import open_line_frequencies, paper_frequencies
 from .report import write_report
-from .simulated_experiment import (
+from .studies import (
     EXPERIMENTS,
     SHEETS,
     STRIPS,
+    Results,
     SimulatedExperiment,
-    simulate_experiment,
-    with_pixels,
-)
-from .studies import (
     contact_study,
     exact_sweeps,
     fewest_frequencies,
     frequency_study,
     noise_study,
     pooled_counts,
+    simulate_experiment,
+    with_pixels,
 )
 
 if TYPE_CHECKING:
@@ -50,6 +49,13 @@ FINER_PIXELS = 6
 WRITTEN = ("report.html", "comparison.csv", "figure-2c.*", "frequencies.*", "noise.*", "contacts.*")
 WRITTEN += tuple(f"{name}[-.]*" for name in EXPERIMENTS)
 """Name patterns of the files of a reproduction."""
+CAPTIONS = {
+    "figure-2c": "Amplitude at the end of each pixel; dots are Eq 6.",
+    "frequencies": "10 against 20 frequencies, with and without Rs.",
+    "noise": "Accuracy against the meter's noise, mean of all draws.",
+    "contacts": "Both sheets fed at one edge against crossed edges.",
+}
+OF_A_DEVICE = "curves are noise-free, dots are what the meter showed."
 
 
 @unchecked()
@@ -119,22 +125,18 @@ def _cutoffs(experiments: Mapping[str, SimulatedExperiment]) -> pd.DataFrame:
     """Half-power frequencies of each pixel's end on the infinite and the finite open line."""
     import pandas as pd
 
-    tables = []
-    for name in EXPERIMENTS:
-        scene = experiments[name].scene
-        n = scene.pixels.columns
-        tables.append(
-            pd.DataFrame(
-                {
-                    "scene": name,
-                    "pixel": np.arange(1, n + 1),
-                    "x_m": scene.skin.length * np.arange(1, n + 1) / n,
-                    "infinite_line_Hz": paper_frequencies(scene),
-                    "open_line_Hz": open_line_frequencies(scene),
-                }
-            )
-        )
-    return pd.concat(tables)
+    def table(name: str, scene: Scene) -> pd.DataFrame:
+        pixel = np.arange(1, scene.pixels.columns + 1)
+        columns = {
+            "scene": name,
+            "pixel": pixel,
+            "x_m": scene.skin.length * pixel / pixel.size,
+            "infinite_line_Hz": paper_frequencies(scene),
+            "open_line_Hz": open_line_frequencies(scene),
+        }
+        return pd.DataFrame(columns)
+
+    return pd.concat(table(name, experiments[name].scene) for name in EXPERIMENTS)
 
 
 def draw(
@@ -142,44 +144,26 @@ def draw(
 ) -> list[ReportSection]:
     """Write all charts as .png, and in another format if given; return those of the report."""
 
-    def drawn(name: str, draw: Callable[[Path], None]) -> Path:
+    def drawn(name: str, draw: Callable[..., None], *shown: object) -> Picture:
         for path in {folder / f"{name}{each}" for each in (".png", ending)}:
-            draw(path)
-        return folder / f"{name}.png"
+            draw(path, *shown)
+        return Picture(folder / f"{name}.png", CAPTIONS.get(name, f"{name}: {OF_A_DEVICE}"))
 
-    scenes = {name: experiment.scene for name, experiment in results.experiments.items()}
-
-    def device(path: Path) -> None:
-        name = path.stem
-        figures.experiment_figure(path, results.experiments[name], results.confusions[name])
-
-    strips = [scenes[name] for name in STRIPS]
-    attenuation = drawn("figure-2c", lambda path: figures.attenuation_figure(path, strips))
+    given, confusions = results.experiments, results.confusions
+    scenes = {name: each.scene for name, each in given.items()}
+    attenuation = drawn("figure-2c", figures.attenuation_figure, [scenes[name] for name in STRIPS])
     devices = {
-        name: drawn(name, device) for name in tracked(list(EXPERIMENTS), "figures", progress)
+        name: drawn(name, figures.experiment_figure, given[name], confusions[name])
+        for name in tracked(list(EXPERIMENTS), "figures", progress)
     }
-    frequencies = drawn(
-        "frequencies", lambda path: figures.frequency_figure(path, results.frequency)
-    )
-    noise = drawn("noise", lambda path: figures.noise_figure(path, results.noise, scenes))
-    contacts = drawn("contacts", lambda path: figures.contact_figure(path, results.contact))
-    return [
-        ReportSection(
-            "Figure 2(c): the analytic model",
-            [Picture(attenuation, "Amplitude at the end of each pixel; dots are Eq 6.")],
-        ),
-        ReportSection("Figure 3: the strip", [_device(name, devices[name]) for name in STRIPS]),
-        ReportSection("Figure 4: the sheet", [_device(name, devices[name]) for name in SHEETS]),
-        ReportSection(
-            "What the paper varied or left open",
-            [
-                Picture(frequencies, "10 against 20 frequencies, with and without Rs."),
-                Picture(noise, "Accuracy against the meter's noise, mean of all draws."),
-                Picture(contacts, "Both sheets fed at one edge against crossed edges."),
-            ],
-        ),
+    varied = [
+        drawn("frequencies", figures.frequency_figure, results.frequency),
+        drawn("noise", figures.noise_figure, results.noise, scenes),
+        drawn("contacts", figures.contact_figure, results.contact),
     ]
-
-
-def _device(name: str, path: Path) -> Picture:
-    return Picture(path, f"{name}: curves are noise-free, dots are what the meter showed.")
+    return [
+        ReportSection("Figure 2(c): the analytic model", [attenuation]),
+        ReportSection("Figure 3: the strip", [devices[name] for name in STRIPS]),
+        ReportSection("Figure 4: the sheet", [devices[name] for name in SHEETS]),
+        ReportSection("What the paper varied or left open", varied),
+    ]

@@ -1,12 +1,13 @@
-"""Accuracy against quantities that the paper varied or left open.
+"""The paper's six experiments as the meter reads them, and what it varied or left open.
 
-These are the frequencies, the meter's noise and the contact layout.
+The studies are of the frequencies, the meter's noise and the contact layout.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,17 +17,21 @@ from ...simulator.measure.experiment import METER, PRESSES, planned_presses, str
 from ...simulator.measure.readout import read_out
 from ...simulator.measure.simulate import simulate
 from ...simulator.models.solver import Solver
+from ...simulator.press.press import Press
 from ...simulator.progress import ProgressCallback, tracked
-from ...simulator.scene.readout.meter import Readout
+from ...simulator.scene.pixel_grid import Pixels
 from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import load_scene
+from ..evaluation.confusion import Confusion
 from ..evaluation.evaluation import cross_validate
 from ..inputs.feature_names import PAPER
-from .simulated_experiment import SimulatedExperiment, with_pixels
 
 if TYPE_CHECKING:
     import xarray as xr
 
+STRIPS = ("strip-1x3", "strip-1x4", "strip-1x5")
+SHEETS = ("sheet-3x3", "sheet-4x4", "sheet-5x5")
+EXPERIMENTS = (*STRIPS, *SHEETS)
 DRAWS = 5
 NOISE_MULTIPLES = (0.1, 0.3, 1.0, 3.0, 10.0)
 CHOICES = {"10 low": slice(10), "10 spread": slice(None, None, 2), "20": slice(None)}
@@ -35,6 +40,54 @@ LAYOUTS = {"same edge": "sheet-5x5", "crossed": "sheet-5x5-crossed"}
 LAYOUT_PIXELS = (3, 4, 5)
 LAYOUT_MULTIPLES = (0.1, 1.0)
 STUDY_RTOL = 1e-3
+
+
+@dataclass(frozen=True)
+class SimulatedExperiment:
+    """An experiment's scene, with its noise-free, measured and unpressed sweeps."""
+
+    scene: Scene
+    exact: xr.Dataset
+    measured: xr.Dataset
+    unpressed: xr.Dataset
+
+
+def simulate_experiment(scene: Scene, progress: ProgressCallback) -> SimulatedExperiment:
+    """Press every pixel as often as the scene's experiment says and read the meter each time."""
+    solver = Solver(scene)
+    presses = planned_presses(scene, stream(scene, PRESSES))
+    exact = simulate(solver, tracked(presses, scene.name, progress))
+    return SimulatedExperiment(
+        scene,
+        exact,
+        read_out(exact, scene.readout, stream(scene, METER)),
+        simulate(solver, [Press()]),
+    )
+
+
+def with_pixels(scene: Scene, n: int) -> Scene:
+    """The scene with n x n pixels."""
+    pixels = Pixels(rows=n, columns=n)
+    name = f"{scene.name} on {n}x{n} pixels"
+    return scene.model_copy(update={"pixels": pixels, "name": name})
+
+
+@dataclass(frozen=True)
+class Results:
+    """Experiments and their confusions by scene, and the studies.
+
+    finer: confusion of the 5x5 sheet pressed on 6x6 pixels. fewest, pooled: `fewest_frequencies`
+    and `pooled_counts` of the 1x5 strip.
+    """
+
+    experiments: Mapping[str, SimulatedExperiment]
+    confusions: Mapping[str, Confusion]
+    frequency: xr.DataArray
+    noise: xr.DataArray
+    contact: xr.DataArray
+    finer: Confusion
+    fewest: xr.DataArray
+    pooled: Integer
 
 
 def frequency_study(
@@ -46,18 +99,12 @@ def frequency_study(
     of the paper's 1-D model, or every second one.
     """
     cases = list(itertools.product(experiments, CHOICES.values(), QUANTITIES.values()))
-    accuracies = [
-        mean_accuracy(
-            experiment.exact.isel(frequency=choice),
-            experiment.scene,
-            experiment.scene.readout,
-            quantities,
-        )
-        for experiment, choice, quantities in tracked(cases, "10 against 20 frequencies", progress)
-    ]
     return _table(
-        accuracies,
-        scene=[experiment.scene.name for experiment in experiments],
+        [
+            mean_accuracy(each.exact.isel(frequency=choice), each.scene, quantities=quantities)
+            for each, choice, quantities in tracked(cases, "10 against 20 frequencies", progress)
+        ],
+        scene=[each.scene.name for each in experiments],
         frequencies=list(CHOICES),
         quantities=list(QUANTITIES),
     )
@@ -68,18 +115,13 @@ def noise_study(
 ) -> xr.DataArray:
     """Accuracy at multiples of the scene's noise; dimensions (scene, multiple)."""
     cases = list(itertools.product(experiments, NOISE_MULTIPLES))
-    accuracies = [
-        mean_accuracy(
-            experiment.exact,
-            experiment.scene,
-            scaled_noise(experiment.scene.readout, multiple),
-        )
-        for experiment, multiple in tracked(cases, "accuracy against noise", progress)
-    ]
     return _table(
-        accuracies,
-        scene=[experiment.scene.name for experiment in experiments],
-        multiple=list(NOISE_MULTIPLES),
+        [
+            mean_accuracy(each.exact, each.scene, multiple)
+            for each, multiple in tracked(cases, "accuracy against noise", progress)
+        ],
+        scene=[each.scene.name for each in experiments],
+        multiple=NOISE_MULTIPLES,
     )
 
 
@@ -92,38 +134,21 @@ def contact_study(progress: ProgressCallback) -> xr.DataArray:
     for name, n in itertools.product(LAYOUTS.values(), LAYOUT_PIXELS):
         scene = with_pixels(load_scene(name), n)
         exact = exact_sweeps(scene, progress)
-        accuracies += [
-            mean_accuracy(exact, scene, scaled_noise(scene.readout, multiple))
-            for multiple in LAYOUT_MULTIPLES
-        ]
-    return _table(
-        accuracies, layout=list(LAYOUTS), n=list(LAYOUT_PIXELS), multiple=list(LAYOUT_MULTIPLES)
-    )
+        accuracies += [mean_accuracy(exact, scene, multiple) for multiple in LAYOUT_MULTIPLES]
+    return _table(accuracies, layout=list(LAYOUTS), n=LAYOUT_PIXELS, multiple=LAYOUT_MULTIPLES)
 
 
 def fewest_frequencies(experiment: SimulatedExperiment) -> xr.DataArray:
     """Accuracy from the highest frequency, the highest two, ... of a scene; dimension (count,)."""
-    counts = range(1, len(experiment.scene.frequencies) + 1)
-    accuracies = [
-        mean_accuracy(
-            experiment.exact.isel(frequency=slice(-count, None)),
-            experiment.scene,
-            experiment.scene.readout,
-        )
-        for count in counts
-    ]
-    return _table(accuracies, count=list(counts))
+    exact, scene = experiment.exact, experiment.scene
+    counts = range(1, len(scene.frequencies) + 1)
+    highest = (exact.isel(frequency=slice(-count, None)) for count in counts)
+    return _table([mean_accuracy(each, scene) for each in highest], count=counts)
 
 
 def pooled_counts(experiment: SimulatedExperiment) -> Integer:
     """Confusion counts (target, output), summed over DRAWS draws of the meter's noise."""
-    return np.sum(
-        [
-            cross_validate(measured, quantities=PAPER, seed=draw).counts
-            for draw, measured in enumerate(_drawn(experiment.exact, experiment.scene))
-        ],
-        axis=0,
-    )
+    return np.sum([each.counts for each in _drawn(experiment.exact, experiment.scene)], axis=0)
 
 
 def crossed_cap(n: int) -> float:
@@ -137,10 +162,9 @@ def crossed_cap(n: int) -> float:
 def _table(accuracies: list[float], **coordinates: Sequence[object]) -> xr.DataArray:
     import xarray as xr
 
-    shape = [len(values) for values in coordinates.values()]
-    return xr.DataArray(
-        np.reshape(accuracies, shape), coordinates, list(coordinates), name="accuracy"
-    )
+    axes = {name: list(values) for name, values in coordinates.items()}
+    values = np.reshape(accuracies, [len(each) for each in axes.values()])
+    return xr.DataArray(values, axes, list(axes), name="accuracy")
 
 
 def exact_sweeps(scene: Scene, progress: ProgressCallback) -> xr.Dataset:
@@ -150,31 +174,23 @@ def exact_sweeps(scene: Scene, progress: ProgressCallback) -> xr.Dataset:
 
 
 def mean_accuracy(
-    exact: xr.Dataset, scene: Scene, readout: Readout, quantities: tuple[str, ...] = PAPER
+    exact: xr.Dataset, scene: Scene, multiple: float = 1.0, quantities: tuple[str, ...] = PAPER
 ) -> float:
-    """Cross-validated accuracy, mean over DRAWS draws of the meter's noise and of the folds."""
-    drawn = _drawn(exact, scene.model_copy(update={"readout": readout}))
-    return float(
-        np.mean(
-            [
-                cross_validate(measured, quantities=quantities, seed=draw).accuracy
-                for draw, measured in enumerate(drawn)
-            ]
-        )
-    )
+    """Cross-validated accuracy, mean over DRAWS draws of the meter's noise and of the folds.
+
+    multiple: of the noise of each reading.
+    """
+    readout = scene.readout
+    names = ("magnitude_noise", "phase_noise")
+    noise = {name: multiple * getattr(readout, name) for name in names}
+    scene = scene.model_copy(update={"readout": readout.model_copy(update=noise)})
+    return float(np.mean([each.accuracy for each in _drawn(exact, scene, quantities)]))
 
 
-def _drawn(exact: xr.Dataset, scene: Scene) -> Iterator[xr.Dataset]:
+def _drawn(
+    exact: xr.Dataset, scene: Scene, quantities: tuple[str, ...] = PAPER
+) -> Iterator[Confusion]:
     for draw in range(DRAWS):
         random = np.random.default_rng([scene.experiment.seed, METER, draw])
-        yield read_out(exact, scene.readout, random)
-
-
-def scaled_noise(readout: Readout, multiple: float) -> Readout:
-    """The meter with `multiple` times the noise of each reading."""
-    return readout.model_copy(
-        update={
-            "magnitude_noise": multiple * readout.magnitude_noise,
-            "phase_noise": multiple * readout.phase_noise,
-        }
-    )
+        measured = read_out(exact, scene.readout, random)
+        yield cross_validate(measured, quantities=quantities, seed=draw)

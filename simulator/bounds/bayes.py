@@ -58,11 +58,8 @@ class DrawScores:
     @property
     def accuracy(self) -> BayesAccuracy:
         """The mean, and its standard error by the number of draws."""
-        return _mean(self.correct)
-
-    def gain_over(self, other: DrawScores) -> BayesAccuracy:
-        """Difference of the accuracy from another of the same draws, and its standard error."""
-        return _mean(self.correct - other.correct)
+        error = self.correct.std(ddof=1) / math.sqrt(len(self.correct))
+        return BayesAccuracy(float(self.correct.mean()), float(error))
 
 
 def bayes(
@@ -232,7 +229,3 @@ class Draws:
     def _by_touch(self, nodes: Real) -> Real:
         """Readings of one hypothesis, shape (node of the first touch, ..., number)."""
         return nodes.reshape(*(len(self._nodes),) * self._touches, -1)
-
-
-def _mean(values: Real) -> BayesAccuracy:
-    return BayesAccuracy(float(values.mean()), float(values.std(ddof=1) / math.sqrt(len(values))))

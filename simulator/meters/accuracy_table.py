@@ -75,9 +75,9 @@ SMALLEST_RATIO = 1e-9
 RANGES = range(1, 11)
 
 
-Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
+Positive = Annotated[float, Field(strict=True, gt=0, allow_inf_nan=False)]
 
-Error = Annotated[float, Field(ge=0, allow_inf_nan=False)]
+Error = Annotated[float, Field(strict=True, ge=0, allow_inf_nan=False)]
 
 BandErrors = tuple[tuple[Error, Error], ...]
 

@@ -57,7 +57,8 @@ class NumberRange:
         """Raises ValueError naming the range and the first number outside it."""
         outside = [value for value in values if not self.low <= value <= self.high]
         if outside:
-            raise ValueError(f"must be {self.text} {self.unit}{of}, got {outside[0]:g}: {self.why}")
+            words = f"must be {self.text} {self.unit}".rstrip()
+            raise ValueError(f"{words}{of}, got {outside[0]:g}: {self.why}")
 
 
 class NumberWithin(NumberRange):
@@ -163,9 +164,11 @@ def _missing(locations: Sequence[Location]) -> list[str]:
 
 
 def _key(location: Location) -> str:
+    """The key as written in the file; pydantic's names of validators in unions are left out."""
     text = ""
     for part in location:
-        text += f"[{part + 1}]" if isinstance(part, int) else f".{part}"
+        if isinstance(part, int) or part.isidentifier():
+            text += f"[{part + 1}]" if isinstance(part, int) else f".{part}"
     return f"`{text.lstrip('.')}` " if text else ""
 
 
@@ -182,8 +185,8 @@ def _requirement(problem: Any) -> str:
     bounds = [f"{sign} {context[name]}" for name, sign in COMPARISONS.items() if name in context]
     if bounds:
         return f"must be {' and '.join(bounds)}, got {given!r}"
-    allowed = problem["msg"].removeprefix("Input should be ").removeprefix("a valid ")
-    return f"must be {allowed}, got {given!r}"
+    allowed = re.sub(r"^\w+ should ", "", problem["msg"]).replace("be a valid ", "be ")
+    return f"must {allowed}, got {given!r}"
 
 
 def _slip(problem: Any) -> str:

@@ -71,8 +71,7 @@ def rows_and_columns(axes: Axes, lines: tuple[Real, Real], panel_width: float) -
         axis.set_label_text(word, fontsize=8, color=NUMBER_COLOUR)
     for each in (above, beside):
         each.tick_params(length=0, labelsize=8, labelcolor=NUMBER_COLOUR, pad=1)
-        for spine in each.spines.values():
-            spine.set_visible(False)
+        each.spines[:].set_visible(False)
 
 
 def lines_between_pixels(axes: Axes, camera: Camera, marks: Marks) -> None:
@@ -95,36 +94,17 @@ def pixel_names(axes: Axes, camera: Camera, skin: SkinSurface, marks: Marks) -> 
     """
     from matplotlib.patheffects import withStroke
 
-    facing = _facing(camera, skin, marks.middles)
+    there = np.isfinite(marks.middles).all(axis=0)
+    facing = np.zeros(there.shape)
+    facing[there] = camera.towards @ skin.normals[:, skin.nearest(marks.middles[:, there])]
     if marks.grid_lines and max(facing.shape) > MAX_NAMED_PIXELS:
-        kept = np.zeros_like(facing, dtype=bool)
-        kept[0, :] = True
-        kept[:, int(np.argmax(facing.sum(axis=0)))] = True
-        facing = np.where(kept, facing, 0.0)
+        column = int(np.argmax(facing.sum(axis=0)))
+        facing[1:, np.arange(facing.shape[1]) != column] = 0.0
+    outlined = [withStroke(linewidth=1.8, foreground="0.15")]
+    white = {"fontsize": 7, "color": "white", "ha": "center", "va": "center"}
     for row, column in np.argwhere(facing > MIN_FACING):
-        x, y = MILLI * camera.project(marks.middles[:, row, column])
-        axes.text(
-            float(x),
-            float(y),
-            f"{row + 1},{column + 1}",
-            fontsize=7,
-            color="white",
-            ha="center",
-            va="center",
-            path_effects=[withStroke(linewidth=1.8, foreground="0.15")],
-        )
-
-
-def _facing(camera: Camera, skin: SkinSurface, middles: Real) -> Real:
-    """Component of the normal towards the eye at places (3, row, column).
-
-    Shape (row, column); 0 off the skin.
-    """
-    places = middles.reshape(3, -1)
-    there = np.isfinite(places).all(axis=0)
-    found = np.zeros(places.shape[1])
-    found[there] = camera.towards @ skin.normals[:, skin.nearest(places[:, there])]
-    return found.reshape(middles.shape[1:])
+        x, y = (MILLI * camera.project(marks.middles[:, row, column])).tolist()
+        axes.text(x, y, f"{row + 1},{column + 1}", path_effects=outlined, **white)
 
 
 def scale_bar(axes: Axes, camera: Camera) -> None:

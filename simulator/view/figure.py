@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -77,20 +77,20 @@ def rendered(rows: Sequence[Sequence[Panel]], title: str, dpi: int) -> Image:
 
 
 def _size(rows: Sequence[Sequence[Panel]]) -> tuple[float, float]:
-    columns = max(map(len, rows))
-    alone = columns == len(rows) == 1
-    widths = [max(_width(panel, alone) for panel in row) for row in rows]
+    widths = [[_width(panel, rows) for panel in row] for row in rows]
     heights = [
-        max(_width(panel, alone) * panel.camera.aspect for panel in row) + _text_height(row)
-        for row in rows
+        max(width * panel.camera.aspect for width, panel in zip(own, row, strict=True))
+        + _text_height(row)
+        for own, row in zip(widths, rows, strict=True)
     ]
-    width = max(columns * (max(widths) + SIDE_WIDTH), MIN_FIGURE_WIDTH)
-    return width, sum(heights) + TITLE_AND_FOILS
+    width = max(map(len, rows)) * (max(map(max, widths)) + SIDE_WIDTH)
+    return max(width, MIN_FIGURE_WIDTH), sum(heights) + TITLE_AND_FOILS
 
 
-def _width(panel: Panel, alone: bool) -> float:
+def _width(panel: Panel, rows: Sequence[Sequence[Panel]]) -> float:
     """Width of a panel's picture, inches."""
-    return min(SINGLE if alone else PANEL, MAX_HEIGHT / panel.camera.aspect)
+    widest = SINGLE if max(map(len, rows)) == len(rows) == 1 else PANEL
+    return min(widest, MAX_HEIGHT / panel.camera.aspect)
 
 
 def _text_height(row: Sequence[Panel]) -> float:
@@ -101,13 +101,11 @@ def _text_height(row: Sequence[Panel]) -> float:
 
 def compose(figure: Figure, rows: Sequence[Sequence[Panel]], title: str) -> None:
     """Puts panels and texts into a figure."""
-    columns = max(map(len, rows))
-    alone = columns == len(rows) == 1
-    all_axes = figure.subplots(len(rows), columns, squeeze=False)
+    all_axes = figure.subplots(len(rows), max(map(len, rows)), squeeze=False)
     figure.suptitle(title, fontsize=11, fontweight="bold", wrap=True)
     for i, row in enumerate(rows):
         for j, panel in enumerate(row):
-            _draw_panel(all_axes[i, j], panel, _width(panel, alone))
+            _draw_panel(all_axes[i, j], panel, _width(panel, rows))
             if j and panel.camera.above:
                 all_axes[i, j].set_ylabel("")
         for axes in all_axes[i, len(row) :]:
@@ -118,14 +116,14 @@ def compose(figure: Figure, rows: Sequence[Sequence[Panel]], title: str) -> None
 def _draw_panel(axes: Axes, panel: Panel, width: float) -> None:
     camera, shown, scenery = panel.camera, panel.shown, panel.scenery
     pixels = round(width * PIXELS_PER_INCH * max(1.0, camera.aspect))
-    painted = paint(scenery.without_grid if camera.above else scenery, shown, camera, pixels)
+    marks = replace(scenery.marks, pixels=()) if camera.above else scenery.marks
+    painted = paint(replace(scenery, marks=marks), shown, camera, pixels)
     axes.imshow(painted, extent=camera.extent, interpolation="hanning")
     if camera.above:
         lines_between_pixels(axes, camera, scenery.marks)
     axes.set_title(_heading(shown), fontsize=8.5)
     axes.grid(False)
-    for spine in axes.spines.values():
-        spine.set_visible(False)
+    axes.spines[:].set_visible(False)
     lines = scenery.marks.grid_lines if camera.above else None
     if camera.above:
         millimetres(axes, scenery.skin)

@@ -97,9 +97,8 @@ def marks(
 
 def _grid_lines(scene: Scene, to_space: Callable[[Real], Real]) -> tuple[Real, Real]:
     x, y = pixel_lines(scene, 0), pixel_lines(scene, 1)
-    return to_space(np.stack([x, np.zeros_like(x)]))[0], to_space(np.stack([np.zeros_like(y), y]))[
-        1
-    ]
+    along, across = np.stack([x, 0 * x]), np.stack([0 * y, y])
+    return to_space(along)[0], to_space(across)[1]
 
 
 def _middles(scene: Scene, skin: SkinSurface) -> Real:

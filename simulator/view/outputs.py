@@ -61,10 +61,8 @@ def write_output(
     """
     check_output(path)
     if path.suffix in MOVIES:
-        frames = (
-            _period_panels(stage, what) if animate == "phase" else _frequency_panels(stage, what)
-        )
-        _write_frames(path, stage, frames, progress, report)
+        panels = _period_panels if animate == "phase" else _frequency_panels
+        _write_frames(path, stage, panels(stage, what), progress, report)
         return
     write = _write_picture if path.suffix in STILLS else _write_data
     write(path, stage, what)
@@ -87,10 +85,12 @@ def rows_of_panels(stage: ViewedPress, what: str) -> list[list[Panel]]:
     rows = [panels_of(stage, quantity) for quantity in chosen(what, stage.fields)]
     if max(map(len, rows)) > 1:
         return rows
-    panels = [row[0] for row in rows]
-    return [
-        panels[first : first + PANELS_PER_ROW] for first in range(0, len(panels), PANELS_PER_ROW)
-    ]
+    return _in_rows([row[0] for row in rows])
+
+
+def _in_rows(panels: list[Panel]) -> list[list[Panel]]:
+    firsts = range(0, len(panels), PANELS_PER_ROW)
+    return [panels[first : first + PANELS_PER_ROW] for first in firsts]
 
 
 def panels_of(stage: ViewedPress, quantity: ViewedQuantity) -> list[Panel]:
@@ -144,10 +144,7 @@ def _write_frames(
     def images() -> Iterator[Image]:
         start = monotonic()
         for number, panels in enumerate(tracked(frames, "drawing", progress)):
-            rows = [
-                panels[low : low + PANELS_PER_ROW] for low in range(0, len(panels), PANELS_PER_ROW)
-            ]
-            yield rendered(rows, title(stage), MOVIE_DPI)
+            yield rendered(_in_rows(panels), title(stage), MOVIE_DPI)
             left = (monotonic() - start) * (len(frames) - 1)
             if number == 0 and left > LONG_DRAWING:
                 report(f"{path}: {len(frames)} pictures, about {max(1, round(left / 60))} min")

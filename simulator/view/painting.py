@@ -6,7 +6,7 @@ import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -166,11 +166,6 @@ class Scenery:
     skin: SkinSurface
     marks: Marks
     bodies: tuple[pv.PolyData, ...] = ()
-
-    @property
-    def without_grid(self) -> Scenery:
-        """Scenery without the lines between pixels."""
-        return replace(self, marks=replace(self.marks, pixels=()))
 
 
 def paint(scenery: Scenery, shown: DisplayedQuantity, camera: Camera, pixels: int) -> Image:

@@ -91,24 +91,17 @@ class ViewedPress:
         """Body under the skin, and the foam's sides where heights are exaggerated."""
         shape, thickness = self.scene.skin.shape, self.scene.skin.foam.thickness
         foam = skin.exaggeration * thickness if thickness is not None else 0.0
-        sides = [_foam(skin, self._rest, foam)] if foam else []
+        sides = [_foam(skin, surface(self.fields, self._in_space), foam)] if foam else []
         if shape is None or not self._in_space:
             return sides
-        beneath = max(
-            foam, BODY_CLEARANCE * skin.exaggeration * float(self.fields.deflection.max())
-        )
-        radius = max(
-            MIN_BODY_RADIUS * shape.radius, min(BODY_RADIUS * shape.radius, shape.radius - beneath)
-        )
+        deepest = skin.exaggeration * float(self.fields.deflection.max())
+        free = shape.radius - max(foam, BODY_CLEARANCE * deepest)
+        radius = max(MIN_BODY_RADIUS * shape.radius, min(BODY_RADIUS * shape.radius, free))
         length, width = self.scene.skin.stretched_sides
         middle = np.array([length / 2, width / 2, -shape.radius])
         if shape.kind == "sphere":
             return [*sides, _ball(middle, radius)]
         return [*sides, _mug(skin, middle, radius, shape.axis)]
-
-    @property
-    def _rest(self) -> SkinSurface:
-        return surface(self.fields, self._in_space)
 
 
 def _camera(scenery: Scenery) -> Camera:
@@ -119,7 +112,7 @@ def _camera(scenery: Scenery) -> Camera:
     margin = MARGIN * skin.size
     if np.ptp(skin.points[2]) == 0:
         return from_above(places, margin)
-    if skin.exaggeration and not _far_from_flat(skin):
+    if skin.exaggeration and np.abs(skin.points[:2] - skin.x).max() <= 1e-9 * skin.size:
         return obliquely(places, margin)
     return from_the_side(places, _facing(scenery), margin)
 
@@ -132,10 +125,6 @@ def _facing(scenery: Scenery) -> Real:
         pressed = skin.nearest(np.hstack(scenery.marks.pressed))
         facing = facing + skin.normals[:, pressed].mean(axis=1)
     return facing
-
-
-def _far_from_flat(skin: SkinSurface) -> bool:
-    return bool(np.abs(skin.points[:2] - skin.x).max() > 1e-9 * skin.size)
 
 
 def _foam(skin: SkinSurface, rest: SkinSurface, thickness: float) -> pv.PolyData:
@@ -157,14 +146,11 @@ def _mug(skin: SkinSurface, middle: Real, radius: float, axis: str) -> pv.PolyDa
     angle = np.linspace(0, 2 * np.pi, AROUND)
     circle = radius * (across.T @ np.stack([np.cos(angle), np.sin(angle)]))
     base = middle[:, None] - along[:, None] * (along @ middle)
-    ends = [base + circle + end * along[:, None] for end in _mug_ends(reach, margin)]
+    span = reach.min() - margin, reach.max() + margin
+    ends = [base + circle + end * along[:, None] for end in span]
     first = np.arange(AROUND - 1)
     cells = np.stack([first, first + 1, first + 1 + AROUND, first + AROUND])
     return polygons(np.hstack(ends), cells)
-
-
-def _mug_ends(reach: Real, margin: float) -> tuple[float, float]:
-    return float(reach.min() - margin), float(reach.max() + margin)
 
 
 def _ball(middle: Real, radius: float) -> pv.PolyData:

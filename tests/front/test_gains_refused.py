@@ -7,6 +7,10 @@ import pytest
     ("command", "message"),
     [
         (
+            ("view", "knit-36", "-o", "out.vtu"),
+            "knit-36: view shows the field of one source, and interface 'left' is `driven_with`",
+        ),
+        (
             ("page", "knit-36", "-o", "page.html"),
             "knit-36: a page shows impedances, and the readings of this scene are gains; use",
         ),

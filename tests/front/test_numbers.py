@@ -13,6 +13,7 @@ from rcskin.simulator.press.press import Press
 from rcskin.simulator.requests.number_ranges import range_of
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError
+from rcskin.tests.refusals import refusal_of
 
 GLOVE, EMPTY = load_scene("glove"), xr.Dataset()
 BY_THE_SCENE = {"want", "wires", "readings", "frequencies", "seconds", "sheet_ratio", "grading"}
@@ -71,14 +72,11 @@ def test_there_are_all_commands():
     ("call", "told"),
     [
         (lambda: rcskin.sweep("strip-1x3", rtol=math.inf), "`rtol` must be from 1e-08 to 0.01"),
-        (lambda: rcskin.reduce("strip-1x3", math.nan), "`rtol` must be from 1e-08 to 0.01"),
         (lambda: rcskin.limits("glove", seed=-1), "`seed` must be from 0 to 4294967295, got -1"),
-        (lambda: rcskin.limits("glove", draws=10**9), "`draws` must be from 2 to 1000000"),
         (
             lambda: Solver(GLOVE).solve(Press(), [1e3, math.inf]),
             "`frequency` must be ascending and > 0 (Hz), and finite",
         ),
-        (lambda: GLOVE.with_({"skin.length": math.inf}), "`skin.length` must be from 1e-5 to"),
         (lambda: rcskin.sweep(GLOVE, ["1,1:inf"]), "FACTOR must be finite"),
         (lambda: rcskin.sweep("glove", rtol="1e-4"), "`rtol` must be a number, got '1e-4'"),
         (lambda: rcskin.dataset("glove", 2.5), "`sweeps` must be a whole number, got 2.5"),
@@ -103,7 +101,6 @@ def test_there_are_all_commands():
         (lambda: rcskin.calibrate(GLOVE, "no.nc", anyway=1), "`anyway` must be True or False, got"),
         (lambda: rcskin.gap("no.nc", 3), "no.nc"),
         (lambda: rcskin.gap(EMPTY, 3), "`measured` must be an xarray.Dataset or a path, got 3"),
-        (lambda: rcskin.gap(EMPTY, EMPTY, draws=0), "`draws` must be from 1 to 1000, got 0"),
         (lambda: rcskin.gap(EMPTY, EMPTY, model=7), "`model` must be a Model or a path, got 7"),
         (lambda: rcskin.study(GLOVE, {"pixels": [2.5]}), "`vary` 'pixels=2.5': pixels takes whole"),
         (lambda: rcskin.study(GLOVE, "pixels.rows=2", workers=0), "`workers` must be from 1 to"),
@@ -112,6 +109,4 @@ def test_there_are_all_commands():
     ],
 )
 def test_arguments_of_scripts_are_refused_in_the_same_words(call, told):
-    with pytest.raises(InputError) as refused:
-        call()
-    assert told in str(refused.value) and "\n" not in str(refused.value)
+    assert told in refusal_of(call)

@@ -2,7 +2,6 @@
 
 import asyncio
 import json
-import runpy
 import socket
 import subprocess
 import sys
@@ -19,13 +18,12 @@ from rcskin.hardware.virtual.meter_server import run_in_thread
 from rcskin.hardware.virtual.recorded_skin import exact_readout
 from rcskin.simulator.meters.accuracy_table import read_table
 from rcskin.simulator.scene.scene_files import load_scene
+from rcskin.tests.hardware import rig
 from rcskin.tests.hardware.instrument_cases import hioki
+from rcskin.tests.hardware.pillow import SKINS, Pillow
 from typer.testing import CliRunner
 from websockets.sync.client import connect
 
-RIG = Path(__file__).with_name("rig.py")
-_rig = runpy.run_path(str(RIG))
-Pillow, app = _rig["Pillow"], _rig["app"]
 TIMEOUT = 0.5
 
 
@@ -97,7 +95,7 @@ def look():
 @pytest.fixture
 def rig_skins():
     """The pillow at both interfaces."""
-    return _rig["SKINS"]
+    return SKINS
 
 
 @pytest.fixture
@@ -196,15 +194,15 @@ def raw():
 @pytest.fixture
 def scene():
     """The pillow's scene: 2 x 2 pixels, 3 frequencies."""
-    return load_scene(str(RIG.parent / "scenes" / "pillow.toml"))
+    return load_scene(str(Path(__file__).parent / "scenes" / "pillow.toml"))
 
 
 @pytest.fixture
 def command(monkeypatch):
     """Runs the rig's command line in this process; gives the typer result."""
-    for name, toy in _rig["TOYS"].items():
+    for name, toy in rig.TOYS.items():
         monkeypatch.setattr(f"rcskin.{name}", toy)
-    return lambda *given, **more: CliRunner().invoke(app, _rig["arguments"](given), **more)
+    return lambda *given, **more: CliRunner().invoke(rig.app, rig.arguments(given), **more)
 
 
 @pytest.fixture
@@ -226,4 +224,4 @@ def spawn():
 @pytest.fixture
 def start_rig(spawn):
     """Starts the rig's command line as a process of its own."""
-    return lambda *arguments: spawn(sys.executable, RIG, *arguments)
+    return lambda *arguments: spawn(sys.executable, rig.__file__, *arguments)

@@ -1,6 +1,5 @@
 """The meter's commands on a skin that is one resistor and one capacitor: `python rig.py serve`."""
 
-import math
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -14,47 +13,7 @@ from rcskin.simulator.scene.readings.changed_readings import (
     checked_interfaces,
     restricted_to_interfaces,
 )
-from rcskin.simulator.sweeps import InputError
-
-R, C = 10e3, 1e-9
-
-
-class Pillow:
-    """R in series with C, which a press at ROW,COLUMN raises by ROW parts in a hundred."""
-
-    def check(self, press):
-        """ROW,COLUMN or none, whatever the numbers."""
-        if press != "none" and not press.replace(",", "").isdigit():
-            raise InputError(f"press {press!r}: must be ROW,COLUMN")
-        return press
-
-    def hold(self, press, now):
-        """As it is checked: it never creeps."""
-        return self.check(press)
-
-    def momentary(self, press, at):
-        """The same at any time."""
-        return press
-
-    def impedance(self, press, frequency):
-        """R + 1/(jwC) in ohm."""
-        rise = 0 if press == "none" else 0.01 * int(press.split(",")[0])
-        return R + 1 / (2j * math.pi * frequency * C * (1 + rise))
-
-    def depths(self, press):
-        """A press has no forces."""
-        return ""
-
-
-class FromBelow(Pillow):
-    """The pillow at its other interface, where C is raised by COLUMN parts in a hundred."""
-
-    def impedance(self, press, frequency):
-        """R + 1/(jwC) in ohm."""
-        return super().impedance(",".join(reversed(press.split(","))), frequency)
-
-
-SKINS = {"left": Pillow(), "bottom": FromBelow()}
+from rcskin.tests.hardware.pillow import SKINS, document
 
 
 def simulated(scene, interfaces=None, seed=1):
@@ -64,11 +23,6 @@ def simulated(scene, interfaces=None, seed=1):
     return served_skin.ServedSkin(
         skins, exact_readout, *scene.pixels.shape, 1e3, restricted_to_interfaces(scene, names)
     )
-
-
-def document(scene, kind, nonce):
-    """A page that says what it is of."""
-    return f'<title>{scene.name}</title><script nonce="{nonce}">"{kind}";</script>'
 
 
 TOYS = {

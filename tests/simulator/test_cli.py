@@ -156,15 +156,11 @@ def test_line_and_sheet_agree_on_the_strip(run, tmp_path):
     ("arguments", "told"),
     [
         (["sweep", "no-such-scene"], "no-such-scene: no such file, and no built-in scene"),
-        (["sweep", "absent.toml"], "absent.toml: no such file"),
         (["sweep", "sheet-3x3", "--press", "4,1"], "row must be in 1..3 on sheet-3x3, got 4"),
         (["sweep", "sheet-3x3", "--press", "1;2"], "press '1;2': must be ROW,COLUMN, rect("),
         (["sweep", "sheet-3x3", "--press", "1,1:-2"], "FACTOR must be finite and > 0, got -2"),
-        (["sweep", "sheet-3x3", "--rtol", "0"], "--rtol must be from 1e-08 to 0.01, got 0"),
-        (["sweep", "sheet-3x3", "--rtol", "nan"], "--rtol must be from 1e-08 to 0.01, got nan"),
         (["sweep", "sheet-3x3", "--rtol", "0.02"], "must be from 1e-08 to 0.01, got 0.02"),
         (["sweep", "sheet-3x3", "--press", "0,0"], "press '0,0': rows and columns count from 1"),
-        (["sweep", "sheet-3x3", "--press", "0,1"], "press '0,1': rows and columns count from 1"),
         (["sweep", "sheet-3x3", "--model", "cubic"], "must be one of auto, lumped, line, sheet"),
         (["sweep", "sheet-3x3", "--press", "1,1", "--model", "line"], "varies across sheet-3x3"),
     ],
@@ -178,16 +174,11 @@ def test_bad_input_ends_with_one_line_and_code_2(refused, tmp_path, arguments, t
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ("length = ", "lenght = ", "`skin.lenght` is not a known key"),
         (
             "sheet_resistance = 50e3",
             "sheet_resistance = -5",
             "must be from 1e-6 to 1e12 ohm/sq, got -5",
         ),
-        ('edge = "left"', 'edge = "middle"', "`contact[1].edge` must be 'left', 'right'"),
-        ('high = ["top-left"]', "high = []", "`interface[1].high` must have at least 1 item"),
-        ("start = 1e3", "start = 0", "must be from 1e-6 to 1e12 Hz, got 0"),
-        ("start = 1e3", "start = nan", "must be from 1e-6 to 1e12 Hz, got nan"),
         ("[skin]", "[skin", "not valid TOML"),
     ],
 )

@@ -19,6 +19,7 @@ from rcskin.simulator.press.batch import NOTHING, PressBatch
 from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.press import Press, press_on
 from rcskin.simulator.sweeps import InputError
+from rcskin.tests.skins.slopes import check_slopes
 
 RTOL, CLOSELY = 1e-3, 1e-4
 FOAM = {
@@ -97,7 +98,6 @@ def test_the_terminals_of_a_network_make_the_same_readings(scenes):
     np.testing.assert_allclose(Z, skin.sweeps(batch), rtol=1e-5)
 
 
-STEPS = {"body": 1e-4, "rim": 1e-4, "capacitance": 1e-4, "finger": 1e-14, "loss_tangent": 1e-4}
 MOVED = {"body": 0.1, "rim": -0.1, "finger": 2e-12, "capacitance": 0.05, "loss_tangent": 0.01}
 
 
@@ -110,21 +110,7 @@ def forward(scenes):
 def test_slopes_are_differences(forward, cells):
     """Slopes by rods, by a finger that does not press, and by both at once."""
     cells = np.array(cells)
-    rises = np.where(cells < 4, 0.5, 3e-12)
-    found = forward.respond(cells, rises, MOVED)
-    together = forward.respond_together(cells[None], rises[None], MOVED)
-    for name, step in STEPS.items():
-        ends = ({**MOVED, name: MOVED[name] + sign * step} for sign in (1, -1))
-        up, down = (forward.respond(cells, rises, values).Z for values in ends)
-        expected = pytest.approx((up - down) / (2 * step), rel=1e-5)
-        assert found.by_parameter[name] == expected
-        assert together.by_parameter[name][0] == expected
-    for k, step in enumerate(np.where(cells < 4, 1e-4, 1e-14)):
-        ends = (rises + sign * step * (cells == cells[k]) for sign in (1, -1))
-        up, down = (forward.respond(cells, moved, MOVED).Z for moved in ends)
-        at_rest = forward.unpressed_factors(MOVED)[cells[k]]
-        slope = at_rest * together.by_cell[0, ..., k]
-        assert slope == pytest.approx((up - down) / (2 * step), rel=1e-5)
+    check_slopes(forward, cells, np.where(cells < 4, 0.5, 3e-12), MOVED)
 
 
 def test_a_finger_among_the_values_is_one_on_every_touched_pixel(forward):

@@ -25,6 +25,7 @@ from rcskin.simulator.press.parts import parts_of
 from rcskin.simulator.press.press import parse_press, press_on
 from rcskin.simulator.scene.draws.draw_distributions import Uniform
 from rcskin.simulator.sweeps import InputError, impedance, open_zarr
+from rcskin.tests.skins.slopes import check_slopes
 
 RTOL, CLOSELY = 2e-3, 2e-4
 FOAM = {
@@ -120,7 +121,6 @@ def forward(scenes):
     return Forward(scenes["sheet"].with_({"pixels": {"rows": 2, "columns": 3}}), rtol=0.1)
 
 
-STEPS = {"body": 1e-4, "capacitance": 1e-4, "finger": 1e-14}
 MOVED = {"body": 0.1, "finger": 2e-12, "capacitance": 0.05}
 
 
@@ -129,22 +129,7 @@ def test_slopes_are_differences(forward, cells):
     """Slopes by one pixel, by neighbours that differ, and with a finger next to a press."""
     cells = np.array(cells, dtype=np.int64)
     rises = np.where(cells < 6, 0.5 + 0.2 * np.arange(len(cells)), 3e-12)
-    found = forward.respond(cells, rises, MOVED)
-    together = forward.respond_together(cells[None], rises[None], MOVED)
-    for name, step in STEPS.items():
-        ends = ({**MOVED, name: MOVED[name] + sign * step} for sign in (1, -1))
-        up, down = (forward.respond(cells, rises, values).Z for values in ends)
-        expected = pytest.approx((up - down) / (2 * step), rel=1e-5)
-        assert found.by_parameter[name] == expected
-        assert together.by_parameter[name][0] == expected
-    for k, step in enumerate(np.where(cells < 6, 1e-4, 1e-14)):
-        ends = (rises + sign * step * (cells == cells[k]) for sign in (1, -1))
-        up, down = (forward.respond(cells, moved, MOVED).Z for moved in ends)
-        at_rest = forward.unpressed_factors(MOVED)[cells[k]]
-        expected = pytest.approx((up - down) / (2 * step), rel=1e-5)
-        assert at_rest * together.by_cell[0, ..., k] == expected
-        if cells[k] < 6:
-            assert at_rest * found.by_cell[..., cells[k]] == expected
+    check_slopes(forward, cells, rises, MOVED)
 
 
 def test_slopes_where_the_foam_of_pixels_differs_are_differences(forward):

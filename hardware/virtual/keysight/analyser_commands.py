@@ -33,24 +33,7 @@ if TYPE_CHECKING:
     from .e4990a import VirtualE4990A
 
 MAX_TRACES = 4
-PARAMETERS = (
-    "Z",
-    "Y",
-    "R",
-    "X",
-    "G",
-    "B",
-    "LS",
-    "LP",
-    "CS",
-    "CP",
-    "RS",
-    "RP",
-    "Q",
-    "D",
-    "TZ",
-    "TY",
-)
+PARAMETERS = tuple("Z Y R X G B LS LP CS CP RS RP Q D TZ TY".split())
 
 
 def _on_channel(act: Callable[..., Any]) -> Callable[..., Any]:

@@ -31,19 +31,8 @@ from .scpi_values import (
 if TYPE_CHECKING:
     from .e4980a import VirtualE4980A
 
-PAGES = (
-    "MEASurement",
-    "BNUMber",
-    "BCOunt",
-    "LIST",
-    "MSETup",
-    "CSETup",
-    "LTABle",
-    "LSETup",
-    "CATAlog",
-    "SYSTem",
-    "SELF",
-    "MLARge",
+PAGES = tuple(
+    "MEASurement BNUMber BCOunt LIST MSETup CSETup LTABle LSETup CATAlog SYSTem SELF MLARge".split()
 )
 
 

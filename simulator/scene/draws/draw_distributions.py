@@ -35,7 +35,7 @@ class Fixed(_Drawn):
     """
 
     distribution: Literal["fixed"] = "fixed"
-    value: Finite
+    value: Number
 
     @property
     def low(self) -> float:

@@ -26,14 +26,13 @@ def accuracy_names() -> list[str]:
 
 
 def _accuracy(given: object) -> object:
-    if isinstance(given, str):
-        if given not in accuracy_names():
-            names = ", ".join(accuracy_names())
-            raise ValueError(f"must be a table or one of {names}, got {given!r}")
-        text = (ACCURACY_TABLES / f"{given}.toml").read_text(encoding="utf-8")
-        given = tomllib.loads(text)
-    if not isinstance(given, dict):
+    if isinstance(given, AccuracyTable | OffsetAccuracy):
         return given
+    if given in accuracy_names():
+        given = tomllib.loads((ACCURACY_TABLES / f"{given}.toml").read_text(encoding="utf-8"))
+    if not isinstance(given, dict):
+        names = ", ".join(accuracy_names())
+        raise ValueError(f"must be a table or one of {names}, got {given!r}")
     return validated(OffsetAccuracy if "band" in given else AccuracyTable, given)
 
 

@@ -1,8 +1,6 @@
 """`rcskin live` at a virtual meter: as a process of its own, or within this one."""
 
-import runpy
 import sys
-from pathlib import Path
 
 import pytest
 import typer
@@ -16,10 +14,8 @@ from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.record.sweep_checks import SweepLimits
 from rcskin.simulator.meters.accuracy_table import read_table
 from rcskin.simulator.requests.overwrite_options import with_overwrite_options
+from rcskin.tests.hardware.live import live_rig
 from typer.testing import CliRunner
-
-RIG = Path(__file__).with_name("live_rig.py")
-_rig = runpy.run_path(str(RIG))
 
 
 class Witness:
@@ -56,7 +52,7 @@ def instrument(make_instrument, cushion):
 
 @pytest.fixture
 def cushion():
-    return _rig["Cushion"]()
+    return live_rig.SKINS["left"]
 
 
 @pytest.fixture
@@ -64,8 +60,8 @@ def start(spawn, ports):
     """A function that starts the command at the virtual meter, killed at the end if need be."""
 
     def start(*arguments, resource=ports.resource, **pipes):
-        words = [sys.executable, RIG, "live", "--model", "m.npz", "--resource", resource]
-        return spawn(*words, *arguments, **pipes)
+        where = ["live", "--model", "m.npz", "--resource", resource]
+        return spawn(sys.executable, live_rig.__file__, *where, *arguments, **pipes)
 
     return start
 
@@ -73,8 +69,8 @@ def start(spawn, ports):
 @pytest.fixture
 def live(ports, monkeypatch):
     """A function that runs the command in this process; gives the typer result."""
-    monkeypatch.setattr("rcskin.simulator.page.linked.linked_page", _rig["document"])
-    monkeypatch.setattr("rcskin.hardware.live.live_localizer.localizer_of", _rig["localizer_of"])
+    monkeypatch.setattr("rcskin.simulator.page.linked.linked_page", live_rig.document)
+    monkeypatch.setattr("rcskin.hardware.live.live_localizer.localizer_of", live_rig.localizer_of)
     app = typer.Typer()
     app.command("live")(command)
     with_overwrite_options(app)
@@ -106,7 +102,7 @@ def session(ports):
     def session(
         then=None, *, localizer=None, rest=2, patience=5.0, drift=0.05, switch=None, **more
     ):
-        localizer = localizer or _rig["Columns"]()
+        localizer = localizer or live_rig.Columns()
         connect = lambda: open_meter(ports.resource, 0.2)  # noqa: E731
         link = LiveMeter(
             localizer, connect, read_table(), SweepLimits(drift=drift), patience, switch

@@ -13,50 +13,17 @@ from rcskin.simulator.cli import app
 from rcskin.simulator.command_line import run
 from rcskin.simulator.requests.overwrite_options import with_overwrite_options
 from rcskin.simulator.scene.scene_files import load_scene
-from rcskin.simulator.sweeps import OPENING, InputError, impedance
+from rcskin.simulator.sweeps import OPENING, impedance
+from rcskin.tests.hardware.pillow import C, Pillow, document
 
-R, C, RISE = 10e3, 1e-9, 0.01
+RISE = 0.01
 SCENE = Path(__file__).parents[1] / "scenes" / "cushion.toml"
 CUSHION = load_scene(str(SCENE))
 SHAPE = ROWS, COLUMNS = 2, 3
 
 
-class Cushion:
-    """R in series with C, which a press at ROW,COLUMN raises by COLUMN parts in a hundred."""
-
-    def check(self, press):
-        """ROW,COLUMN or none."""
-        if press != "none" and not press.replace(",", "").isdigit():
-            raise InputError(f"press {press!r}: must be ROW,COLUMN")
-        return press
-
-    def impedance(self, press, frequency):
-        """R + 1/(jwC) in ohm."""
-        column = 0 if press == "none" else int(press.split(",")[1])
-        return R + 1 / (2j * math.pi * frequency * C * (1 + RISE * column))
-
-    def hold(self, press, now):
-        """As `check`: nothing creeps."""
-        return self.check(press)
-
-    def momentary(self, press, at):
-        """The same at any time."""
-        return press
-
-    def depths(self, press):
-        """A press has no forces."""
-        return ""
-
-
-class FromBelow(Cushion):
-    """The cushion at its other interface, where C is raised by ROW parts in a hundred."""
-
-    def impedance(self, press, frequency):
-        """R + 1/(jwC) in ohm."""
-        return super().impedance(",".join(reversed(press.split(","))), frequency)
-
-
-SKINS = {"left": Cushion(), "bottom": FromBelow()}
+SKINS = {"left": Pillow(1), "bottom": Pillow()}
+"""A press at ROW,COLUMN raises C by COLUMN parts in a hundred at the left, by ROW at the bottom."""
 
 
 class Columns:
@@ -126,11 +93,6 @@ def by_column(column, probabilities):
 def localizer_of(path, *manner):
     """The localizer, whatever the path; `two.npz` is one that needs two interfaces."""
     return Pixels() if Path(path).name == "two.npz" else Columns()
-
-
-def document(data, kind, nonce):
-    """A page that says what it is of."""
-    return f'<title>{data.name}</title><script nonce="{nonce}">"{kind}";</script>'
 
 
 if __name__ == "__main__":

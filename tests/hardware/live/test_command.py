@@ -3,12 +3,10 @@
 import copy
 import json
 import os
-import runpy
 import select
 import signal
 import time
 from datetime import datetime
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -22,8 +20,6 @@ SOON = 30
 """Seconds that the end may take on a very busy machine; alone it takes half a second."""
 pty = pytest.importorskip("pty", reason="Windows has no terminals of Unix")
 termios = pytest.importorskip("termios", reason="Windows has no terminals of Unix")
-RIG = Path(__file__).with_name("live_rig.py")
-_rig = runpy.run_path(str(RIG))
 CONTROL_CODE, SHOWN_CURSOR = "\x1b", "\x1b[?25h"
 
 

@@ -1,8 +1,6 @@
 """Live localization at two interfaces: whole sweeps or none, whatever the switch does."""
 
 import json
-import runpy
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,9 +11,8 @@ from rcskin.hardware.switch.switch import DeviceSwitch
 from rcskin.hardware.switch.virtual_switch import VirtualSwitch
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import impedance, read
+from rcskin.tests.hardware.live.live_rig import SKINS, Pixels
 
-_rig = runpy.run_path(str(Path(__file__).with_name("live_rig.py")))
-SKINS, Pixels = _rig["SKINS"], _rig["Pixels"]
 NAMES = {name: name for name in SKINS}
 PRESSES = ["2,3", "1,1", "none", "2,1", "1,3"]
 

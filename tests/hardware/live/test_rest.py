@@ -1,8 +1,5 @@
 """The skin at rest of a live session: told against it as recordings are."""
 
-import runpy
-from pathlib import Path
-
 import numpy as np
 import pytest
 from rcskin.hardware.live.live_baseline import RENEWAL_COUNT, LiveBaseline
@@ -11,9 +8,9 @@ from rcskin.hardware.live.touch_answer import NOTHING_PRESSED, TouchAnswer
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
 from rcskin.localization.inputs.baselines import OPENING, RECENT, log_baselines, mean_baselines
 from rcskin.simulator.sweeps import build
+from rcskin.tests.hardware.live.live_rig import Columns
 
-_rig = runpy.run_path(str(Path(__file__).with_name("live_rig.py")))
-MODEL = _rig["Columns"]().model
+MODEL = Columns().model
 QUIET, TOUCHED = TouchAnswer(NOTHING_PRESSED, 0.99), TouchAnswer("column 2", 0.99)
 AT_REST = np.array([1e4 - 1e5j, 1e4 - 3e4j, 1e4 - 1e4j])
 

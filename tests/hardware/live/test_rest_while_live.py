@@ -1,15 +1,11 @@
 """The skin at rest in live localization: taken first, asked for anew, and followed as it drifts."""
 
-import runpy
-from pathlib import Path
-
 import pytest
 from rcskin.hardware.live.live_baseline import RENEWAL_COUNT
 from rcskin.hardware.live.live_session import END_KEY
 from rcskin.hardware.meter.errors import MeterError
+from rcskin.tests.hardware.pillow import Pillow
 
-_rig = runpy.run_path(str(Path(__file__).with_name("live_rig.py")))
-Cushion = _rig["Cushion"]
 pytestmark = pytest.mark.usefixtures("impatient")
 
 
@@ -37,7 +33,7 @@ def test_a_skin_that_never_comes_to_rest_is_an_error(session):
         live.run(1)
 
 
-class Drifting(Cushion):
+class Drifting(Pillow):
     """A cushion whose capacitance grows with each reading."""
 
     def __init__(self, each):

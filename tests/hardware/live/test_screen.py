@@ -2,8 +2,6 @@
 
 import io
 import re
-import runpy
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,9 +16,9 @@ from rcskin.hardware.live.touch_answer import (
     answer_of_classes,
 )
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
+from rcskin.tests.hardware.live.live_rig import Columns
 from rich.console import Console
 
-Columns = runpy.run_path(str(Path(__file__).with_name("live_rig.py")))["Columns"]
 SIZE = 120.0, 80.0
 SHAPE = ROWS, COLUMNS = 2, 3
 

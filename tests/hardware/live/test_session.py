@@ -1,8 +1,6 @@
 """Live localization at a virtual meter, over a real socket: right answers, or none."""
 
-import runpy
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,9 +9,8 @@ from rcskin.hardware.live.live_session import BASELINE_KEY, END_KEY
 from rcskin.hardware.meter.errors import FailedReadingError, MeterError, NoConnectionError
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import InputError, impedance
+from rcskin.tests.hardware.live.live_rig import SKINS, Columns
 
-_rig = runpy.run_path(str(Path(__file__).with_name("live_rig.py")))
-Cushion, Columns = _rig["Cushion"], _rig["Columns"]
 pytestmark = pytest.mark.usefixtures("impatient")
 
 
@@ -63,7 +60,7 @@ def test_a_fault_costs_its_sweep_and_is_reported(session, press, instrument, fau
     assert any(told in why and "trying again" in why for why in live.display.told)
     assert live.display.moments[-1].failed == live.failed >= 1
     frequencies = live.localizer.model.frequencies
-    truth = [Cushion().impedance("1,3", f) for f in frequencies]
+    truth = [SKINS["left"].impedance("1,3", f) for f in frequencies]
     for asked in live.localizer.asked[1:]:
         assert impedance(asked)[0, 0] == pytest.approx(np.array(truth), rel=1e-4)
 

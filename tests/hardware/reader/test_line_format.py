@@ -1,8 +1,6 @@
 """Descriptions of readers: which are refused, and in which words."""
 
 import re
-import runpy
-from pathlib import Path
 
 import pytest
 from rcskin.hardware.reader.line_format import (
@@ -12,9 +10,7 @@ from rcskin.hardware.reader.line_format import (
     write_new_format,
 )
 from rcskin.simulator.sweeps import InputError
-
-_files = runpy.run_path(str(Path(__file__).with_name("reader_files.py")))
-COUNTED, ARRAYS = _files["COUNTED"], _files["ARRAYS"]
+from rcskin.tests.hardware.reader.reader_files import ARRAYS, COUNTED
 
 
 @pytest.mark.parametrize("text", [COUNTED, ARRAYS])

@@ -2,13 +2,11 @@
 
 import json
 import os
-import runpy
 import socket
 import sys
 import threading
 import time
 from contextlib import contextmanager
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -25,10 +23,13 @@ from rcskin.hardware.reader.line_format import LineFormat
 from rcskin.hardware.reader.line_port import check_line_resource, is_line_resource
 from rcskin.hardware.reader.reader_driver import ReaderTerminals, open_reader
 from rcskin.simulator.sweeps import InputError, inputs
+from rcskin.tests.hardware.reader.reader_files import (
+    COUNTED,
+    FREQUENCIES,
+    counted_lines,
+    true_value,
+)
 
-_files = runpy.run_path(str(Path(__file__).with_name("reader_files.py")))
-COUNTED, FREQUENCIES = _files["COUNTED"], _files["FREQUENCIES"]
-counted_lines, true_value = _files["counted_lines"], _files["true_value"]
 FORMAT = LineFormat.model_validate(inputs.tables(COUNTED))
 
 

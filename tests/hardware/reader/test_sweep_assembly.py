@@ -1,8 +1,6 @@
 """Sweeps from lines: a fault never becomes a wrong sweep, and each is counted."""
 
 import math
-import runpy
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,10 +8,13 @@ from rcskin.hardware.reader.line_format import LineFormat
 from rcskin.hardware.reader.line_port import MAX_LINE, LineCutter
 from rcskin.hardware.reader.sweep_assembly import SweepAssembly
 from rcskin.simulator.sweeps import inputs
-
-_files = runpy.run_path(str(Path(__file__).with_name("reader_files.py")))
-ARRAYS, COUNTED, FREQUENCIES = (_files[name] for name in ("ARRAYS", "COUNTED", "FREQUENCIES"))
-counted_lines, true_value = _files["counted_lines"], _files["true_value"]
+from rcskin.tests.hardware.reader.reader_files import (
+    ARRAYS,
+    COUNTED,
+    FREQUENCIES,
+    counted_lines,
+    true_value,
+)
 
 
 def assembled(text, lines, frequencies=None, **changed):

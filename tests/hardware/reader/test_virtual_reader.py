@@ -1,7 +1,6 @@
 """The virtual reader, the recorder and live sessions: lines over a socket, and their faults."""
 
 import json
-import runpy
 import socket
 from contextlib import contextmanager
 from pathlib import Path
@@ -26,11 +25,10 @@ from rcskin.hardware.virtual.meter_server import run_in_thread
 from rcskin.hardware.virtual.recorded_skin import exact_readout
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError, impedance, inputs, read
+from rcskin.tests.hardware.live.live_rig import SKINS, Pixels
+from rcskin.tests.hardware.pillow import Silent
+from rcskin.tests.hardware.reader.reader_files import ARRAYS, COUNTED
 
-HERE = Path(__file__).parent
-_files = runpy.run_path(str(HERE / "reader_files.py"))
-_live = runpy.run_path(str(HERE.parent / "live" / "live_rig.py"))
-COUNTED, ARRAYS = _files["COUNTED"], _files["ARRAYS"]
 READING = "a line for each reading"
 FORMATS = {READING: COUNTED, "a line for each sweep": ARRAYS}
 INTERFACES = ("left", "bottom")
@@ -39,7 +37,7 @@ INTERFACES = ("left", "bottom")
 @pytest.fixture
 def quilt():
     """A scene with two interfaces."""
-    return load_scene(str(HERE.parent / "scenes" / "quilt.toml"))
+    return load_scene(str(Path(__file__).parents[1] / "scenes" / "quilt.toml"))
 
 
 @pytest.fixture
@@ -65,22 +63,9 @@ def served(scene, skins, text, **more):
         yield device, ports
 
 
-class Quiet:
-    """Shows nothing but keeps the remarks."""
-
-    def __init__(self):
-        self.remarks = []
-
-    def begin(self, title, baseline): ...
-    def turn(self, interface): ...
-    def reading(self, frequency, reading): ...
-    def end(self, remarks):
-        self.remarks += remarks
-
-
 def recorded(scene, ports, path, tmp_path, **more):
     """A recording through the command's own set-up: sweeps, what was noted, and what was shown."""
-    notes, show = [], Quiet()
+    notes, show = [], Silent()
     header = header_of(scene, INTERFACES, standard_order(*scene.pixels.shape, 1)[:4])
     options = SourceOptions(ports.line_resource, 1.0, 9600, None, path)
     source = source_setup(
@@ -160,10 +145,10 @@ def test_a_fault_never_becomes_a_wrong_sweep(quilt, rig_skins, described, tmp_pa
 
 
 def test_a_live_session_reads_lines(described, press_control):
-    localizer = _live["Pixels"]()
+    localizer = Pixels()
     text = COUNTED.replace("rate = 2000", "rate = 1000")
     path = described(text)
-    with served(localizer.scene, _live["SKINS"], text) as (_, ports):
+    with served(localizer.scene, SKINS, text) as (_, ports):
         press = press_control(ports)
         frequencies = dict.fromkeys(INTERFACES, localizer.frequencies)
         options = SourceOptions(ports.line_resource, 1.0, 9600, None, path)

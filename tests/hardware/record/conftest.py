@@ -7,19 +7,7 @@ from rcskin.hardware.record.press_order import standard_order
 from rcskin.hardware.record.recorder import RecordingTask
 from rcskin.hardware.record_command import header_of
 from rcskin.simulator.meters.accuracy_table import read_table
-
-
-class Silent:
-    """Shows nothing, but remembers the remarks."""
-
-    def __init__(self):
-        self.remarks = []
-
-    def begin(self, title, baseline): ...
-    def turn(self, interface): ...
-    def reading(self, frequency, reading): ...
-    def end(self, remarks):
-        self.remarks += remarks
+from rcskin.tests.hardware.pillow import Silent
 
 
 @pytest.fixture

@@ -6,7 +6,6 @@ import signal
 import socket
 import sys
 import time
-from pathlib import Path
 
 import pytest
 from rcskin.hardware.record.press_order import standard_order
@@ -14,7 +13,6 @@ from rcskin.hardware.record.recording_journal import RecordingJournal
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import read, violations
 
-RIG = Path(__file__).parents[1] / "rig.py"
 SOON = 30
 """Seconds that the end may take on a very busy machine; alone it takes half a second."""
 
@@ -76,22 +74,22 @@ def test_a_served_meter_ends_on_request(start_rig, end):
 
 
 SLOW = """
-import runpy, sys, time
-rig = runpy.run_path({rig!r})
+import time
+from rcskin.tests.hardware import pillow, rig
 def impedance(self, press, frequency):
     if frequency != {quick}:
         print("solving", flush=True)
         time.sleep(60)
     return 1e3 - 1e3j
-rig["Pillow"].impedance = impedance
-rig["run"](["serve", "--scene", "pillow", "--port", "0", "--control-port", "0"])
+pillow.Pillow.impedance = impedance
+rig.run(["serve", "--scene", "pillow", "--port", "0", "--control-port", "0"])
 """
 
 
 @pytest.fixture
 def slow_meter(spawn):
     """A function that serves a skin which is solved at once at one frequency alone, in Hz."""
-    return lambda quick: spawn(sys.executable, "-c", SLOW.format(rig=str(RIG), quick=quick))
+    return lambda quick: spawn(sys.executable, "-c", SLOW.format(quick=quick))
 
 
 @TOLD

@@ -1,8 +1,5 @@
 """Relay boards, each a state machine at the other end of a real serial line."""
 
-import runpy
-from pathlib import Path
-
 import pytest
 from rcskin.hardware.switch.errors import (
     GarbledSwitchError,
@@ -12,11 +9,8 @@ from rcskin.hardware.switch.errors import (
 )
 from rcskin.hardware.switch.switch_table import read_switch
 from rcskin.simulator.sweeps import InputError
+from rcskin.tests.hardware.switch.boards import LcusBoard, NumatoBoard, on_a_line, soon
 
-_boards = runpy.run_path(str(Path(__file__).with_name("boards.py")))
-NumatoBoard, LcusBoard, on_a_line, soon = (
-    _boards[name] for name in ("NumatoBoard", "LcusBoard", "on_a_line", "soon")
-)
 KINDS = {"numato": NumatoBoard, "lcus": LcusBoard}
 
 

@@ -1,8 +1,5 @@
 """SCPI switches over TCP, and that the one they are tested on understands pymeasure's words too."""
 
-import runpy
-from pathlib import Path
-
 import pytest
 from pymeasure.instruments.keithley import Keithley2700
 from rcskin.hardware.switch.errors import (
@@ -14,9 +11,8 @@ from rcskin.hardware.switch.errors import (
 )
 from rcskin.hardware.switch.switch_table import read_switch
 from rcskin.simulator.sweeps import InputError
+from rcskin.tests.hardware.switch.boards import ScpiSwitch, on_tcp
 
-_boards = runpy.run_path(str(Path(__file__).with_name("boards.py")))
-ScpiSwitch, on_tcp = _boards["ScpiSwitch"], _boards["on_tcp"]
 LEFT, BOTTOM = {"single": "[101]", "multiple": "[101, 103]", "states": "[101, 103]"}, "[102]"
 
 

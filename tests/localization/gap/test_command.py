@@ -132,7 +132,6 @@ def test_a_model_leaves_no_choice_of_target(gap, files, tmp_path):
         ((0, 1, "--target", "position"), "--target must be one of column, row, pixel"),
         ((0, 1, "--estimator", "oracle"), "'oracle'"),
         ((0, 1, "--scene", "no-such-scene"), "no-such-scene: no such file"),
-        ((0, 1, "--draws", "0"), "--draws must be from 1 to 1000, got 0"),
     ],
 )
 def test_bad_input_is_one_line_and_leaves_nothing(gap, files, tmp_path, arguments, message):

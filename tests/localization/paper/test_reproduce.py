@@ -13,10 +13,9 @@ from rcskin.__main__ import app
 from rcskin.localization.inputs.targets import labels
 from rcskin.localization.model.localizer_file import load
 from rcskin.localization.paper import figures
-from rcskin.localization.paper.claim import RULES, near
+from rcskin.localization.paper.claims import RULES, near
 from rcskin.localization.paper.reproduce import draw
-from rcskin.localization.paper.simulated_experiment import EXPERIMENTS, SHEETS
-from rcskin.localization.paper.studies import crossed_cap
+from rcskin.localization.paper.studies import EXPERIMENTS, SHEETS, crossed_cap
 from rcskin.simulator import sweeps
 from rcskin.simulator.chart_style import STYLE
 from rcskin.simulator.progress import silent

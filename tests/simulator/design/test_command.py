@@ -72,11 +72,8 @@ def _check_folder(run, folder):
         (("--want", 1.5), "`want` must be < 1"),
         (("--sheet-resistance", "5"), "--sheet-resistance must be LOW:HIGH, got '5'"),
         (("--sheet-resistance", "5e4:1e4"), "sheet_resistance must be a low and a high end"),
-        (("--within", -3), "--within must be from 0.01 to 1e+06, got -3"),
         (("--target", "colour"), "`target` must be 'pixel'"),
         (("--seconds", "1e-3"), "`design.seconds` must be >= 0.005 s"),
-        (("--wires", 1), "`wires` must be >= 2"),
-        (("--draws", 1), "--draws must be from 2 to"),
         (("-o", "there/is/none"), "there/is/none: the folder there/is does not exist"),
     ],
 )

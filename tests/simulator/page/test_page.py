@@ -74,7 +74,6 @@ def test_the_command_writes_one_file_that_asks_for_nothing(run, tmp_path):
         (("sheet-3x3", "-o", "skin.png"), "must end in .html"),
         (("sheet-3x3", "-o", "nowhere/skin.html"), "folder nowhere does not exist"),
         (("by-force.toml", "-o", "skin.html"), "press.depth"),
-        (("sheet-3x3", "-o", "skin.html", "--rtol", "1"), "--rtol must be from"),
     ],
 )
 def test_bad_input_is_reported_in_one_line(refused, tmp_path, monkeypatch, arguments, told):

@@ -106,9 +106,6 @@ def test_closed_pores_leave_the_solid():
         ({"effective_medium": "constant"}, "takes no solid_permittivity"),
         ({"densification_strain": 0.7}, "densification_strain must be <= porosity 0.67, got 0.7"),
         ({"stress_strain": "linear", "plateau_stress": 1e3}, "plateau_stress does not apply"),
-        ({"porosity": 1.0}, "less than or equal to 0.999"),
-        ({"solid_permittivity": 0.5}, "from 1 to 1e6"),
-        ({"tension": -1.0}, "must be from 0 to 1e8 N/m"),
     ],
 )
 def test_bad_properties_are_refused(changed, told):

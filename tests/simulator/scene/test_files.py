@@ -14,6 +14,7 @@ from rcskin.simulator.scene.scene_files import (
     scene_text,
 )
 from rcskin.simulator.sweeps import InputError
+from rcskin.tests.refusals import refusal_of
 
 SHEET = (BUILTIN / "sheet-3x3.toml").read_text(encoding="utf-8")
 
@@ -94,66 +95,23 @@ def replaced(*pairs):
 @pytest.mark.parametrize(
     ("pairs", "told"),
     [
-        # what is no TOML, no known key, or not there
-        (["[skin]", "[skin"], "not valid TOML"),
+        # what is no TOML
         (["length = 0.120", "length = 0.120\nlength = 1"], "not valid TOML"),
-        (["length = 0.120", "lenght = 0.120"], "`skin.lenght` is not a known key, got 0.12"),
-        (["[pixels]", "[pixel]"], "`pixel` is not a known key"),
-        (["length = 0.120", ""], "`skin.length` is missing"),
-        (["rows = 3", ""], "`pixels.rows` is missing"),
-        (['name = "sheet-3x3"', ""], "`name` is missing"),
-        (['name = "sheet-3x3"', 'name = ""'], "`name` must"),
         # the skin
-        (
-            ["sheet_resistance = 50e3", "sheet_resistance = -5"],
-            "`skin.top.sheet_resistance` must be from 1e-6 to 1e12 ohm/sq, got -5",
-        ),
-        (
-            ["sheet_resistance = 50e3", "sheet_resistance = inf"],
-            "`skin.top.sheet_resistance` must be from 1e-6 to 1e12 ohm/sq, got inf",
-        ),
-        (
-            ["sheet_resistance = 50e3", 'sheet_resistance = "fifty"'],
-            "`skin.top.sheet_resistance` must be",
-        ),
-        (["length = 0.120", "length = 0"], "`skin.length` must be from 1e-5 to 1000 m, got 0"),
-        (["width = 0.120", "width = nan"], "`skin.width` must be from 1e-5 to 1000 m, got nan"),
         ([FOAM, ""], "`skin.foam` needs either capacitance_per_area, or thickness with"),
         (
             [FOAM, f"{FOAM}\nthickness = 1e-4"],
             "`skin.foam` capacitance_per_area must be >= 8.85419e-8 F/m², that of vacuum",
         ),
         ([FOAM, "thickness = 4e-3"], "`skin.foam` needs either capacitance_per_area"),
-        (
-            [FOAM, "thickness = 4e-3\nrelative_permittivity = 0.5"],
-            "`skin.foam.relative_permittivity` must be from 1 to 1e6 (relative)",
-        ),
-        (
-            ["loss_tangent = 0.0", "loss_tangent = -0.1"],
-            "`skin.foam.loss_tangent` must be from 0 to 1000 (tan d), got -0.1",
-        ),
         # contacts
         (
             ['edge = "left"', 'edge = "middle"'],
             "`contact[1].edge` must be 'left', 'right', 'bottom' or 'top', got 'middle'",
         ),
         (
-            ['electrode = "bottom"', 'electrode = "foam"'],
-            "`contact[2].electrode` must be 'top' or 'bottom', got 'foam'",
-        ),
-        (
-            [CONTACT, f"{CONTACT}\nspan = [0.0, 1.2]"],
-            "`contact[2].span[2]` must be <= 1.0, got 1.2",
-        ),
-        ([CONTACT, f"{CONTACT}\nspan = [nan, 1.0]"], "`contact[2].span[1]` must be"),
-        ([CONTACT, f"{CONTACT}\nspan = [0.5]"], "`contact[2].span[2]` is missing"),
-        (
             [CONTACT, f"{CONTACT}\nspan = [0.7, 0.7]"],
             "`contact[2]` span must run from a lower to a higher fraction, got (0.7, 0.7)",
-        ),
-        (
-            [CONTACT, f"{CONTACT}\nresistance = -1.0"],
-            "`contact[2].resistance` must be from 0 to 1e10 ohm m, got -1",
         ),
         (
             ['electrode = "bottom"', 'electrode = "top"'],
@@ -161,8 +119,6 @@ def replaced(*pairs):
         ),
         (['name = "bottom-left"', 'name = "top-left"'], "contact name 'top-left' is used more"),
         # interfaces
-        (['high = ["top-left"]', "high = []"], "`interface[1].high` must have at least 1 item"),
-        (['low = ["bottom-left"]', "low = []"], "`interface[1].low` must have at least 1 item"),
         (
             ['high = ["top-left"]', 'high = ["top"]'],
             "interface 'left' names the contact 'top'; there are top-left, bottom-left",
@@ -177,26 +133,8 @@ def replaced(*pairs):
             "interface name 'left' is used more than once",
         ),
         # pixels, press, sweep, readout, experiment
-        (["rows = 3", "rows = 0"], "`pixels.rows` must be >= 1, got 0"),
-        (["columns = 3", "columns = 2.5"], "`pixels.columns` must be"),
-        (
-            ["capacitance_factor = 2.0", "capacitance_factor = 0"],
-            "`press.capacitance_factor` must be from 1e-6 to 1e6 times the unpressed value, got 0",
-        ),
-        (["factor_spread = 0.1", "factor_spread = 1.0"], "`press.factor_spread` must be < 1"),
-        ([FREQUENCIES, "frequencies = []"], "`sweep.frequencies` must have at least 1 item"),
-        ([FREQUENCIES, "frequencies = [0]"], "must be from 1e-6 to 1e12 Hz, got 0"),
-        ([FREQUENCIES, "frequencies = [1e3, nan]"], "must be from 1e-6 to 1e12 Hz, got nan"),
         ([FREQUENCIES, "frequencies = [1e3, 1e3]"], "`sweep` frequencies must be distinct"),
         (["start = 1e3", "start = 3e5"], "start must be < stop, got 300000 and 200000 Hz"),
-        (["points = 20", "points = 1"], "`points` must be >= 2"),
-        (['spacing = "log"', 'spacing = "cubic"'], "`spacing` must be 'log' or 'linear'"),
-        (
-            ["phase_noise = 2.6e-3", "phase_noise = -1"],
-            "`readout.phase_noise` must be from 0 to 1.5708 rad, got -1",
-        ),
-        (["display_digits = 6", "display_digits = 1"], "`readout.display_digits` must be >= 2"),
-        (["repetitions = 6", "repetitions = 0"], "`experiment.repetitions` must be >= 1, got 0"),
     ],
 )
 def test_bad_input_is_refused_in_one_line(tmp_path, pairs, told):
@@ -236,10 +174,6 @@ def test_scenes_are_frozen():
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ("length = 0.120", "length = true", "`skin.length` must be a number, got True"),
-        ("length = 0.120", 'length = "0.12"', "`skin.length` must be a number, got '0.12'"),
-        ("rows = 3", "rows = 3.0", "`pixels.rows` must be a whole number, got 3.0"),
-        ("rows = 3", "rows = true", "`pixels.rows` must be a whole number, got True"),
         ("length = 0.120", 'length = "12 cm"', "got '12 cm'; did you mean 0.12?"),
         (
             'high = ["top-left"]',
@@ -253,9 +187,7 @@ def test_scenes_are_frozen():
     ],
 )
 def test_values_of_another_kind_are_refused(old, new, told):
-    with pytest.raises(InputError) as refused:
-        parse_scene(replaced(old, new), "mine.toml")
-    assert told in str(refused.value)
+    assert told in refusal_of(parse_scene, replaced(old, new), "mine.toml")
 
 
 @pytest.mark.parametrize(

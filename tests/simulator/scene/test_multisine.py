@@ -24,10 +24,8 @@ from rcskin.simulator.sweeps import InputError
 FREQUENCY = np.array([1e3, 4e3, 20e3, 50e3, 100e3])
 SILENT = {"voltage_noise": 0.0, "current_noise": 0.0, "adc_noise": 0.0, "bits": 32}
 REFUSALS = {
-    "resistance": ({"feedback_resistance": 0.0}, "`feedback_resistance` must be from 1 to 1e12"),
     "samples": ({"frame": 1.0005e-4, "sampling_rate": 1e4}, "`frame` must be a whole number of"),
     "memory": ({"frame": 1.0}, "`frame` must have at most 100000 samples, got 1000000"),
-    "amplitude": ({"amplitudes": (1.0, -1.0)}, "must be from 1e-6 to 1e6"),
 }
 OFF_GRID = {
     "low": ([50.0, 1e3], "frequencies must be >= 125 Hz for a frame of 0.008 s, got 50"),

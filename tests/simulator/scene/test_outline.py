@@ -7,6 +7,7 @@ from rcskin.simulator.scene.planar import Circle, area, gap, inside, regular, si
 from rcskin.simulator.scene.readings.wiring_checks import conductor_groups
 from rcskin.simulator.scene.scene_files import BUILTIN, parse_scene, scene_text
 from rcskin.simulator.sweeps import InputError
+from rcskin.tests.refusals import refusal_of
 
 SHEET = (BUILTIN / "sheet-3x3.toml").read_text(encoding="utf-8")
 SQUARE = "[[0.01, 0.01], [0.11, 0.01], [0.11, 0.11], [0.01, 0.11]]"
@@ -59,10 +60,6 @@ def test_scenes_without_outline_are_written_as_before():
     [
         ("", "`skin.outline` needs either points = [[x, y], ...] or circle = [x, y, radius]"),
         (f"points = {SQUARE}\ncircle = [0.05, 0.05, 0.01]", "`skin.outline` needs either points"),
-        ("points = [[0, 0], [0.1, 0]]", "`skin.outline.points` must have at least 3 item"),
-        ("circle = [0.05, 0.05, 0]", "`skin.outline.circle[3]` must be from 1e-9 to 1000 m"),
-        ("circle = [0.05, inf, 0.01]", "`skin.outline.circle[2]` must be"),
-        ('points = [[0, 0], [0.1, 0], [0.1, "a"]]', "`skin.outline.points[3][2]` must be a number"),
         ("points = [[0, 0], [0.1, 0], [0.1, 0.2]]", "outline must lie within y = 0..0.12 m"),
         ("circle = [0.05, 0.05, 0.06]", "outline must lie within x = 0..0.12 m, got -0.01..0.11 m"),
         (
@@ -84,6 +81,10 @@ def test_scenes_without_outline_are_written_as_before():
             "outline.holes[1] must lie inside the outline",
         ),
         (
+            f"points = {SQUARE}\nholes = [{{circle = [0.5, 0.06, 0.01]}}]",
+            "must lie within x = 0..0.12 m, got 0.49..0.51",
+        ),
+        (
             f"points = {SQUARE}\n"
             "holes = [{circle = [0.05, 0.05, 0.01]}, {circle = [0.06, 0.05, 0.01]}]",
             "outline.holes[1] and outline.holes[2] must lie at least",
@@ -93,7 +94,6 @@ def test_scenes_without_outline_are_written_as_before():
             "holes = [{circle = [0.05, 0.05, 0.02]}, {circle = [0.05, 0.05, 0.01]}]",
             "outline.holes[1] and outline.holes[2] must lie at least",
         ),
-        (f"points = {SQUARE}\nhole = []", "`skin.outline.hole` is not a known key"),
         (
             "circle = [0.06, 0.06, 0.05]\nholes = [{circle = [0.06, 0.06, 1e-9]}]",
             "outline.holes[1].circle must have a radius of at least",
@@ -101,10 +101,7 @@ def test_scenes_without_outline_are_written_as_before():
     ],
 )
 def test_outlines_that_bound_no_skin_are_refused(outline, told):
-    with pytest.raises(InputError) as refused:
-        scene_of(outline)
-    assert told in str(refused.value)
-    assert "\n" not in str(refused.value)
+    assert told in refusal_of(scene_of, outline)
 
 
 def test_the_command_line_refuses_in_one_line(tmp_path, refused):
@@ -126,9 +123,9 @@ def test_the_command_line_refuses_in_one_line(tmp_path, refused):
     ],
 )
 def test_edges_that_an_outline_lacks_are_refused(edges, told):
-    with pytest.raises(InputError) as refused:
-        scene_of(f"points = {L}\nholes = [{{circle = [0.02, 0.02, 0.01]}}]", *edges)
-    assert told in str(refused.value)
+    assert told in refusal_of(
+        scene_of, f"points = {L}\nholes = [{{circle = [0.02, 0.02, 0.01]}}]", *edges
+    )
 
 
 def test_an_outline_or_a_mesh():

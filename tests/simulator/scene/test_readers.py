@@ -3,7 +3,7 @@
 import pytest
 from rcskin.simulator.scene.readings.changed_readings import restricted_to_interfaces
 from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text
-from rcskin.simulator.sweeps import InputError
+from rcskin.tests.refusals import refusal_of
 
 GAIN = {
     "interface.1.reader": "gain",
@@ -27,14 +27,6 @@ SCENE = load_scene("sheet-5x5-two-interfaces")
             'takes series_resistance with reader = "gain" only',
         ),
         ({"interface.1.driven_with": ["bottom"]}, 'takes driven_with with reader = "gain" only'),
-        (
-            GAIN | {"interface.1.series_resistance": 0.0},
-            "`interface[1].series_resistance` must be from 0.001 to 1e12 ohm, got 0: a node",
-        ),
-        (
-            GAIN | {"interface.1.load": {"resistance": 0.0}},
-            "`interface[1].load.resistance` must be from 0.001 to 1e15 ohm, got 0: an input of 0",
-        ),
         (
             {"interface.1.reader": "gain", "interface.1.series_resistance": 1e6},
             "all interfaces must have the same `reader`, got 'gain' of 'left' and 'impedance' of",
@@ -73,10 +65,7 @@ SCENE = load_scene("sheet-5x5-two-interfaces")
     ],
 )
 def test_what_does_not_fit_is_refused(changes, message):
-    with pytest.raises(InputError) as refused:
-        SCENE.with_(changes)
-    assert message in str(refused.value)
-    assert "\n" not in str(refused.value)
+    assert message in refusal_of(SCENE.with_, changes)
 
 
 def test_a_scene_of_impedances_does_not_write_the_keys():

@@ -12,6 +12,7 @@ from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.readout.meter import Readout, meter_names
 from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text
 from rcskin.simulator.sweeps import InputError
+from rcskin.tests.refusals import refusal_of
 
 SCENE = load_scene("strip-1x3")
 BOARD = {  # Hz, ohm, spread of |Z| in %, spread of phase in degrees
@@ -123,27 +124,20 @@ def test_a_scene_with_tables_is_written_and_read_again(name):
             {"data_sheet": {"accuracy": "E4980"}},
             "must be a table or one of 3522-50-derived, E4980A",
         ),
-        ({"data_sheet": {}}, "`readout.data_sheet.accuracy` is missing"),
-        ({"data_sheet": {"accuracy": "E4980A", "noise": 0.0}}, "from 1e-6 to 1"),
-        ({"data_sheet": {"accuracy": "E4980A", "noise": 2.0}}, "from 1e-6 to 1"),
         ({"data_sheet": {"accuracy": "E4980A", "speed": "FAST"}}, "`speed` is for accuracies by"),
-        ({"data_sheet": {"accuracy": {"name": "x", "stop": 1e3, "band": []}}}, "band"),
         (
             {"data_sheet": {"accuracy": "E4980A"}, "magnitude_noise": 1e-3},
             "`magnitude_noise` and `data_sheet` state the same error",
         ),
         ({"spread": SPREAD, "phase_noise": 1e-3}, "`phase_noise` and `spread` state the same"),
         ({"spread": {**SPREAD, "impedance": SPREAD["impedance"][::-1]}}, "`impedance` must ascend"),
-        ({"spread": {**SPREAD, "frequency": [0.0]}}, "from 1e-6 to 1e12 Hz"),
         ({"spread": {**SPREAD, "phase": SPREAD["phase"][1:]}}, "`phase` must have 5 rows of 1"),
         ({"spread": {**SPREAD, "magnitude": [[0.0]] * 5}}, "`magnitude` must be > 0 and <= 1"),
         ({"spread": {**SPREAD, "magnitude": [[math.nan]] * 5}}, "`magnitude` must be > 0 and <= 1"),
     ],
 )
 def test_tables_that_state_no_error_are_refused(changed, refusal):
-    with pytest.raises(InputError) as raised:
-        SCENE.with_({"readout": changed})
-    assert refusal in str(raised.value) and "\n" not in str(raised.value)
+    assert refusal in refusal_of(SCENE.with_, {"readout": changed})
 
 
 def test_readers_of_gains_take_no_errors_of_impedances():

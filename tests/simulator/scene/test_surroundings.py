@@ -9,6 +9,7 @@ from rcskin.simulator.scene.foam.foam import VACUUM_PERMITTIVITY
 from rcskin.simulator.scene.scene_files import builtin_names, load_scene, parse_scene, scene_text
 from rcskin.simulator.scene.surroundings import Rim
 from rcskin.simulator.sweeps import InputError, read
+from rcskin.tests.refusals import refusal_of
 
 COVER = {"thickness": 1e-3, "relative_permittivity": 3.0}
 BELOW = {"distance": 5e-3}
@@ -74,13 +75,8 @@ def test_a_key_of_one_body_is_changed_by_its_name():
     ("changes", "why"),
     [
         ({"surroundings": "solve"}, "`surroundings` must be a table or 'solved', got 'solve'"),
-        ({"surroundings.low": "earth"}, "`surroundings.low` must be 'virtual earth' or 'floating'"),
         ({"surroundings.rim": "yes"}, "`surroundings.rim` must be true, false, a number in F/m"),
-        ({"surroundings.rim": -1.0}, "must be from 0 to 1e-6 F/m, got -1"),
-        ({"surroundings.rim": {"mutal": 1.0}}, "`mutal` is not a known key"),
         ({"surroundings": {"rim": True, "solved": True}}, "takes solved or rim, got both"),
-        ({"surroundings.thickness": 1}, "`surroundings.thickness` must be true or false, got 1"),
-        ({"surroundings.air": -1e-3}, "`surroundings.air` must be from 0 to 10 m, got -0.001"),
         ({"surroundings.body": {}}, "`surroundings.body[1]` needs either distance or capacitance"),
         (
             {"surroundings.body": {**BELOW, "capacitance_per_area": 1e-9}},
@@ -90,14 +86,11 @@ def test_a_key_of_one_body_is_changed_by_its_name():
             {"surroundings.body": {"capacitance_per_area": 1e-9, "relative_permittivity": 2.0}},
             "takes relative_permittivity with distance only",
         ),
-        ({"surroundings.body.distance": -2e-3}, "no body is inside the foam"),
-        ({"surroundings.body.distance": 0.0}, "no body is inside the foam"),
         (
             {"surroundings.body": [BELOW, BELOW]},
             "takes one body on each side, got two on the bottom",
         ),
         ({"surroundings.body": [BELOW, ABOVE, ABOVE]}, "at most 2 items, got 3"),
-        ({"surroundings.cover": {"thickness": 1e-3}}, "cover.relative_permittivity` is missing"),
         ({"surroundings": {"cover": COVER, "body": ABOVE}}, "cannot touch the top sheet"),
         ({"press.finger": "earthed"}, "`press.finger` needs the table [surroundings]"),
         (
@@ -110,8 +103,6 @@ def test_a_key_of_one_body_is_changed_by_its_name():
         ),
         ({"surroundings": {}, "press.finger": "hand"}, "must be 'earthed' or 'floating' or a cap"),
         ({"surroundings": {}, "press.finger": True}, "must be 'earthed' or 'floating' or a cap"),
-        ({"surroundings": {}, "press.finger": -1.0}, "`press.finger` must be from 0 to 1e-6 F"),
-        ({"contact.top-left.width": -1e-3}, "`contact[1].width` must be from 0 to 1000 m"),
         (
             {"contact.top-left.width": 0.12},
             "`contact[1].width` must be < 0.12 m, the skin's extent",
@@ -123,10 +114,7 @@ def test_a_key_of_one_body_is_changed_by_its_name():
     ],
 )
 def test_impossible_surroundings_are_refused_in_one_line(changes, why):
-    with pytest.raises(InputError) as error:
-        load_scene("sheet-5x5").with_(changes)
-    assert why in str(error.value)
-    assert "\n" not in str(error.value)
+    assert why in refusal_of(load_scene("sheet-5x5").with_, changes)
 
 
 @pytest.mark.parametrize(
@@ -217,19 +205,3 @@ def test_the_press_of_a_scene_includes_its_finger(run, tmp_path):
 
 def finger_of_a_pixel():
     return VACUUM_PERMITTIVITY / (1e-3 / 3.0) * (0.024 * 0.024)
-
-
-@pytest.mark.parametrize(
-    ("table", "why"),
-    [
-        ("body = {distance = -1e-3}", "surroundings.body[1].distance` must be from 1e-8 to 1000 m"),
-        ("cover = {thickness = 1e-3}", "`surroundings.cover.relative_permittivity` is missing"),
-        ("bodies = 3", "`surroundings.bodies` is not a known key, got 3"),
-    ],
-)
-def test_a_file_is_refused_in_one_line_that_names_it(refused, tmp_path, table, why):
-    path = tmp_path / "mine.toml"
-    path.write_text(f"{scene_text(load_scene('sheet-3x3'))}\n[surroundings]\n{table}\n")
-    err = refused("describe", path)
-    assert str(path) in err
-    assert why in err

@@ -3,30 +3,8 @@
 import numpy as np
 import pytest
 from rcskin.simulator.sweeps import InputError, impedance, parallel_capacitance, write
-from rcskin.simulator.sweeps.importing.labels import Defaults
 from rcskin.simulator.sweeps.importing.tables.columns import recognised
-from rcskin.simulator.sweeps.imports import ImportOptions, import_file, import_files
-
-
-@pytest.fixture
-def table(tmp_path):
-    """A function that imports a table of some text."""
-
-    def table(*lines, encoding="utf-8", name="some.csv", **defaults):
-        (tmp_path / name).write_text("\n".join(lines), encoding=encoding)
-        return import_file(tmp_path / name, Defaults(**defaults))
-
-    return table
-
-
-def refusal(path, lines):
-    path.write_text("\n".join(lines), encoding="utf-8")
-    with pytest.raises(InputError) as error:
-        import_file(path)
-    message = str(error.value)
-    assert message.startswith(f"{path}: ")
-    assert "\n" not in message
-    return message
+from rcskin.simulator.sweeps.imports import ImportOptions, import_file
 
 
 def test_the_files_of_this_project_are_read_too(make_sweeps, tmp_path):
@@ -189,47 +167,6 @@ def test_columns_of_unknown_names_do_not_matter(table):
     assert impedance(sweeps).item() == 1 - 1j
 
 
-@pytest.mark.parametrize("frequencies", ["121212", "212121", "122112"])
-def test_a_sweep_begins_where_frequencies_start_over(table, frequencies):
-    rows = [f"{f},{index + 1},-1" for index, f in enumerate(frequencies)]
-    sweeps = table("f/Hz,R,X", *rows)
-    assert dict(sweeps.sizes) == {"sweep": 3, "interface": 1, "frequency": 2}
-    assert [set(Rs) for Rs in sweeps["Rs"].values[:, 0]] == [{1, 2}, {3, 4}, {5, 6}]
-
-
-def test_labels_distinguish_sweeps_wherever_their_lines_stand(table):
-    header = "row,column,repetition,session,f/Hz,R,X"
-    rows = ["1,2,1,7,1,1,-1", "2,2,1,7,1,2,-1", "1,2,1,7,2,3,-1", "2,2,1,7,2,4,-1"]
-    sweeps = table(header, *rows)
-    assert sweeps["Rs"].values.tolist() == [[[1, 3]], [[2, 4]]]
-    assert sweeps["press"].values.tolist() == ["1,2", "2,2"]
-    assert sweeps["session"].values.tolist() == [7, 7]
-
-
-def test_every_sweep_has_every_interface(table):
-    rows = ["left,1,1,-1", "left,2,2,-1", "top,1,3,-1", "top,2,4,-1", "left,1,5,-1"]
-    more = ["left,2,6,-1", "top,1,7,-1", "top,2,8,-1"]
-    sweeps = table("interface,f/Hz,R,X", *rows, *more)
-    assert sweeps["interface"].values.tolist() == ["left", "top"]
-    assert sweeps["Rs"].values.tolist() == [[[1, 2], [3, 4]], [[5, 6], [7, 8]]]
-
-
-@pytest.mark.parametrize(
-    ("press", "pixel"),
-    [
-        ("none", (0, 0)),
-        ("2,3", (2, 3)),
-        ("2,3:1.5", (2, 3)),
-        ("1,1+2,2", (-1, -1)),
-        ("x", (-1, -1)),
-    ],
-)
-def test_the_pixel_of_a_press_is_read_from_its_text(table, press, pixel):
-    sweeps = table("f/Hz,R,X", "1,1,-1", press=press)
-    assert sweeps["press"].item() == press
-    assert (sweeps["row"].item(), sweeps["column"].item()) == pixel
-
-
 def test_defaults_hold_where_the_file_has_no_such_column(table):
     sweeps = table("f/Hz,R,X", "1,1,-1", interface="left", session=3)
     assert sweeps["interface"].item() == "left"
@@ -275,8 +212,8 @@ def test_defaults_hold_where_the_file_has_no_such_column(table):
         ),
     ],
 )
-def test_what_cannot_be_read_is_reported_with_its_place(tmp_path, lines, told):
-    assert told in refusal(tmp_path / "bad.csv", lines)
+def test_what_cannot_be_read_is_reported_with_its_place(refusal, lines, told):
+    assert told in refusal(*lines)
 
 
 def test_what_is_no_text_is_reported(tmp_path):
@@ -285,36 +222,6 @@ def test_what_is_no_text_is_reported(tmp_path):
         import_file(tmp_path / "picture.csv")
     with pytest.raises(InputError, match=r"absent\.csv: no such file"):
         import_file(tmp_path / "absent.csv")
-
-
-def test_files_are_joined_at_the_frequencies_of_the_first(tmp_path):
-    paths = [tmp_path / "a.csv", tmp_path / "b.csv"]
-    paths[0].write_text("f/Hz,R,X\n1000.0001,1,-1\n2000,2,-1")
-    paths[1].write_text("f/kHz,R,X\n1,3,-1\n2,4,-1")
-    joined = import_files(paths, [Defaults("none"), Defaults("1,1", session=2)])
-    assert joined["frequency"].values.tolist() == [1000.0001, 2000]
-    assert joined["Rs"].values.tolist() == [[[1, 2]], [[3, 4]]]
-    assert joined["session"].values.tolist() == [0, 2]
-    assert joined.attrs["source"] == "a.csv; b.csv"
-
-
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("f/Hz,R,X\n1,1,-1\n3,1,-1", "2 from 1 to 3 Hz are not the frequencies of"),
-        ("f/Hz,R,X\n1,1,-1", "1 from 1 to 1 Hz are not the frequencies of"),
-        ("interface,f/Hz,R,X\na,1,1,-1\na,2,1,-1", "interfaces a are not those of"),
-    ],
-)
-def test_files_that_do_not_fit_together_are_reported(tmp_path, text, told):
-    paths = [tmp_path / "a.csv", tmp_path / "b.csv"]
-    paths[0].write_text("f/Hz,R,X\n1,1,-1\n2,1,-1")
-    paths[1].write_text(text)
-    with pytest.raises(InputError) as error:
-        import_files(paths, [Defaults()] * 2)
-    assert str(error.value).startswith(f"{paths[1]}: ")
-    assert told in str(error.value)
-    assert str(paths[0]) in str(error.value)
 
 
 def pair_of(f, Z):
@@ -511,8 +418,8 @@ def test_text_ends_a_table_or_stands_within_it(table):
         (["row,column,f,R,X", "1,1,1,1,-1", "1,0,1,1,-1"], "line 3: has row 1 with column 0"),
     ],
 )
-def test_tables_that_can_be_misread_are_refused(tmp_path, lines, message):
-    assert message in refusal(tmp_path / "bad.csv", lines)
+def test_tables_that_can_be_misread_are_refused(refusal, lines, message):
+    assert message in refusal(*lines)
 
 
 def test_unusual_numbers_are_reported(table):
@@ -522,17 +429,6 @@ def test_unusual_numbers_are_reported(table):
         "degrees; Im Z > 0 in 67% of the readings, as of an inductor; if `X` holds the negative, "
         "name it with a minus in --columns"
     )
-
-
-@pytest.mark.parametrize("order", [1, -1])
-@pytest.mark.parametrize("off", [5e-7, 2e-5, 5e-4, -5e-4])
-def test_sweeps_of_nearly_the_same_frequencies(table, order, off):
-    rows = [f"{f:.9g},{f},-1" for f in (100, 200, 500, 1000)]
-    more = [f"{f * (1 + off):.9g},{f},-1" for f in (100, 200, 500, 1000)]
-    sweeps = table("f/Hz,R,X", *rows, *more[::order])
-    assert sweeps["frequency"].values.tolist() == [100, 200, 500, 1000]
-    assert sweeps["Rs"].values.tolist() == [[[100, 200, 500, 1000]]] * 2
-    assert ("warnings" in sweeps.attrs) == (abs(off) > 1e-6)
 
 
 def test_points_between_thousands(table):
@@ -548,11 +444,6 @@ def test_what_stands_between_header_and_readings_is_named(table):
     assert sweeps.attrs["left_out"] == "line 2 (`End Comments`)"
 
 
-def test_a_fine_grid_is_no_jitter(table):
-    sweeps = table("f/Hz,R,X", *(f"{1e5 + f},1,-1" for f in range(5)))
-    assert sweeps.sizes["frequency"] == 5 and "warnings" not in sweeps.attrs
-
-
 def test_encodings_of_chinese_instruments(table):
     sweeps = table("频率(Hz),阻抗(Ω),相位(°)", "1,1,-90", encoding="gb18030")
     assert impedance(sweeps).item() == pytest.approx(-1j)
@@ -562,61 +453,3 @@ def test_encodings_of_chinese_instruments(table):
 def test_encodings_of_japanese_instruments(table, encoding):
     sweeps = table("周波数[Hz],Z[Ω],θ[°]", "1,1,-90", encoding=encoding)
     assert impedance(sweeps).item() == pytest.approx(-1j)
-
-
-SPECTRUM = [(1e5, "1,-5"), (3e4, "5,-14"), (1e4, "25,-23"), (3e3, "44,-12"), (1e3, "47,-4")]
-
-
-@pytest.mark.parametrize("ends", [[2], [3], [2, 3]])
-@pytest.mark.parametrize("overlap", [0, 1])
-@pytest.mark.parametrize("direction", [1, -1])
-@pytest.mark.parametrize("label", [None, "Loop", "Sweep Number", "Cycle"])
-def test_segments_of_one_spectrum_may_overlap(table, ends, overlap, direction, label):
-    readings = SPECTRUM[::direction]
-    starts = [0, *(end - overlap for end in ends)]
-    parts = [
-        [f"{f:.9g},{z}" for f, z in readings[start : end + 1]]
-        for start, end in zip(starts, [*ends, len(readings)], strict=True)
-    ]
-    parts = [*parts, *parts]
-    marked = [[f"{n},{row}" if label else row for row in part] for n, part in enumerate(parts, 1)]
-    header = f"{label},f,R,X" if label else "f,R,X"
-    sweeps = table(header, *(row for part in marked for row in part))
-    assert sweeps.sizes["sweep"] == 2 and sweeps["frequency"].values.tolist() == sorted(
-        f for f, _ in SPECTRUM
-    )
-    assert sweeps["Rs"].values[:, 0].tolist() == [[47, 44, 25, 5, 1]] * 2
-    assert "which is kept: segments of one spectrum" in sweeps.attrs["left_out"]
-    assert ("though" in sweeps.attrs.get("warnings", "")) == (label in ("Sweep Number", "Cycle"))
-
-
-def test_the_first_reading_of_two_segments_is_kept_and_the_difference_named(table):
-    sweeps = table("f,R,X", "1,4,-3", "2,3,-4", "2,3.03,-4.04", "3,2,-4")
-    assert sweeps["Rs"].values.ravel().tolist() == [4, 3, 2]
-    assert sweeps.attrs["left_out"] == (
-        "line 4 (once more 2 Hz of line 3, which is kept: segments of one spectrum, 1 % apart)"
-    )
-    failed = table("f,R,X", "1,4,-3", "2,OL,-4", "2,3,-4", "3,2,-4")
-    assert failed["Rs"].values.ravel().tolist() == [4, 3, 2]
-
-
-def test_segments_without_a_common_frequency_are_one_spectrum(table):
-    sweeps = table("f,R,X", *(f"{f},1,-1" for f in (8, 6, 4, 2, 3, 1.5, 1)))
-    assert sweeps["frequency"].values.tolist() == [1, 1.5, 2, 3, 4, 6, 8]
-
-
-@pytest.mark.parametrize(
-    ("rows", "message"),
-    [
-        (["1,4,-3", "2,3,-4", "2,6,-8", "3,2,-4"], "line 4: goes on with a spectrum from 2 Hz"),
-        (["1,4,-3", "2,3,-4", "1,4,-3", "2,3,-4", "3,2,-4"], "line 4: the sweep from here on has"),
-        (["1,4,-3", "2,3,-4", "3,1,-1", "2,3,-4", "1,2,-4"], "line 5: the sweep from here on has"),
-    ],
-)
-def test_other_repeated_frequencies_begin_a_sweep(tmp_path, rows, message):
-    assert message in refusal(tmp_path / "bad.csv", ["f,R,X", *rows])
-
-
-def test_segments_that_label_other_presses_are_not_joined(tmp_path):
-    rows = ["press,f,R,X", "a,1,4,-3", "a,2,3,-4", "b,2,3,-4", "b,3,2,-4"]
-    assert "line 4: the sweep from here on has 2" in refusal(tmp_path / "bad.csv", rows)

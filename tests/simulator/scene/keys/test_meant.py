@@ -40,9 +40,6 @@ def test_a_missing_key_does_not_hide_another_problem():
     ("old", "new", "meant"),
     [
         ("sheet_resistance", "resistance", "`skin.top.sheet_resistance`?"),
-        ("length", "lenght", "`skin.length`?"),
-        ("[pixels]", "[pixel]", "`pixels`?"),
-        ("[[interface]]", "[[interfac]]", "`interface`?"),
         ('edge = "left"', 'colour = "red"\nedge = "left"', None),
         ("capacitance_factor", "factor", "`press.capacitance_factor` or `press.factor_spread`?"),
         ("[readout]", "[readout]\nnoise_phase = 1e-3", "`readout.phase_noise`?"),
