@@ -147,7 +147,7 @@ def _index(link: Callable[[str], str]) -> str:
 def _function(name: str) -> Iterator[str]:
     """What a function does, its arguments, its result, its errors and the example."""
     yield from _called(f"rcskin.{name}", f"rcskin.{name}", getattr(rcskin, name), "#")
-    yield from ("## Example", "", "```python", example(name), "```", "")
+    yield from ("## Example { data-search-exclude }", "", "```python", example(name), "```", "")
 
 
 def example(name: str) -> str:
