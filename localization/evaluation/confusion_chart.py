@@ -22,6 +22,7 @@ MAX_LABELLED_CLASSES = 50
 """Maximum number of classes with a label each."""
 MAX_FONT_SIZE, MIN_FONT_SIZE, MIN_FONT_SIZE_OF_TWO = 11.0, 4.0, 6.5
 """Font sizes in points: maximum, minimum alone, and minimum with the percentage below."""
+NOTHING_PRESSED = "0"
 LETTER = 0.62
 """Width of a digit divided by its size."""
 
@@ -37,7 +38,8 @@ def draw_confusion(axes: Axes, confusion: Confusion, title: str = "Accuracy") ->
     classes = np.arange(len(confusion.labels))
     axes.imshow(_colours(confusion))
     shown = classes[:: 1 + len(classes) // MAX_LABELLED_CLASSES]
-    names = [str(confusion.labels[k]) for k in shown]
+    labels = [str(confusion.labels[k]) for k in shown]
+    names = ["none" if label == NOTHING_PRESSED else label for label in labels]
     cell = _cell(axes, len(classes))
     longest = len(max(names, key=len))
     size = min(

@@ -130,7 +130,7 @@ def test_every_command_says_how_deep_a_force_goes(tmp_path, tension, force):
     scene, path = strip(tension, force=force), tmp_path / "strip.toml"
     path.write_text(scene_text(scene), encoding="utf-8")
     done = run("sweep", path, "--press", "1,2", "--press", "none", "-o", tmp_path / "a.nc")
-    (depth,) = re.findall(rf"note: press 1,2:{force}N: ([\d.]+) mm deep", done.stderr)
+    (depth,) = re.findall(rf"note: press 1,2:{force:g}N: ([\d.]+) mm deep", done.stderr)
     back = deformation(scene, press_on(scene, f"1,2:{depth}mm"), 1e-2).force
     assert back == pytest.approx([force], rel=0.02)
     assert len(re.findall(r" mm deep", done.stderr)) == 1

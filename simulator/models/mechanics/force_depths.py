@@ -14,6 +14,7 @@ from ...press.press import Press
 from ...press.touch import Depth, Force, Indentation, Touch
 from ...scene.scene import Scene
 from ...scene.skin import Sheet
+from ...sweeps.press_text import displayed_press
 from ..uniform import folded
 
 LOG = logging.getLogger(__name__)
@@ -96,7 +97,10 @@ def depths_in_words(scene: Scene, presses: Iterable[Press]) -> list[str]:
     if len(some) < len(by_force):
         depths = _range([depth for press in some for depth in _reached(scene, press)])
         return [f"{len(by_force)} presses by force are {depths} (sample of {len(some)})"]
-    return [f"press {press}: {_and(_reached(scene, press))} mm deep" for press in some]
+    return [
+        f"press {displayed_press(str(press))}: {_and(_reached(scene, press))} mm deep"
+        for press in some
+    ]
 
 
 def _reached(scene: Scene, press: Press) -> tuple[float, ...]:
