@@ -20,6 +20,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import tomli_w
+from rcskin.docs import api
 
 ROOT = Path(__file__).parents[1]
 ROOMS = ("docs", "benchmarks", "tests", "simulator", "localization", "hardware")
@@ -57,8 +58,8 @@ RESULTS = "---\nsearch:\n  exclude: true\n---\n\n"
 VERIFICATION = "benchmarks/results/verification"
 LISTINGS = ("CHANGELOG.html", f"{REFERENCE}/", f"{VERIFICATION}.html")
 """Pages with sections that the search lists behind pages with the word in a heading."""
-REMOTE = re.compile(r"(?:https?://|git@)(?:[^@/]+@)?([\w.-]+)[:/](\S+?)(?:\.git)?/?")
-"""Address of a repository as git writes it."""
+REMOTE = re.compile(r"(?:(?:https?|ssh)://)?(?:[^@/\s]+@)?([\w-]+\.[\w.-]+)[:/](\S+?)(?:\.git)?/?")
+"""Address of a repository as git takes it: host and path, without a user or a token."""
 LINK = re.compile(r"\[([^\]]+)\]\(((?!http)[^)#]+\.md)\)")
 
 
@@ -84,8 +85,6 @@ def stage(source: Path) -> None:
 
     The skin follows the first paragraph of the front page.
     """
-    from rcskin.docs import api
-
     for file in (*ROOT.glob("*.md"), ROOT / "LICENSE", ROOT / "CITATION.cff", *_shown()):
         place = source / file.relative_to(ROOT)
         place.parent.mkdir(parents=True, exist_ok=True)
@@ -163,15 +162,20 @@ def _settings() -> str:
     """Settings of `site.toml`, with the pages in the order in which `docs/index.md` lists them."""
     settings = tomllib.loads((ROOT / "docs" / "site.toml").read_text(encoding="utf-8"))
     settings["project"] |= {"nav": list(navigation()), "copyright": f"rcskin {VERSION}"}
-    if address := _repository():
+    if address := web_address(_origin()):
         settings["project"]["repo_url"] = address
     return tomli_w.dumps(settings)
 
 
-def _repository() -> str:
-    """Address of the repository that this clone is of, empty if it is a folder."""
-    origin = ["git", "-C", str(ROOT), "remote", "get-url", "origin"]
-    known = REMOTE.fullmatch(subprocess.run(origin, capture_output=True, text=True).stdout.strip())
+def _origin() -> str:
+    """The remote that this clone is of, empty if there is none."""
+    command = ["git", "-C", str(ROOT), "remote", "get-url", "origin"]
+    return subprocess.run(command, capture_output=True, text=True).stdout.strip()
+
+
+def web_address(remote: str) -> str:
+    """Address of a repository for browsers, from the one that git takes; empty for a folder."""
+    known = REMOTE.fullmatch(remote)
     return f"https://{known[1]}/{known[2]}" if known else ""
 
 
@@ -190,8 +194,6 @@ def navigation() -> Iterator[dict[str, object]]:
 
 def _with_names(page: str) -> object:
     """A page; that of all names of Python with the pages of each."""
-    from rcskin.docs import api
-
     if page != f"{REFERENCE}/api.md":
         return page
     names = [
