@@ -31,7 +31,7 @@ from rcskin.benchmarks.quoted import differing
 UNPUBLISHED = HERE.parent / "results"
 NOTED = RESULTS / "all.csv"
 NOTED_QUICKLY = UNPUBLISHED / "quick.csv"
-TITLE = "Every benchmark: how long it took"
+TITLE = "Run time of each benchmark"
 AT_A_TIME = 3
 CAMPAIGN = "accuracy/campaign"
 SEARCHES = "--searches", "searches"

@@ -21,7 +21,7 @@ from rcskin.benchmarks.all import Times, timed
 from rcskin.benchmarks.bench import HERE, Run, launch, publish
 
 ROOT = HERE.parent
-TITLE = "Every command of the pages, one after the other"
+TITLE = "Run time of every command of the pages"
 WAITING = re.compile(r"^rcskin (meter|live)\b|run\.nc|&$")
 """Commands that wait, and those that take what a meter recorded."""
 FAILED = "failed with code {}"

@@ -1,9 +1,12 @@
-"""The page of the public names of `import rcskin`, made from their docstrings."""
+"""The pages of the public names of `import rcskin`, made from their docstrings.
+
+The repository stores the index. The site has a page of each name beside it.
+"""
 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import cached_property
 from importlib import import_module
 from typing import Any
@@ -14,16 +17,26 @@ from .docstrings import call, described, errors_of, first, linked, parts, table
 
 HEAD = """# Every name of `import rcskin`
 
-`python docs/generate.py` writes this page from the docstrings. `help(rcskin.sweep)` prints the same
-in Python. Quantities are in SI units unless a unit is given. A wrong argument raises `InputError`;
-its message is one line with the argument, the value and the allowed range. The examples run in this
-order, after:
-
-```python
-import numpy as np
-import rcskin
-```
+`help(rcskin.sweep)` prints arguments, result, errors and units of a name in Python. The site has a
+page of each, with an example (`python docs/site.py` builds it). Quantities are in SI units unless a
+unit is given. A wrong argument raises `InputError`; its message is one line with the argument, the
+value and the allowed range.
 """
+GROUPS = {
+    "Skins and presses": ("load", "Scene", "Press"),
+    "Sweeps": ("sweep", "measured", "read", "write", "plot"),
+    "Localizers": (
+        *("dataset", "features", "train", "load_model", "Model", "localize", "Answers"),
+        *("evaluate", "Evaluation"),
+    ),
+    "Models and limits": ("reduce", "Reduced", "limits", "Limit", "study", "Study"),
+    "Real skins": ("calibrate", "Calibration", "gap", "GapFindings"),
+    "Skins in a simulation of a robot": (
+        *("Sensor", "SensorReading", "PointContacts", "DepthImage", "PressureImage"),
+    ),
+    "Errors": ("InputError", "ToleranceError"),
+}
+"""All names, in the order of the index."""
 EXAMPLES = {
     "load": """scene = rcskin.load("strip-1x3")
 scene = scene.with_({"dataset.session.sweeps_per_session": 50})""",
@@ -52,6 +65,14 @@ print(difference.summary)""",
 print(study.best)""",
 }
 """An example of each function, in an order in which they run."""
+AFTER = {
+    **dict.fromkeys(("sweep", "dataset", "reduce", "limits", "study"), ("load",)),
+    **dict.fromkeys(("features", "train", "gap"), ("dataset",)),
+    **dict.fromkeys(("write", "plot", "calibrate"), ("measured",)),
+    **{"measured": ("sweep",), "read": ("write",), "load_model": ("train",)},
+    **{"localize": ("train", "measured"), "evaluate": ("train",)},
+}
+"""The examples that each one needs."""
 CLASSES = {
     "Scene": ("simulator.scene.scene", ("with_",)),
     "Press": ("simulator.press.press", ()),
@@ -87,26 +108,59 @@ CLASSES = {
 BUILT_BY_USERS = ("Sensor", "PointContacts", "DepthImage", "PressureImage")
 """Classes whose constructor a user calls."""
 COLUMNS = ("type", "default", "shape", "unit", "meaning")
-PAGES = {"xr.Dataset": "files.md#sweeps", "contacts": "#sensorstep"}
+PAGES = {"xr.Dataset": "../files.md#sweeps", "contacts": "class-sensor.md#sensorstep"}
 
 
 def page() -> str:
-    """The whole page, in Markdown."""
-    functions = [(_link(name), first(getattr(rcskin, name))) for name in EXAMPLES]
-    classes = [(_link(name), first(_class_of(name))) for name in CLASSES]
-    lines = [*table(("function", "purpose"), functions), *table(("class", "purpose"), classes)]
-    lines += [line for name in EXAMPLES for line in _function(name)]
-    lines += [line for name in CLASSES for line in _class(name)]
-    return "\n".join([HEAD, *lines]).rstrip() + "\n"
+    """The index as the repository stores it, in Markdown: each name and its purpose."""
+    return _index(lambda name: f"`{name}`")
+
+
+def pages() -> dict[str, str]:
+    """The pages of the site by their paths from the index: the index, and one for each name."""
+    texts = {"api.md": _index(lambda name: f"[`{name}`](api/{_file(name)})")}
+    for name in (*EXAMPLES, *CLASSES):
+        lines = _function(name) if name in EXAMPLES else _class(name)
+        texts[f"api/{_file(name)}"] = "\n".join(lines).rstrip() + "\n"
+    return texts
+
+
+def paths() -> dict[str, list[str]]:
+    """The paths of the pages of names from the index, by group."""
+    return {title: [f"api/{_file(name)}" for name in names] for title, names in GROUPS.items()}
+
+
+def _file(name: str) -> str:
+    """Name of the page of a name; some systems take `study.md` and `Study.md` for the same."""
+    return f"class-{name.lower()}.md" if name in CLASSES else f"{name}.md"
+
+
+def _index(link: Callable[[str], str]) -> str:
+    lines = [HEAD]
+    for title, names in GROUPS.items():
+        objects = [_class_of(name) if name in CLASSES else getattr(rcskin, name) for name in names]
+        rows = [(link(name), first(each)) for name, each in zip(names, objects, strict=True)]
+        lines += [f"## {title}", "", *table(("name", "purpose"), rows)]
+    return "\n".join(lines).rstrip() + "\n"
 
 
 def _function(name: str) -> Iterator[str]:
-    """A heading, what the function does, its arguments, its result, its errors and the example."""
-    yield from _called(name, f"rcskin.{name}", getattr(rcskin, name))
-    yield from ("Example:", "", "```python", EXAMPLES[name], "```", "")
+    """What a function does, its arguments, its result, its errors and the example."""
+    yield from _called(f"rcskin.{name}", f"rcskin.{name}", getattr(rcskin, name), "#")
+    yield from ("## Example { data-search-exclude }", "", "```python", example(name), "```", "")
 
 
-def _called(heading: str, name: str, function: Any, level: str = "##") -> Iterator[str]:
+def example(name: str) -> str:
+    """A program with the example of a function, after the examples that it needs."""
+    needed = {name}
+    for each in reversed(EXAMPLES):
+        needed |= {*AFTER.get(each, ())} if each in needed else set()
+    code = "\n".join(code for each, code in EXAMPLES.items() if each in needed)
+    imports = ["import numpy as np"] if "np." in code else []
+    return "\n".join([*imports, "import rcskin", "", code])
+
+
+def _called(heading: str, name: str, function: Any, level: str) -> Iterator[str]:
     """A heading, the call, what it does, its arguments, its result and its errors."""
     signature = inspect.signature(function)
     text, meanings, errors = parts(function, list(signature.parameters))
@@ -142,7 +196,7 @@ def _class(name: str) -> Iterator[str]:
     signature = inspect.signature(kind) if name in BUILT_BY_USERS else inspect.Signature()
     annotations = getattr(kind, "__annotations__", {})
     text, meanings, errors = parts(kind, [*signature.parameters, *annotations, "times"])
-    yield from (f"## Class {name}", "", f"{first(kind)} {text}".strip(), "")
+    yield from (f"# class rcskin.{name}", "", f"{first(kind)} {text}".strip(), "")
     if signature.parameters:
         yield from ("```py", call(f"rcskin.{name}", signature), "```", "")
         yield from _arguments(signature, meanings)
@@ -157,7 +211,7 @@ def _class(name: str) -> Iterator[str]:
         yield from table(("attribute", *COLUMNS), attributes)
     yield from errors_of(errors, _link)
     for each in (each for each in members if each not in properties):
-        yield from _called(f"{name}.{each}", each, getattr(kind, each), "###")
+        yield from _called(f"{name}.{each}", each, getattr(kind, each), "##")
 
 
 def _property(name: str, member: property | cached_property) -> tuple[str, ...]:
@@ -167,11 +221,9 @@ def _property(name: str, member: property | cached_property) -> tuple[str, ...]:
 
 
 def _link(name: str) -> str:
-    """A name as code, with a link to its heading if it has one."""
-    if name in EXAMPLES:
-        return f"[`{name}`](#{name})"
-    if name in CLASSES:
-        return f"[`{name}`](#class-{name.lower()})"
+    """A name as code, with a link to its page from that of another name if it has one."""
+    if name in EXAMPLES or name in CLASSES:
+        return f"[`{name}`]({_file(name)})"
     return f"[`{name}`]({PAGES[name]})" if name in PAGES else f"`{name}`"
 
 

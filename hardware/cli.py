@@ -27,6 +27,7 @@ VIRTUAL = "TCPIP0::127.0.0.1::3500::SOCKET"
 app = typer.Typer(
     help="Serve a virtual LCR meter, or use a real one.",
     no_args_is_help=True,
+    suggest_commands=False,  # `requests/mistyped.py` does
     rich_markup_mode=None,
 )
 

@@ -29,6 +29,7 @@ app = typer.Typer(
     name="rcskin",
     help="Simulate a capacitive soft sensor skin and localize touches on it.",
     no_args_is_help=True,
+    suggest_commands=False,  # `requests/mistyped.py` does
     pretty_exceptions_enable=False,
     rich_markup_mode=None,  # text in brackets, such as the name of a table, stays as it is
     context_settings={"help_option_names": ["--help", "-h"]},

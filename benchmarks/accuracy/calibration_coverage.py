@@ -104,7 +104,7 @@ def _named(asked: argparse.Namespace, twins: int, refused: int) -> tuple[str, st
     equal = " equal to the scene" if asked.truth == "scene" else ""
     unanswered = f"; {refused} refused" if refused else ""
     return name, (
-        f"Truths within the 95 % intervals of `rcskin calibrate`, of {twins} twins{skin}{equal}, "
+        f"Coverage of the 95 % intervals of `rcskin calibrate`: {twins} twins{skin}{equal}, "
         f"{asked.prior} prior{wrong}{unanswered}"
     )
 

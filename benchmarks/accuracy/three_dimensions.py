@@ -40,13 +40,13 @@ def known_answers(run: Run) -> bool:
         [(each.what, each.expected, each.measured, _verdict(each.passed)) for each in lines],
         columns=["what", "expected", "measured", ""],
     )
-    publish(run.results, f"{NAME}_checks", "The three-dimensional reference: known answers", table)
+    publish(run.results, f"{NAME}_checks", "Three-dimensional solve and closed forms", table)
     return all(each.passed for each in lines)
 
 
 def other_grids(run: Run) -> None:
     """By how much they move the answers."""
-    title = "The three-dimensional reference: by how much other grids move it"
+    title = "The three-dimensional reference on other grids"
     publish(run.results, f"{NAME}_grids", title, moved(run))
 
 
@@ -59,7 +59,7 @@ def surroundings(run: Run) -> None:
 def terms(run: Run) -> None:
     """What each term leaves, as a table and a chart."""
     found = left(run)
-    title = "What terms of two dimensions leave of three: largest deviations over all frequencies"
+    title = "Largest deviation of two-dimensional terms from the three-dimensional solve"
     publish(run.results, f"{NAME}_left", title, _rounded(found))
     draw(run.results / f"{NAME}.png", found)
 

@@ -161,7 +161,7 @@ def main(run: Run) -> None:
     cells = [f"{mean:.1f} ({least:.0f})" for mean, least in found.to_numpy()]
     wide = found.assign(cell=cells)["cell"].unstack("touches")
     order = list(dict.fromkeys(row["touches"] for row in table))
-    title = "Right of another mounting, %, by touches that adapted; mean over twins (worst)"
+    title = "Accuracy on another mounting (%) by touches that adapted; mean of skins (worst)"
     publish(run.results, "adaptation", title, wide[order].reset_index())
 
 

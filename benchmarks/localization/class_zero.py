@@ -95,7 +95,7 @@ def main(run: Run) -> int:
     """Ask both, publish; 1 where the reference that is in use tells."""
     sessions = run.sized(SESSIONS, FEW_SESSIONS)
     table = pd.DataFrame([each for rests in RESTS for each in row(rests, sessions)])
-    publish(run.results, "class_zero", "Touches that change nothing: who tells rest?", table)
+    publish(run.results, "class_zero", "Touches without effect that are found", table)
     return int((table["tells"] == "yes")[table["reference"] != "by its own label"].any())
 
 

@@ -206,13 +206,13 @@ def main(run: Run) -> None:
     sides, wires = asked.sides or run.sized(PIXELS, (2,)), asked.wires or run.sized(WIRES, (2,))
     work = (delayed(kept)(asked.found, *each, draws) for each in itertools.product(sides, wires))
     table = pd.concat(Parallel(n_jobs=asked.processes)(work), ignore_index=True)
-    publish(run.results, "design", "Pixels found at most, of a known skin", table)
+    publish(run.results, "design", "Upper bound on the accuracy of pixels, skin known", table)
     title = f"The most pixels found {ENOUGH:g} % of the time at most"
     publish(run.results, "design_pixels", title, most_pixels(table))
-    title = f"Pixels found at most, by every two wires; {1e-3 * USUAL:g} kohm/sq"
+    title = f"Upper bound on the accuracy of pixels, by pairs of wires; {1e-3 * USUAL:g} kohm/sq"
     publish(run.results, "design_sides", title, by_sides(table))
     others = pd.DataFrame(PUBLISHED, columns=["skin", "reached", "published"])
-    publish(run.results, "design_published", "Published, measured on real skins", others)
+    publish(run.results, "design_published", "Published results, measured on real skins", others)
     draw(table, run.results / "design.png")
 
 

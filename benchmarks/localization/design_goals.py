@@ -121,7 +121,7 @@ def main(run: Run) -> None:
     with tempfile.TemporaryDirectory() as scratch:
         folder = run.asked.searches or Path(scratch)
         table = pd.DataFrame([row(goal, folder, usual) for goal in goals])
-    publish(run.results, "design_goals", "What skins could be designed to tell at best", table)
+    publish(run.results, "design_goals", "Best skins that could be designed for each goal", table)
 
 
 def options() -> argparse.ArgumentParser:

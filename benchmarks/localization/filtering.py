@@ -80,13 +80,13 @@ class Question:
 
 
 QUESTIONS = {
-    "columns": Question("column", ONE, WAYS, "filtering", "Touches over time, on twins over TCP"),
+    "columns": Question("column", ONE, WAYS, "filtering", "Touches over time, simulated skins"),
     "pixels": Question(
         "pixel",
         TWO,
         OF_ADAPTED,
         "filtering_two",
-        "Touches over time: pixels by two interfaces and a switch, on twins over TCP",
+        "Touches over time: pixels by two interfaces and a switch, simulated skins",
     ),
 }
 WHOLE = ("dlnZ", "dphase", "lnZ0", "phase0")

@@ -89,7 +89,7 @@ def draw(table: pd.DataFrame, path: Path) -> None:
 def main(run: Run) -> None:
     """All capacitances."""
     table = pd.DataFrame(rows(around("sheet-5x5", run.sized(5, 2)), "column", run))
-    title = "What a finger buys: columns right at most, by its capacitance and the press"
+    title = "Upper bound on the accuracy of columns by a finger's capacitance and the press"
     publish(
         run.results,
         "fingers",

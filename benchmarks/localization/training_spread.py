@@ -114,7 +114,7 @@ def tell(table: pd.DataFrame, count: int, folder: Path) -> None:
     cells = [f"{m} ± {s} ({low:.0f})" for m, s, low in table[["mean", "sem", "min"]].to_numpy()]
     by = ["features", "spread of twins", "skins"]
     wide = table.assign(cell=cells).pivot(index=by, columns="spread of training", values="cell")
-    title = f"Columns of {count} twins found, %, by the spread of training (worst twin)"
+    title = f"Columns of {count} simulated skins found, %, by the spread of training (worst skin)"
     publish(folder, "training_spread", title, wide.rename(columns=str).reset_index())
     draw(table, folder / "training_spread.png")
 

@@ -70,11 +70,11 @@ def main(run: Run) -> None:
     if run.asked.only != "places":
         sizes = run.sized((SAMPLES, DRAWS), (FEW_SAMPLES, FEW_DRAWS))
         rows = [row for trial in labelled for row in limits(trial, *sizes)]
-        publish(run.results, "twin_limits", "At most, on a skin that is known", pd.DataFrame(rows))
+        publish(run.results, "twin_limits", "Upper bounds, skin known", pd.DataFrame(rows))
     if run.asked.only != "answers":
         skins = run.sized(SKINS, 1)
         rows = [row for trial in placed for row in place_limits(trial, skins)]
-        title = "At most, within the goal of a touch"
+        title = "Upper bound on the fraction of answers within the goal of a touch"
         publish(run.results, "twin_places", title, pd.DataFrame(rows))
 
 

@@ -96,7 +96,7 @@ def main(run: Run) -> int:
     every = [_fitted(file, published) for file in run.sized(files, files[:2])]
     rows = [*map(_row, every), *_medians(every)]
     title = (
-        "Measured RC lines: what models leave, and fitted values (from, to) beside published ones"
+        "Measured RC lines: residuals of models, and fitted values (from, to) beside published ones"
     )
     publish(run.results, NAME, title, pd.DataFrame(rows).fillna(""))
     draw(every, run.results / f"{NAME}.png")
@@ -205,7 +205,7 @@ def draw(every: list[Fitted], path: Path) -> None:
                     axes.axhspan(k - 0.5, k + 0.5, color="0.9", zorder=0)
             axes.axhspan(-2, -1.9, color="0.9", label="breaks a law (check)")
         figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=5)
-        figure.suptitle("Measured RC lines: what models leave, and the resistance of the line")
+        figure.suptitle("Measured RC lines: residuals of models, and the resistance of the line")
 
 
 def _draw_resistances(axes: Axes, every: list[Fitted]) -> None:

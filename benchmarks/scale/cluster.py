@@ -168,7 +168,7 @@ def main(run: Run) -> None:
         for blocks in (1, MAX_TASK_BLOCKS)
     ]
     rows = pd.DataFrame([told_of_crowd(each, one) for each in found])
-    publish(run.results, "cluster_crowd", "Workers that sleep as long as a block takes", rows)
+    publish(run.results, "cluster_crowd", "Scheduling of workers that only wait", rows)
     scheduler = scheduling(found)
     rows = pd.DataFrame([needed(workers, one, scheduler) for workers in WORKERS])
     title = (

@@ -75,7 +75,7 @@ def main(run: Run) -> None:
     asked = [q for name, q in QUESTIONS.items() if run.asked.only in (None, name)]
     tables = [question.measured(run) for question in asked]
     whole = pd.concat([rows_of(*each) for each in zip(asked, tables, strict=True)])
-    publish(run.results, "answers", "How far off, and how long it takes", whole)
+    publish(run.results, "answers", "Error and time of answers", whole)
     draw(run.results / "answers.png", asked, tables)
     print("\n".join(question.pick for question in asked))
 

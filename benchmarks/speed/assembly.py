@@ -81,7 +81,7 @@ def main(run: Run) -> None:
     """Measure, publish and draw."""
     cases = run.sized(CASES, CASES[::4])
     table = pd.DataFrame([measure(order, cells) for order, cells in cases])
-    publish(run.results, "assembly", "Refilling M(c) on the 5x5 sheet", table)
+    publish(run.results, "assembly", "Time to assemble M(c) anew on the 5x5 sheet", table)
     with chart(run.results / "assembly.png", 6, 3.6) as figure:
         axes = figure.subplots()
         ways = ("scikit-fem (ms)", "numpy twin (ms)", "numba (ms)")

@@ -111,8 +111,8 @@ def main(run: Run) -> None:
     print(PREDICTION)
     rtols = run.sized(RTOLS, RTOLS[:1])
     table = measured(cases(min(rtols)), rtols)
-    publish(run.results, "skins", "Skins that vary, of any outline, stretched", table)
-    title = "What a plain skin pays for those that vary"
+    publish(run.results, "skins", "Non-uniform skins, outlines and stretched skins", table)
+    title = "Cost of heterogeneous models for a uniform skin"
     publish(run.results, "skins_plain", title, plain_path())
     draw(run.results / "skins.png", table)
 

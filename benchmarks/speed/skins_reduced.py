@@ -1,4 +1,4 @@
-"""Reduced models of skins that are not plain: what they take to prepare, and what a press costs.
+"""Reduced models of non-uniform skins: what they take to prepare, and what a press costs.
 
 Each is held against the full system of its own mesh on random presses: what the reduction leaves
 out must stay below its certificate, else the run ends.
@@ -119,7 +119,7 @@ def main(run: Run) -> None:
     publish(
         run.results,
         "skins_reduced",
-        "Reduced models of skins that are not plain",
+        "Reduced models of non-uniform skins",
         pd.DataFrame(rows),
     )
 

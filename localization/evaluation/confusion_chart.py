@@ -23,6 +23,7 @@ MAX_LABELLED_CLASSES = 50
 """Maximum number of classes with a label each."""
 MAX_FONT_SIZE, MIN_FONT_SIZE, MIN_FONT_SIZE_OF_TWO = 11.0, 4.0, 6.5
 """Font sizes in points: maximum, minimum alone, and minimum with the percentage below."""
+NOTHING_PRESSED = "0"
 LETTER = 0.62
 """Width of a digit divided by its size."""
 
@@ -39,8 +40,9 @@ def draw_confusion(axes: Axes, confusion: Confusion, title: str = "Accuracy") ->
     classes, outputs = np.arange(len(confusion.labels)), np.arange(len(confusion.outputs))
     axes.imshow(_colours(confusion))
     shown = classes[:: 1 + len(classes) // MAX_LABELLED_CLASSES]
-    names = [str(confusion.labels[k]) for k in shown]
-    told = [*shown, *outputs[len(classes) :]]
+    labels = [str(label) for label in confusion.outputs]
+    labels = ["none" if label == NOTHING_PRESSED else label for label in labels]
+    names, told = [labels[k] for k in shown], [*shown, *outputs[len(classes) :]]
     cell = _cell(axes, len(outputs))
     longest = len(max(names, key=len))
     size = min(
@@ -49,7 +51,7 @@ def draw_confusion(axes: Axes, confusion: Confusion, title: str = "Accuracy") ->
     )
     upright = LETTER * size * longest > cell
     axes.set_xticks(shown, names, rotation=90 if upright else 0, fontsize=size)
-    axes.set_yticks(told, [str(confusion.outputs[k]) for k in told], fontsize=size)
+    axes.set_yticks(told, [labels[k] for k in told], fontsize=size)
     large = max(10.0, 1.25 * cell * len(classes) / 72)
     axes.set_xlabel("Target class", fontsize=large)
     axes.set_ylabel("Output class", fontsize=large)

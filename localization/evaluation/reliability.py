@@ -67,7 +67,13 @@ def draw_risk(axes: Axes, probability: Real, right: Mask) -> None:
     """
     answered, wrong, promised = risk(probability, right)
     axes.plot(100 * answered, 100 * wrong, color=OBSERVED_COLOUR, label="wrong")
-    axes.plot(100 * answered, 100 * promised, "--", color=STATED_COLOUR, label="promised")
+    axes.plot(
+        100 * answered,
+        100 * promised,
+        "--",
+        color=STATED_COLOUR,
+        label="expected from the stated probabilities",
+    )
     axes.set_xlim(0, 100)
     axes.set_ylim(0, None)
     axes.set_xlabel("Answered, the most probable first (%)")

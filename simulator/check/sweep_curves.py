@@ -18,6 +18,7 @@ from ..chart_style import (
     unit_axis,
 )
 from ..sweeps import UNPRESSED, InputError
+from ..sweeps.press_text import displayed_press
 from ..sweeps.reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, kind_of
 from ..sweeps.reading_subset import read_at
 from ..sweeps.schema import complex_readings
@@ -203,7 +204,8 @@ def _has_baseline(sweeps: xr.Dataset) -> bool:
 def labels_of(recordings: Sequence[xr.Dataset]) -> dict[str, str]:
     """Label of each press: the press itself or, if there are many, its column.
 
-    The strength is omitted if a pixel has only one: `2,3` and `2,3:2.0` have the same label.
+    A pixel's strength is omitted if it has one only, and all such pixels and other presses have the
+    same: `2,3` and `2,3:2.0` have the same label.
     """
     columns: dict[str, int] = {}
     for each in recordings:
@@ -211,14 +213,14 @@ def labels_of(recordings: Sequence[xr.Dataset]) -> dict[str, str]:
         columns |= dict(zip(texts.tolist(), numbers.tolist(), strict=True))
     unpressed = {UNPRESSED: "unpressed"} if columns.pop(UNPRESSED, None) is not None else {}
     strengths: dict[str, set[str]] = {}
-    for pixel, _, strength in (press.partition(":") for press in columns):
-        strengths.setdefault(pixel, set()).update({strength} - {""})
-    names = {
-        press: press.partition(":")[0]
-        if columns[press] > 0 and len(strengths[press.partition(":")[0]]) < 2
-        else press
-        for press in columns
-    }
+    for place, _, strength in (press.partition(":") for press in columns):
+        strengths.setdefault(place, set()).update({strength} - {""})
+    equal = len(set().union(*(each for each in strengths.values() if len(each) < 2))) < 2
+    names = {}
+    for press, column in columns.items():
+        place = press.partition(":")[0]
+        omitted = equal and column > 0 and len(strengths[place]) < 2
+        names[press] = place if omitted else displayed_press(press)
     if len(set(names.values())) <= MAX_NAMED:
         return unpressed | names
     ordered = sorted(columns, key=lambda press: (columns[press] < 1, columns[press]))

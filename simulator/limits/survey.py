@@ -62,15 +62,17 @@ class SurveyOptions:
         """Text of what the estimate of the bounds knows and what it does not."""
         size = f"{1e3 * self.touch.width:.3g} x {1e3 * self.touch.height:.3g} mm"
         skin = "" if self.unknown_skin else "the skin and "
-        unknown = ", and the skin as dataset.session draws it," if self.unknown_skin else ""
         by_depth = (
             "; presses by depth: the strength is that under the touch" if self.by_depth else ""
         )
-        finger = self.touch.finger
-        of_finger = f", the capacitance of a finger of {1e12 * finger:.3g} pF" if finger else ""
+        sought = ["x", "y", "strength"]
+        if self.touch.finger:
+            sought.append(f"the capacitance of the finger ({1e12 * self.touch.finger:.3g} pF)")
+        if self.unknown_skin:
+            sought.append("the skin as dataset.session draws it")
         return (
-            f"the estimator knows {skin}the sides of the touch, {size}; it estimates x, y and "
-            f"strength{of_finger}{unknown} from the sweep alone{by_depth}"
+            f"the estimator knows {skin}the sides of the touch, {size}; it estimates "
+            f"{', '.join(sought[:-1])} and {sought[-1]} from the sweep alone{by_depth}"
         )
 
 

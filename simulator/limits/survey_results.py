@@ -104,5 +104,5 @@ class SurveyResults(NamedTuple):
         baseline = f" minus the mean of {count} baseline sweeps" if count else ""
         return (
             f"{self.scene.name}: smallest standard deviation from one sweep{baseline}, at "
-            f"{1 + options.touch.rise:g} times the capacitance; {options.assumptions}"
+            f"{1 + options.touch.rise:.3g} times the capacitance; {options.assumptions}"
         )

@@ -178,7 +178,7 @@ def _assumptions(scene: Scene, size: float | None) -> str:
     """Text of what the classifier of the bounds knows and what it does not."""
     press, none = scene.press, "at most" if scene.experiment.unpressed else "exactly"
     area = "a whole pixel" if size is None else f"{1e3 * size:.3g} mm around the middle of a pixel"
-    factor = f"{scene.pressed_factor:g} times the capacitance{by_finger(scene, size)}"
+    factor = f"{scene.pressed_factor:.3g} times the capacitance{by_finger(scene, size)}"
     spread = f", give or take {100 * press.factor_spread:.3g} % of the rise"
     return (
         f"the classifier knows the skin, that {none} one touch is there, its area ({area}) and its "

@@ -13,7 +13,7 @@ from ..press.press import Press, check_fingers
 from ..progress import ProgressCallback, silent
 from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene, checked_interface, interface_names
-from .heterogeneous.coefficients import ELECTRODES
+from .heterogeneous.coefficients import ELECTRODES, PressCoefficients
 from .heterogeneous.discretised import Discretised
 from .heterogeneous.mesh_choice import deformed, meshes
 from .heterogeneous.sampling import Sampler
@@ -89,8 +89,16 @@ def fields(
         by_rise_Cp=_flat(by_Cp),
         capacitance=_flat(coefficients.capacitance(x)),
         factor=_flat(coefficients.factor(x)),
-        deflection=_flat(coefficients.deflection(x)),
+        deflection=_flat(_deflection(scene, press, coefficients, x)),
     )
+
+
+def _deflection(scene: Scene, press: Press, coefficients: PressCoefficients, x: Real) -> Real:
+    """Deflection in m by depths and forces; without tension it jumps at the edges of touches."""
+    if coefficients.pressed is not None or not press.indented:
+        return coefficients.deflection(x)
+    assert scene.skin.foam.thickness is not None
+    return scene.skin.foam.thickness * coefficients.strain(x)
 
 
 def _resolved(

@@ -75,7 +75,7 @@ def write_new(path: Path, like: str, low: LowTerminal) -> None:
     text = new_text(like, low)
     with whole_file(checked_output(path, (".toml",))) as unfinished:
         name = json.dumps(path.stem, ensure_ascii=False)
-        own = f'name = {name}\ndescription = "begun from {like}"'
+        own = f'name = {name}\ndescription = "started from {like}"'
         unfinished.write_text(NAME.sub(lambda _: own, text, count=1), encoding="utf-8")
 
 

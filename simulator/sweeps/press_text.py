@@ -46,6 +46,8 @@ UNITS = "; a force is in N, a depth in mm, a factor has no unit"
 KILOGRAM = 9.80665
 """Weight of a kilogram, N."""
 FARAD = re.compile(r"(?P<number>(?:.*?\S)??)\s*(?P<prefix>[fpnuµm]?)F")
+DISPLAYED = {"": (1.0, ""), "m": (1e3, "mm"), "N": (1.0, "N"), "F": (1e12, "pF")}
+"""Factor and unit of a strength or finger as it is displayed, by the unit in the text."""
 FINGERS: dict[str, WrittenFinger] = {"finger": EARTHED, "rod": 0.0}
 LENGTH = re.compile(r"\s*(?P<number>\S(?:.*?\S)??)\s*(?P<unit>mm|cm|m)\s*")
 SIZES = {"rect": ("WIDTH", "HEIGHT"), "disc": ("RADIUS",)}
@@ -104,6 +106,20 @@ def written_pixel(text: str) -> tuple[int, int]:
     if not touches:
         return 0, 0
     return touches[0].pixel if len(touches) == 1 else (-1, -1)
+
+
+def displayed_press(text: str) -> str:
+    """A press as titles and messages show it: four digits, depths in mm, capacitances in pF."""
+    touches = (part.split(":") for part in JOINT.split(text))
+    return "+".join(":".join([place, *map(_displayed, by)]) for place, *by in touches)
+
+
+def _displayed(by: str) -> str:
+    """Strength or finger of a touch, which itself writes in m, N and F."""
+    number, unit = re.fullmatch(r"(.*?)([mNF]?)", by, re.DOTALL).groups()  # pyright: ignore[reportOptionalMemberAccess]
+    scale, shown = DISPLAYED[unit]
+    value = plain_number(number)
+    return f"{scale * value:.4g}{shown}" if math.isfinite(value) else by
 
 
 def named_pixels(label: str) -> list[tuple[int, int]]:

@@ -153,5 +153,8 @@ def _frequencies(requested: list[float] | None, known: list[float], every: bool)
 
 
 def _frequencies_text(stage: ViewedPress) -> str:
+    from ..sweeps.units import prefixed
+
     frequencies = stage.fields.frequency
-    return f"{frequencies[0]:g} Hz" if len(frequencies) == 1 else f"{len(frequencies)} frequencies"
+    one = len(frequencies) == 1
+    return prefixed(frequencies[0], "Hz") if one else f"{len(frequencies)} frequencies"

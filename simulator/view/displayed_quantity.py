@@ -132,7 +132,7 @@ def over_one_period(
     return [
         DisplayedQuantity(
             title=quantity.title,
-            moment=f"{heading(fields, at)}, {np.degrees(moment):.0f}° after the source's peak",
+            moment=f"{heading(fields, at)}\n{np.degrees(moment):.0f}° after the source's peak",
             unit=unit,
             colours=COLOUR_MAPS["signed" if signed else "magnitude"],
             cyclic=False,

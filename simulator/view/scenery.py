@@ -10,6 +10,7 @@ import numpy as np
 from ..arrays import Real
 from ..models.heterogeneous.materials import position
 from ..press.press import label_of
+from ..sweeps.press_text import displayed_press
 from .camera import Camera, from_above, from_the_side, obliquely
 from .figure import Panel
 from .marks import marks
@@ -57,8 +58,8 @@ class ViewedPress:
 
     @property
     def press_text(self) -> str:
-        """Text of the press, as the scene writes presses."""
-        return label_of(self.press, self.scene)
+        """Text of the press for titles and messages."""
+        return displayed_press(label_of(self.press, self.scene))
 
     def plain_skin(self) -> SkinSurface:
         """Surface, deflected only if that is requested."""

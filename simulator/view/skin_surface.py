@@ -150,7 +150,9 @@ def surface(
     cells = _counter_clockwise(fields)
     same = _first_at_place(np.vstack([fields.x, base]))
     normals = _normals(polygons(base, same[cells]))[:, same]
-    points = base - exaggeration * fields.deflection * normals
+    depth = np.full(len(same), np.inf)
+    np.minimum.at(depth, same, fields.deflection)  # walls of foam without tension lie in its cells
+    points = base - exaggeration * depth[same] * normals
     if exaggeration:
         normals = _normals(polygons(points, same[cells]))[:, same]
     return SkinSurface(fields.x, points, normals, cells, same, exaggeration)

@@ -1,4 +1,4 @@
-"""Tables of twins that another model made."""
+"""Tables of skins of a three-dimensional solve."""
 
 import numpy as np
 import pandas as pd

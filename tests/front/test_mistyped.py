@@ -1,9 +1,12 @@
 """Options take units, and what was mistyped is answered with what was likely meant."""
 
 import pytest
+from rcskin.__main__ import app
+from rcskin.simulator.requests.mistyped import OTHER_NAMES, _all_commands
 from rcskin.simulator.requests.plausibility import suspicious_values
 from rcskin.simulator.scene.scene_files import load_scene, write_scene
 from rcskin.simulator.sweeps.units import quantity
+from typer.main import get_command
 
 
 @pytest.mark.parametrize(
@@ -45,8 +48,14 @@ def test_the_command_line_takes_frequencies_and_lengths_with_their_units(run):
         (("limits", "sheet-3x3", "--draws", "2.5"), "--draws must be a whole number, got '2.5'"),
         (("view", "sheet-3x3", "--frequency", "ten"), "--frequency must be a number in Hz, got"),
         (("simulate", "sheet-3x3"), "No such command 'simulate'. Did you mean `rcskin sweep`?"),
-        (("fit", "sheet-3x3"), "Did you mean `rcskin calibrate`?"),
-        (("meter", "find"), "rcskin meter --help lists the commands"),
+        (("fit", "sheet-3x3"), "Did you mean `rcskin calibrate` or `rcskin train`?"),
+        (("predict", "m.skops"), "No such command 'predict'. Did you mean `rcskin localize`?"),
+        (("classify",), "Did you mean `rcskin localize` or `rcskin train`?"),
+        (("init",), "Did you mean `rcskin new`?"),
+        (("identify",), "Did you mean `rcskin meter identify`?"),
+        (("meter", "find"), "Did you mean `rcskin meter identify`?"),
+        (("meter", "recrd"), "Did you mean `rcskin meter record`?"),
+        (("meter", "predict"), "rcskin meter --help lists the commands"),
         (
             ("sweep", "sheet-3x3", "--freqencies", "3"),
             "Did you mean the key `sweep.frequencies` of",
@@ -64,6 +73,13 @@ def test_what_is_mistyped_gets_one_line_with_what_was_likely_meant(run, tmp_path
     output = ("-o", tmp_path / "out.png") if words[0] == "view" else ()
     code, out, err = run(*words, *(("-o", tmp_path / "a.nc") if words[0] == "sweep" else output))
     assert (code, out) == (2, "") and told in err and err.count("\n") == 1
+
+
+def test_other_names_are_of_commands_and_hide_none():
+    known = {path for path, _ in _all_commands(get_command(app), "")}
+    assert {f" {name}" for name in OTHER_NAMES} - {" --version"} <= known
+    others = {f" {word}" for words in OTHER_NAMES.values() for word in words.split()}
+    assert not others & known
 
 
 @pytest.mark.parametrize(

@@ -112,7 +112,6 @@ def test_the_examples_run_one_after_the_other(page, tmp_path, monkeypatch):
 
 
 FORMULAS = "docs/reference/formulas.md"
-SIGNATURES = "docs/reference/api.md"
 PROGRAMS = {"rcskin", "python", "python3", "pip", "dask", "openssl"}
 PROGRAMS |= {"export", "mkdir", "for", "done", "OMP_NUM_THREADS=1"}
 """First words of the lines that a shell takes."""
@@ -143,7 +142,7 @@ def check_arguments(command, words, line):
 def test_every_block_of_another_language_can_be_pasted(page):
     for block in blocks(page, "toml"):
         tomllib.loads(block)
-    for block in blocks(page, "python") + (blocks(page, "py") if page != SIGNATURES else []):
+    for block in blocks(page, "python") + blocks(page, "py"):
         compile(block, page, "exec")
 
 

@@ -61,7 +61,8 @@ def test_a_new_scene_is_that_of_an_example_under_its_own_name(run, tmp_path, lik
     code, out, _ = run("new", path, *(["--from", like] if like else []))
     assert code == 0 and str(path) in out
     like = like or "glove"
-    own = {"name": "my patch", "description": f"begun from {like}", "surroundings": Surroundings()}
+    own = {"name": "my patch", "description": f"started from {like}"}
+    own["surroundings"] = Surroundings()
     found, example = load_scene(path), load_scene(like)
     assert found.model_copy(update={"sweep": example.sweep}) == example.model_copy(update=own)
     four_digits = [float(f"{f:.3e}") for f in example.frequencies]

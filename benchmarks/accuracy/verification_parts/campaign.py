@@ -172,4 +172,4 @@ def draw(path: Path, kinds: list[Kind]) -> None:
         axes.set_yticks(range(len(kinds)), [kind.name.replace("-", " ") for kind in kinds])
         axes.invert_yaxis()
         axes.set_xlabel("true over estimated relative error of Rs and Cp")
-        axes.set_title("Right of the line an answer is further off than estimated")
+        axes.set_title("Right of the line the error exceeds its estimate")

@@ -127,7 +127,7 @@ GOALS = {
     ),
     "position": Goal(
         "twin_design_positions",
-        "How far half of all answers are from a touch (mm), pixels of {}, four wires, as designed",
+        "Median position error (mm), pixels of {}, four wires, as designed",
         Trial(
             "position",
             believed(TWO, 5, SINGLE, anywhere=True),

@@ -72,7 +72,7 @@ def columns(quick: bool, searches: Path) -> Experiment:
     side, order = (FEW, every_pixel(3)) if quick else (SIDE, every_pixel(1))
     scene = believed(ONE, side, SINGLE)
     trial = Trial("column", scene, "column", order, ("ksvm-ovo",), COLUMNS_GOAL, training=SWEEPS)
-    title = "Columns found on {skins} skins that another model made, % (answered)"
+    title = "Columns found on {skins} skins of a three-dimensional solve, % (answered)"
     cases = tuple((effect, COLUMN_WAYS) for effect in EFFECTS)
     found = Experiment("foreign_twin", title, trial, cases, SWEEPS)
     few = tuple((effect, COLUMN_WAYS[:2]) for effect in (OWN, WITH_BODY))
@@ -82,7 +82,7 @@ def columns(quick: bool, searches: Path) -> Experiment:
 def pixels(quick: bool, searches: Path) -> Experiment:
     """Pixels of the designed skin with 6x6 of them."""
     trial = replace(_designed("pixel", quick, searches), goal=PIXELS_GOAL)
-    title = "Pixels found on {skins} skins that another model made, as designed, % (answered)"
+    title = "Pixels found on {skins} skins of a three-dimensional solve, as designed, % (answered)"
     found = Experiment("foreign_twin_pixels", title, trial, _cases(PIXEL_WAYS, ALL), MORE_SWEEPS)
     return _quick(found, PIXEL_WAYS) if quick else found
 
@@ -91,7 +91,7 @@ def positions(quick: bool, searches: Path) -> Experiment:
     """Positions of touches of 24 mm on the skin designed for them."""
     trial = replace(_designed("position", quick, searches), goal=POSITIONS_GOAL)
     title = (
-        "Median distance of answers from touches on {skins} skins that another model made, "
+        "Median distance of answers from touches on {skins} skins of a three-dimensional solve, "
         "as designed, mm (answered)"
     )
     cases = _cases(POSITION_WAYS, WITH_BODY)

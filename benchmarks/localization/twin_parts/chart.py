@@ -29,7 +29,7 @@ def draw(table: pd.DataFrame, path: Path) -> None:
     left.set_title(LEGEND, loc="left", size=8)
     right.set_ylabel("Median distance (mm)")
     right.set_ylim(bottom=0)
-    figure.suptitle("Twin experiment: trained on simulation, asked about skins never seen", size=11)
+    figure.suptitle("Trained on simulation, evaluated on other simulated skins", size=11)
     figure.savefig(path, dpi=150)
 
 

@@ -103,7 +103,7 @@ class _InFull(TouchReadings):
 
 
 LIMITS = Question(
-    title="Limits: the best share of 25 pixels found",
+    title="Limits: bound on the accuracy of 25 pixels",
     error="Error of the share",
     time="Time to the share (ms)",
     ours=(OURS, AGAIN),

@@ -41,7 +41,7 @@ def _cost(axes: Axes, table: pd.DataFrame) -> None:
     axes.minorticks_off()
     axes.set_xlabel("Pixels along a side (in blue: vectors in the basis)")
     axes.set_ylabel("Time of a sweep of 20 frequencies (ms)")
-    axes.set_title("Cost against pixels, 1e-5 asked", loc="left")
+    axes.set_title("Cost against pixels, tolerance 1e-5", loc="left")
     axes.legend(loc="upper left")
 
 

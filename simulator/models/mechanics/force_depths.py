@@ -14,6 +14,7 @@ from ...press.press import Press
 from ...press.touch import Depth, Force, Indentation, Touch
 from ...scene.scene import Scene
 from ...scene.skin import Sheet
+from ...sweeps.press_text import displayed_press
 from ..uniform import folded
 
 LOG = logging.getLogger(__name__)
@@ -57,10 +58,9 @@ def _median(scene: Scene) -> float:
     presses = _some(_in_pixels(scene), SAMPLE)
     depths = [deformation(scene, press, FACTOR_RTOL).depth[0] for press in presses]
     median = float(np.median(depths))
-    LOG.info(
-        f"{scene.name}: {force:g} N press pixels {1e3 * min(depths):.3g} to "
-        f"{1e3 * max(depths):.3g} mm deep; all are pressed by {1e3 * median:.3g} mm"
-    )
+    shown = _range(depths)
+    to_all = f"; all are pressed by the median, {1e3 * median:.3g} mm" if " to " in shown else ""
+    LOG.info(f"{scene.name}: {force:g} N press pixels {shown}{to_all}")
     return median
 
 
@@ -83,7 +83,8 @@ def depths_of_pixels(scene: Scene) -> str:
 
     Raises InputError if the foam cannot be compressed so far.
     """
-    return _range([_reached(scene, press) for press in _some(_in_pixels(scene), 3)])
+    presses = _some(_in_pixels(scene), 3)
+    return _range([depth for press in presses for depth in _reached(scene, press)])
 
 
 def depths_in_words(scene: Scene, presses: Iterable[Press]) -> list[str]:
@@ -94,9 +95,12 @@ def depths_in_words(scene: Scene, presses: Iterable[Press]) -> list[str]:
     by_force = [press for press in dict.fromkeys(presses) if _forced(press)]
     some = _some(by_force, SAMPLE) if by_force else []
     if len(some) < len(by_force):
-        depths = _range([_reached(scene, press) for press in some])
+        depths = _range([depth for press in some for depth in _reached(scene, press)])
         return [f"{len(by_force)} presses by force are {depths} (sample of {len(some)})"]
-    return [f"press {press}: {_and(_reached(scene, press))} mm deep" for press in some]
+    return [
+        f"press {displayed_press(str(press))}: {_and(_reached(scene, press))} mm deep"
+        for press in some
+    ]
 
 
 def _reached(scene: Scene, press: Press) -> tuple[float, ...]:
@@ -115,9 +119,10 @@ def _forced(press: Press) -> bool:
     return any(isinstance(touch.by, Force) for touch in press.indented)
 
 
-def _range(depths: list[tuple[float, ...]]) -> str:
-    all_ = [depth for each in depths for depth in each]
-    return f"{1e3 * min(all_):.3g} to {1e3 * max(all_):.3g} mm deep"
+def _range(depths: list[float]) -> str:
+    """Range of depths in m, in words; one number if both ends show the same."""
+    ends = dict.fromkeys(f"{1e3 * depth:.3g}" for depth in (min(depths), max(depths)))
+    return f"{' to '.join(ends)} mm deep"
 
 
 def _and(depths: tuple[float, ...]) -> str:

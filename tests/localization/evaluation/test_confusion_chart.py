@@ -24,7 +24,7 @@ def cell(axes, target, output):
 
 def test_targets_run_to_the_right_and_outputs_downwards(axes):
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("Target class", "Output class")
-    assert [label.get_text() for label in axes.get_xticklabels()] == ["0", "1", "5"]
+    assert [label.get_text() for label in axes.get_xticklabels()] == ["none", "1", "5"]
     assert axes.yaxis_inverted()
     assert cell(axes, target=1, output=0)[0] == "1\n5.6 %"
     assert len(axes.texts) == np.count_nonzero(CONFUSION.counts)

@@ -4,7 +4,11 @@ import pytest
 
 BYTES = 2e6
 """Largest size of the skin's file, which a telephone loads within seconds."""
-SIZES = {"phone": (400, 850), "tablet": (900, 900), "desk": (1500, 900)}
+SIZES = {
+    **{"phone": (360, 780), "tablet": (800, 1000), "wide tablet": (900, 900)},
+    **{"laptop": (1280, 720), "desk": (1500, 900)},
+}
+HIDDEN = "document.documentElement.scrollHeight - window.innerHeight"
 PAPER = "() => getComputedStyle(document.body).backgroundColor"
 
 
@@ -20,6 +24,17 @@ def test_a_press_is_answered(address, open_page, size):
     place = {"x": 0.45 * box["width"], "y": 0.45 * box["height"]}
     (skin.tap if touch else skin.click)(position=place)
     answer.filter(has_not_text=before).wait_for()
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_nothing_of_the_skin_is_cut_off(address, open_page, size):
+    width, height = SIZES[size]
+    page = open_page(address, viewport={"width": width, "height": height})
+    page.frame_locator("iframe.skin").locator("#answer:not(:empty)").wait_for()
+    for more in (0, -40):
+        page.set_viewport_size({"width": width + more, "height": height})
+        page.wait_for_timeout(500)
+        assert page.frames[-1].evaluate(HIDDEN) == 0
 
 
 def test_the_skin_is_a_small_file(site):

@@ -189,6 +189,15 @@ def test_factors_of_a_pressed_polygon(varied):
     np.testing.assert_allclose(found.capacitance, 5e-9 * found.factor, rtol=1e-12)
 
 
+def test_foam_without_tension_deflects_under_the_touch_alone(varied):
+    foam = {"thickness": 4e-3, "relative_permittivity": 2.0, "mechanics": {"modulus": 6e4}}
+    scene = varied({"foam": foam}, CROSSED, **MORE)
+    found = fields(scene, parse_press("rect(0.02,0.02,0.03,0.02):1mm", 2.0), [1e3], "meter")
+    assert set(np.round(np.unique(found.deflection), 9)) == {0.0, 1e-3}
+    pressed = weights(found)[found.deflection > 0].sum()
+    assert pressed == pytest.approx(0.03 * 0.02, rel=1e-9)
+
+
 def leaning(path, turn, length=0.1, width=0.04, n=6):
     """A mesh of a strip that leans by `turn` about its left edge, in the group `part=1`."""
     u, v = (each.ravel() for each in np.meshgrid(np.linspace(0, length, n), [0, width / 2, width]))

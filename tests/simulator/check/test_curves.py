@@ -125,6 +125,12 @@ def test_a_pixel_of_one_strength_is_the_same_press_without_it(make_sweeps):
     assert len({labels[each] for each in press[3:]}) == 3
 
 
+def test_presses_of_other_strengths_and_places_show_theirs(make_sweeps):
+    press, places = ["1,1:0.001m:3e-12F", "disc(0.06,0.06,0.01):5.0N:3e-12F"], [1, -1]
+    labels = labels_of([make_sweeps(2, press=press, row=places, column=places)])
+    assert [*labels.values()] == ["1,1:1mm:3pF", "disc(0.06,0.06,0.01):5N:3pF"]
+
+
 @pytest.mark.parametrize("many", [3, 7, 40])
 def test_labels_of_many_sweeps_are_distinguished(many):
     colours = colours_of(["unpressed", *(f"column {n}" for n in range(many))])

@@ -96,7 +96,7 @@ def test_each_figure_states_its_assumptions(run, tmp_path, scene_file, undrawn):
     told = json.loads((tmp_path / "found" / "limits.json").read_text())
     assert told["position_asked"] in out and told["accuracy"]["asked"] in out
     out = run("limits", scene_file(), *QUICK, "--unknown-skin", "-o", tmp_path / "other")[1]
-    assert "x, y and strength, and the skin as dataset.session draws it, from the sweep" in out
+    assert "x, y, strength and the skin as dataset.session draws it from the sweep" in out
 
 
 def test_long_tables_are_cut_on_the_terminal_only(run, tmp_path, scene_file, monkeypatch, undrawn):

@@ -8,7 +8,7 @@ from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.sweeps import InputError
 from rcskin.simulator.sweeps.csv_cells import guarded
 from rcskin.simulator.sweeps.importing.labels import _pixel
-from rcskin.simulator.sweeps.press_text import parse_touches, written_pixel
+from rcskin.simulator.sweeps.press_text import displayed_press, parse_touches, written_pixel
 from rcskin.simulator.sweeps.units import plain_number
 
 POLY = "poly(0,0,0.03,0,0,0.03)"
@@ -133,3 +133,18 @@ def test_long_texts_take_no_time_that_grows_with_their_square(of, end):
             assert str(error)
     assert np.isnan(plain_number(f"{long}x"))
     assert guarded(f"-{long}x") == f"'-{long}x"
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("2,3:10.0N:3e-12F", "2,3:10N:3pF"),
+        ("2,4:0.001m+1,1:1.956146", "2,4:1mm+1,1:1.956"),
+        ("disc(0.06,0.06,0.01):finger", "disc(0.06,0.06,0.01):finger"),
+        ("1,1:1.25pF", "1,1:1.25pF"),
+        ("none", "none"),
+    ],
+)
+def test_titles_show_presses_in_the_units_of_an_engineer(text, shown):
+    assert displayed_press(text) == shown
+    assert bool(parse_touches(shown)) == (text != "none")

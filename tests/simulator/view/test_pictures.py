@@ -217,7 +217,7 @@ def test_frequencies_stand_side_by_side(fields, stage):
 
 
 def test_the_title_states_scene_press_and_interface(fields, stage):
-    assert title(stage(fields())) == "scene, press 3,5:2.0, interface meter"
+    assert title(stage(fields())) == "scene, press 3,5:2, interface meter"
     assert title(stage(fields(), press="none")) == "scene, unpressed, interface meter"
 
 

@@ -36,7 +36,7 @@ def scene_file(scene, tmp_path):
 @pytest.mark.pictures
 def test_a_picture_is_written(run, solved, scene_file, tmp_path):
     out = tmp_path / "out.png"
-    told = f"potential of press 2,3:2.0 at 10000 Hz -> {out}\n"
+    told = f"potential of press 2,3:2 at 10 kHz -> {out}\n"
     asked = ("view", scene_file, "--press", "2,3", "--frequency", "1e4", "-o", out)
     assert run(*asked) == (0, told, "")
     assert solved == [("2,3:2.0", [1e4], "meter", 1e-4)]

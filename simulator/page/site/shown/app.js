@@ -187,6 +187,13 @@ function reset() {
   refresh(true);
 }
 
+/** Shows what fits into another page, and sends that page the height. */
+function embed() {
+  document.body.classList.add("embedded");
+  const send = () => window.parent.postMessage({ height: document.body.offsetHeight }, "*");
+  new ResizeObserver(send).observe(document.body);
+}
+
 function begin() {
   const { rows, columns } = skin.model.grid;
   element("honest").textContent =
@@ -204,7 +211,7 @@ function begin() {
   for (const [id, act] of Object.entries(clicks)) element(id).addEventListener("click", act);
   window.addEventListener("resize", () => refresh(false));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => refresh(false));
-  document.body.classList.toggle("embedded", window.parent !== window);
+  if (window.parent !== window) embed();
   gestures.touches = state.touches;
   controls.show();
   refresh(true);
