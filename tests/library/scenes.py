@@ -93,6 +93,7 @@ FLOATING_BODY = {
 ALIKE = {
     "readout": {"display_digits": 12},
     "dataset.session": {
+        "sweeps_per_session": 20,
         **dict.fromkeys(
             ("sheet_resistance", "sheet_mismatch", "capacitance", "contact_resistance"), 1.0
         ),

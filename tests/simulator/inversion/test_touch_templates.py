@@ -108,13 +108,13 @@ def _observed(scene, family, seed):
 def test_a_skin_is_estimated_from_its_baseline(make_scene):
     """Drawn skins, read once at rest with noise: touches are foretold within what is left open."""
     drawn = tables_scene(make_scene, {"unevenness": 0.04, "lead_resistance": 2.0})
-    unknown, modes = UnknownSkin(Forward(drawn, rtol=1e-4)), len(HALF_WAVES)
+    unknown, modes = UnknownSkin(Forward(drawn, rtol=1e-3)), len(HALF_WAVES)
 
     def one(random):
         skin = drawn_skin(drawn, int(random.integers(2**62)), 0, (2, 2), modes)
         return Case(skin.variation, *TOUCH)
 
-    family = reduce(drawn, 1e-4, one, modes=modes, same_sheets=False)
+    family = reduce(drawn, 1e-3, one, modes=modes, same_sheets=False)
     error = ErrorModel(drawn.readout, np.ones((len(drawn.interfaces), 3), bool), averaged=20)
     random = np.random.default_rng(0)
     z, before, after = [], [], []
@@ -140,26 +140,31 @@ def _predicted(skin):
     return touched - rest + moved, effect
 
 
-def test_an_impossible_baseline_leaves_unknowns_within_bounds(scene):
-    unknown = UnknownSkin(Forward(scene, rtol=1e-3))
+@pytest.fixture(scope="module")
+def forward(scene):
+    return Forward(scene, rtol=1e-3)
+
+
+@pytest.fixture(scope="module")
+def baseline(forward):
+    return UnknownSkin(forward).baseline() + 0.01
+
+
+def test_an_impossible_baseline_leaves_unknowns_within_bounds(forward):
+    unknown = UnknownSkin(forward)
     far = unknown.conditioned_on_baseline(unknown.baseline() + 5.0, 10**6)
     assert np.isfinite(far.baseline()).all()
 
 
-def test_drift_is_a_small_change_of_all_foam_and_of_both_sheets(scene):
-    tables = templates(scene, "pixel", "dataset", _baseline(scene), 20, 1e-3)
-    forward = Forward(scene, rtol=1e-3)
-    values = UnknownSkin(forward).conditioned_on_baseline(_baseline(scene), 20).values
+def test_drift_is_a_small_change_of_all_foam_and_of_both_sheets(scene, forward, baseline):
+    tables = templates(scene, "pixel", "dataset", baseline, 20, 1e-3)
+    values = UnknownSkin(forward).conditioned_on_baseline(baseline, 20).values
     nothing = np.zeros(0, dtype=np.int64), np.zeros(0)
     for column, name in zip(tables["drift"].T, ("capacitance", "sheet_resistance"), strict=True):
         moved = values | {name: values[name] + 1e-3}
         ahead, now = (observed(forward.respond(*nothing, v).Z) for v in (moved, values))
         np.testing.assert_allclose(column, ahead - now, rtol=0.01, atol=1e-7)
     np.testing.assert_array_equal(tables["skin"][0, 0, :, -2:], tables["drift"])
-
-
-def _baseline(scene):
-    return UnknownSkin(Forward(scene, rtol=1e-3)).baseline() + 0.01
 
 
 def test_a_skin_without_variation_is_known(make_scene):
