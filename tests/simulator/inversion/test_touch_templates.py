@@ -20,6 +20,7 @@ from rcskin.simulator.press.touch import Rectangle, Touch
 from rcskin.simulator.scene.frequency import laplace_variable
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.sweeps import InputError
+from rcskin.tests.library.scenes import ALIKE
 
 NOISE = {"magnitude_noise": 0.003, "phase_noise": 2.6e-3}
 PAIR = {"top-left": {"resistance": 200.0}, "bottom-left": {"resistance": 100.0}}
@@ -42,8 +43,12 @@ def change(scene, press):
     return observed(solver.solve(press).Z) - observed(solver.solve(Press()).Z)
 
 
-def test_touches_are_those_of_the_full_solver(scene):
-    tables = templates(scene, "pixel")
+@pytest.fixture(scope="module")
+def tables(scene):
+    return templates(scene, "pixel")
+
+
+def test_touches_are_those_of_the_full_solver(scene, tables):
     mean_skin = scene_with(scene, expected(scene))
     for place, strength in ((0, 1), (3, 5)):
         row, column = tables["pixels"][place]
@@ -52,8 +57,7 @@ def test_touches_are_those_of_the_full_solver(scene):
         assert np.abs(off / tables["deviation"]).max() < 0.2
 
 
-def test_slopes_are_differences_between_strengths(scene):
-    tables = templates(scene, "pixel")
+def test_slopes_are_differences_between_strengths(tables):
     difference = np.gradient(tables["single"], tables["strengths"], axis=1)[:, 1:-1]
     scale = np.abs(tables["slope"]).max()
     np.testing.assert_allclose(tables["slope"][:, 1:-1], difference, atol=0.03 * scale)
@@ -168,18 +172,7 @@ def test_drift_is_a_small_change_of_all_foam_and_of_both_sheets(scene, forward, 
 
 
 def test_a_skin_without_variation_is_known(make_scene):
-    fixed = {
-        "sheet_resistance": 1.0,
-        "sheet_mismatch": 1.0,
-        "unevenness": 0.0,
-        "capacitance": 1.0,
-        "foam_spread": 0.0,
-        "loss_tangent": 0.0,
-        "contact_resistance": 1.0,
-        "stray_capacitance": 0.0,
-        "lead_resistance": 0.0,
-    }
-    scene = tables_scene(make_scene, fixed)
+    scene = tables_scene(make_scene, ALIKE["dataset.session"])
     assert not any(spread.deviation for spread in session_spreads(scene).values())
     assert templates(scene, "column")["skin"].shape[-1] == 0
 
