@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import rcskin
 from rcskin.simulator.bounds.fields import FullFields, TouchSize
 from rcskin.simulator.bounds.touches.area_rasterizer import AreaRasterizer
 from rcskin.simulator.dataset.dataset_plan import Plan
@@ -59,16 +60,42 @@ def test_cosine_modes_of_the_sheets_are_maps_of_the_sheets(kinds):
     assert relative_difference(Z, truth).max() <= RTOL
 
 
-@pytest.mark.slow
-def test_the_solver_takes_the_reduced_model_and_leaves_it_where_it_does_not_serve(kinds):
-    solver = Solver(kinds["l with a hole"], RTOL, "reduced")
-    assert "reduced to" in solver.solve(parse_press("1,1", 2.0)).model
-    for text in ("1,1:9", "disc(0.09,0.03,0.01):2"):
-        answer = solver.solve(parse_press(text, 2.0))
-        assert "reduced to" not in answer.model
-        assert answer.rejected[0].startswith("reduced: ")
-    with pytest.raises(InputError, match="there is no skin at that place"):
-        solver.solve(parse_press("2,2", 2.0))
+SERVED = {
+    "sheet-3x3": (
+        1e-5,
+        1e-7,
+        {
+            "2,2": "",
+            "2,2:30": "reduced: the model is trained on factors from 0.5 to 3.0, got 2,2:30.0",
+            "rect(0.05,0.07,0.03,0.02):2.5": "the model takes touches of whole pixels only",
+        },
+    ),
+    "l with a hole": (
+        1e-3,
+        1e-4,
+        {"1,1": "", "1,1:9": "reduced: ", "disc(0.09,0.03,0.01):2": "reduced: "},
+    ),
+}
+"""Tolerance of a scene, that of what it is compared with, and why presses are left to elements."""
+
+
+@pytest.mark.parametrize(
+    "name", ["sheet-3x3", pytest.param("l with a hole", marks=pytest.mark.slow)]
+)
+def test_the_solver_takes_the_reduced_model_where_it_serves(library, name):
+    rtol, closely, presses = SERVED[name]
+    scene = library.scene(name) if name in KINDS else rcskin.load(name)
+    solver, full = Solver(scene, rtol, "reduced"), Solver(scene, closely)
+    for text, reason in presses.items():
+        press = parse_press(text, 2.0)
+        answer = solver.solve(press)
+        assert ("reduced to" in answer.model) == (not reason)
+        assert reason in solver.explain(press, answer)
+        off = relative_difference(answer.Z, full.solve(press).Z)
+        assert (off <= np.stack(answer.relative_errors) + closely).all() and off.max() <= rtol
+    if name in KINDS:
+        with pytest.raises(InputError, match="there is no skin at that place"):
+            solver.solve(parse_press("2,2", 2.0))
 
 
 def test_bodies_and_rims_of_other_sizes_need_no_other_basis(library):
