@@ -16,7 +16,6 @@ from rcskin import __main__ as rcskin
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
 from rcskin.simulator.sweeps.writing import WriteContext, in_write_context
-from rcskin.tests.library.models import Library
 from rcskin.tests.library.scenes import build_scene
 
 EDGES = ("left", "right", "bottom", "top")
@@ -124,6 +123,8 @@ def own_state(tmp_path_factory):
 @pytest.fixture(scope="session")
 def library(tmp_path_factory):
     """Scenes and trained models that all processes of a run share."""
+    from rcskin.tests.library.models import Library
+
     folder = tmp_path_factory.getbasetemp()
     return Library((folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder) / "library")
 

@@ -19,6 +19,7 @@ from rcskin.simulator.models.line_slopes import LineModel
 from rcskin.simulator.models.network.network_skin import NetworkSkin
 from rcskin.simulator.models.network.terminals import chain, read
 from rcskin.simulator.models.parameters import Variation, own_values
+from rcskin.simulator.models.reduced.cases import pixel_touches
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.capacitance import touched_cells
@@ -63,6 +64,14 @@ def touches(library, name):
     return [touched_cells(scene, press_on(scene, text)) for text in KINDS[name].presses]
 
 
+def drawn(model, count):
+    """Further touches of pixels that have skin."""
+    random, draw = np.random.default_rng(7), pixel_touches(model.scene)
+    there = np.flatnonzero(np.abs(model.factors).sum(axis=(1, 2)))
+    cases = [draw(random) for _ in range(5 * count)]
+    return [(each.cells, each.rises) for each in cases if np.isin(each.cells, there).all()][:count]
+
+
 @kinds()
 def test_the_full_solver_agrees_within_the_certificate(library, model, touches, name):
     kind, scene, own = KINDS[name], library.scene(name), model.skin(None)
@@ -91,7 +100,7 @@ def other_skin(model):
 @kinds(left_out=BY_DEPTH)
 def test_the_certificate_bounds_what_the_reduction_leaves_out(model, touches, name):
     own, worst = model.skin(other_skin(model)), 0.0
-    for cells, rises in touches:
+    for cells, rises in [*touches, *drawn(model, 4)]:
         press = cells, np.where(cells < foam_parts(model.scene), 5 * rises, rises)
         true = relative_difference(own.sweep(*press), own.exact(*press))
         bound = own.certificate(*press)
@@ -106,7 +115,8 @@ def test_a_model_is_orthonormal_and_passive(model, touches, name):
     np.testing.assert_allclose(product, np.eye(model.size), atol=1e-10)
     own = model.skin(None)
     assert (own.unpressed_mass.diagonal >= 0).all()
-    Z = own.sweeps(PressBatch.of(touches))
+    more = drawn(model, 20) if name not in BY_DEPTH else []
+    Z = own.sweeps(PressBatch.of([*touches, *more]))
     assert (Z.real > 0).all()
     assert (parallel_capacitance(Z, model.scene.frequencies) > -1e-18).all()
     if KINDS[name].rtol <= 1e-5:

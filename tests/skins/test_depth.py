@@ -50,6 +50,11 @@ def test_the_certificate_holds_on_skins_that_it_was_not_trained_on(reduced):
         assert bound.max() > 1e-6
 
 
+@pytest.mark.parametrize("cells", [[0], [1], [0, 2], [0, 1]])
+def test_applicators_on_pixels_that_meet_are_coupled(reduced, cells):
+    assert reduced.family.coupled(np.array(cells)) == (np.diff(cells) == 1).any()
+
+
 def test_what_is_left_out_between_depths_covers_the_membrane_itself(scene, reduced):
     """c at the mesh's points between Chebyshev's depths, against mechanics far more closely."""
     from rcskin.simulator.models.mechanics.indentation import deformation
