@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import os
 import shutil
 import sys
 from importlib import import_module
@@ -14,10 +15,9 @@ from pydantic import ValidationError
 from rcskin import __main__ as rcskin
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
-from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.sweeps.writing import WriteContext, in_write_context
+from rcskin.tests.library.scenes import build_scene
 
-LEFT_PAIR = {"top-left": {}, "bottom-left": {}}
 EDGES = ("left", "right", "bottom", "top")
 WHOLE = [(0.0, 1.0)]
 LAYOUTS = [WHOLE, [(0.2, 0.7)], [(0.5, 1.0)], [(0.0, 0.3), (0.6, 1.0)], [(0.0, 0.5), (0.5, 1.0)]]
@@ -25,57 +25,6 @@ LAYOUTS = [WHOLE, [(0.2, 0.7)], [(0.5, 1.0)], [(0.0, 0.3), (0.6, 1.0)], [(0.0, 0
 RESISTANCES = (0.0, 0.0, 1.0, 300.0)
 """Of contacts, ohm m."""
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
-
-
-def build_scene(
-    contacts=LEFT_PAIR,
-    interfaces=None,
-    *,
-    length=0.10,
-    width=0.08,
-    top=50e3,
-    bottom=30e3,
-    c=5e-9,
-    loss_tangent=0.0,
-    rows=1,
-    columns=1,
-    frequencies=(1e3, 1e4, 1e5),
-    factor=2.0,
-):
-    """A scene in SI units.
-
-    contacts: further keys by name, ELECTRODE-EDGE with an optional -SUFFIX. interfaces: (high, low)
-    by name, either one contact's name or several; by default the first contact and the second.
-    """
-    return Scene.model_validate(
-        {
-            "name": "scene",
-            "skin": {
-                "length": length,
-                "width": width,
-                "top": {"sheet_resistance": top},
-                "bottom": {"sheet_resistance": bottom},
-                "foam": {"capacitance_per_area": c, "loss_tangent": loss_tangent},
-            },
-            "contact": [_contact(name, more) for name, more in contacts.items()],
-            "interface": [
-                {"name": name, "high": _listed(high), "low": _listed(low)}
-                for name, (high, low) in (interfaces or {"meter": list(contacts)[:2]}).items()
-            ],
-            "pixels": {"rows": rows, "columns": columns},
-            "press": {"capacitance_factor": factor},
-            "sweep": {"frequencies": list(frequencies)},
-        }
-    )
-
-
-def _contact(name, more):
-    electrode, edge = name.split("-")[:2]
-    return {"name": name, "electrode": electrode, "edge": edge, **more}
-
-
-def _listed(names):
-    return [names] if isinstance(names, str) else list(names)
 
 
 def logarithmic(low, high):
@@ -169,6 +118,15 @@ def own_state(tmp_path_factory):
         for name in ("XDG_STATE_HOME", "LOCALAPPDATA"):
             patch.setenv(name, str(tmp_path_factory.mktemp("state")))
         yield
+
+
+@pytest.fixture(scope="session")
+def library(tmp_path_factory):
+    """Scenes and trained models that all processes of a run share."""
+    from rcskin.tests.library.models import Library
+
+    folder = tmp_path_factory.getbasetemp()
+    return Library((folder.parent if "PYTEST_XDIST_WORKER" in os.environ else folder) / "library")
 
 
 @pytest.fixture

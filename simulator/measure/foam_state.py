@@ -114,7 +114,9 @@ class FoamState:
         if isinstance(as_given, Indentation) and not isinstance(as_given.by, Force):
             return Spot(touch, "depth", x, x, y)
         self._check_far(as_given, float(self.creep.greatest(y, np.array(x))))
-        most = before.most if before is not None and before.how == "load" else 0.0
+        most = 0.0
+        if before is not None and before.how == "load" and before.x > 0:
+            most = before.most
         return Spot(touch, "load", x, max(x, most), y)
 
     def _check_far(self, touch: AnyTouch, strain: float) -> None:

@@ -12,22 +12,9 @@ from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.skin_region import on_skin
 from rcskin.simulator.sweeps import InputError, impedance, open_zarr
+from rcskin.tests.library.scenes import ALIKE
 
 RTOL = 1e-3
-SAME = {
-    "dataset.session.sheet_resistance": 1.0,
-    "dataset.session.sheet_mismatch": 1.0,
-    "dataset.session.unevenness": 0.0,
-    "dataset.session.capacitance": 1.0,
-    "dataset.session.foam_spread": 0.0,
-    "dataset.session.loss_tangent": 0.0,
-    "dataset.session.contact_resistance": 1.0,
-    "dataset.session.stray_capacitance": 0.0,
-    "dataset.session.lead_resistance": 0.0,
-    "readout.magnitude_noise": 0.0,
-    "readout.phase_noise": 0.0,
-    "readout.display_digits": 12,
-}
 ANYWHERE = {"dataset.press.place": "anywhere", "dataset.press.cells_per_pixel": 4}
 
 
@@ -37,23 +24,6 @@ def made(scene, path, sweeps=40):
 
 
 HOLED = pytest.param("l with a hole", marks=pytest.mark.slow)
-
-
-@pytest.mark.parametrize("name", [HOLED, "uneven", "piezoresistive", "mesh"])
-def test_sweeps_are_those_of_the_full_model(kinds, tmp_path, name):
-    scene = kinds[name].with_(SAME)
-    data = made(scene, tmp_path / "out.zarr")
-    there = [
-        (k // scene.pixels.columns + 1, k % scene.pixels.columns + 1)
-        for k in pixel_coverage(scene).numbers
-    ]
-    pressed = {*zip(data["row"].values.tolist(), data["column"].values.tolist(), strict=True)}
-    assert pressed - {(0, 0), (-1, -1)} == set(there)
-    solver, Z = Solver(scene, RTOL / 10), impedance(data)
-    for k in (3, 17):
-        truth = solver.solve(parse_press(str(data["press"].values[k]), np.nan)).Z
-        off = relative_difference(Z[k], truth).max()
-        assert off <= data.attrs["audit_bound"] + RTOL / 10 <= 1.1 * RTOL
 
 
 def fed_at(edge):
@@ -136,7 +106,7 @@ def test_touches_anywhere_have_their_middles_on_the_skin(kinds):
 
 @pytest.mark.slow
 def test_touches_anywhere_are_as_near_as_the_error_of_their_cells(kinds, tmp_path):
-    scene = kinds["draped"].with_({**SAME, **ANYWHERE})
+    scene = kinds["draped"].with_({**ALIKE, **ANYWHERE})
     data = made(scene, tmp_path / "out.zarr", 8)
     solver, Z = Solver(scene, RTOL / 10), impedance(data)
     truth = solver.solve(parse_press(str(data["press"].values[5]), np.nan)).Z

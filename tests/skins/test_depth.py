@@ -7,7 +7,6 @@ from rcskin.simulator.bounds.position_bound import chosen_touch
 from rcskin.simulator.calibration.fitting.fit_options import Options
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.dataset.dataset_plan import Plan
-from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.dataset.skin_model import reduced as family_of
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.limits import bayes_accuracy
@@ -15,108 +14,25 @@ from rcskin.simulator.measure.experiment import planned_presses
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.measure.specimen import Specimen
 from rcskin.simulator.models.parameters import Variation
-from rcskin.simulator.models.reduced.cases import pixel_touches
-from rcskin.simulator.models.reduced.forward import Forward
-from rcskin.simulator.models.reduced.greedy import reduce
-from rcskin.simulator.models.reduced.model_file import load, save
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.models.uniform import folded
-from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import every_press, parse_press, press_on
 from rcskin.simulator.press.touch import Depth
 from rcskin.simulator.scene.frequency import Loss
-from rcskin.simulator.scene.scene import Scene
-from rcskin.simulator.sweeps import InputError, impedance, open_zarr
+from rcskin.simulator.sweeps import InputError
 
 RTOL, CLOSELY = 1e-3, 1e-4
-COLUMNS = 3
-FACTORS = 1.1, 4.0
 DEEP = Depth(2e-3)
-FACTORS_OF_SESSIONS = "sheet_resistance", "sheet_mismatch", "capacitance", "contact_resistance"
-SPREADS_OF_SESSIONS = (
-    "unevenness",
-    "foam_spread",
-    "loss_tangent",
-    "stray_capacitance",
-    "lead_resistance",
-)
-UNIFORM = {"distribution": "uniform", "low": 0.3e-3, "high": 2.2e-3}
-
-
-def foam_strip(tension=20.0, **tables):
-    mechanics = {"porosity": 0.67, "solid_permittivity": 2.79, "modulus": 30e3, "tension": tension}
-    return Scene.model_validate(
-        {
-            "name": "foam strip",
-            "skin": {
-                "length": 0.09,
-                "width": 0.03,
-                "top": {"sheet_resistance": 50e3},
-                "bottom": {"sheet_resistance": 40e3},
-                "foam": {"thickness": 4e-3, "mechanics": mechanics},
-            },
-            "contact": [
-                {"name": sheet, "electrode": sheet, "edge": "left"} for sheet in ("top", "bottom")
-            ],
-            "interface": [{"name": "meter", "high": ["top"], "low": ["bottom"]}],
-            "pixels": {"rows": 1, "columns": COLUMNS},
-            "press": {"depth": 2e-3, "factor_spread": 0.1},
-            "sweep": {"frequencies": [1e3, 1e4, 1e5]},
-            "readout": dict.fromkeys(("magnitude_noise", "phase_noise"), 1e-3),
-            **tables,
-        }
-    )
-
-
-SAME = {
-    **dict.fromkeys((f"dataset.session.{name}" for name in FACTORS_OF_SESSIONS), 1.0),
-    **dict.fromkeys((f"dataset.session.{name}" for name in SPREADS_OF_SESSIONS), 0.0),
-    **dict.fromkeys(("readout.magnitude_noise", "readout.phase_noise"), 0.0),
-    "readout.display_digits": 12,
-}
-
-
-def made_of(scene, path, sweeps):
-    generate(Plan(scene, sweeps, 1, RTOL), path)
-    return open_zarr(path).load()
 
 
 @pytest.fixture(scope="module")
-def scene():
-    return foam_strip()
+def scene(library):
+    return library.scene("by depth")
 
 
 @pytest.fixture(scope="module")
-def reduced(scene):
-    return reduce(scene, RTOL, pixel_touches(scene, FACTORS))
-
-
-def as_text(scene, cells, rises):
-    depths = scene.pressed_depths(1 + np.asarray(rises)).tolist()
-    touched = sorted(zip(np.asarray(cells).tolist(), depths, strict=True))
-    return "+".join(f"1,{cell + 1}:{depth!r}m" for cell, depth in touched)
-
-
-@pytest.mark.parametrize("cells", [[0], [1], [0, 2], [0, 1]])
-def test_the_full_solver_agrees_within_the_estimate(scene, reduced, cells):
-    """Single touches, two that do not feel each other, and two that meet."""
-    random, own = np.random.default_rng(len(cells)), reduced.skin(None)
-    cells, rises = np.array(cells), random.uniform(0.1, 2.9, len(cells))
-    Z = own.sweep(cells, rises)
-    truth = Solver(scene, CLOSELY).solve(parse_press(as_text(scene, cells, rises), DEEP)).Z
-    off = relative_difference(Z, truth)
-    estimated = own.certificate(cells, rises) + reduced.mesh_error + 0.03 * RTOL
-    assert (off <= estimated + CLOSELY).all()
-    assert estimated.max() <= RTOL
-    assert reduced.family.coupled(cells) == (np.diff(cells) == 1).any()
-
-
-def test_presses_have_equal_results_one_by_one_and_together(reduced):
-    own = reduced.skin(None)
-    cells, rises = np.array([0, 1, 0, 1, 2]), np.array([0.5, 2.0, 1.0, 0.7, 1.5])
-    batch = PressBatch(cells, rises, np.array([0, 1, 1, 3, 4, 5]))
-    for touched, Z in zip(batch.each(), own.sweeps(batch), strict=True):
-        np.testing.assert_allclose(own.sweep(*touched), Z, rtol=1e-9)
+def reduced(library):
+    return library.model("by depth")
 
 
 def test_the_certificate_holds_on_skins_that_it_was_not_trained_on(reduced):
@@ -134,6 +50,11 @@ def test_the_certificate_holds_on_skins_that_it_was_not_trained_on(reduced):
         assert bound.max() > 1e-6
 
 
+@pytest.mark.parametrize("cells", [[0], [1], [0, 2], [0, 1]])
+def test_applicators_on_pixels_that_meet_are_coupled(reduced, cells):
+    assert reduced.family.coupled(np.array(cells)) == (np.diff(cells) == 1).any()
+
+
 def test_what_is_left_out_between_depths_covers_the_membrane_itself(scene, reduced):
     """c at the mesh's points between Chebyshev's depths, against mechanics far more closely."""
     from rcskin.simulator.models.mechanics.indentation import deformation
@@ -148,15 +69,6 @@ def test_what_is_left_out_between_depths_covers_the_membrane_itself(scene, reduc
         area = family.elements.surface.some(found.cells).area * weights
         assert (off * area).sum() <= (found.uncertainty * area).sum()
         assert (found.uncertainty * area).sum() <= 0.01 * (found.rise * area).sum()
-
-
-def test_a_model_is_the_same_from_its_file(reduced, tmp_path):
-    save(reduced, tmp_path / "model.npz")
-    again = load(tmp_path / "model.npz")
-    press = np.array([1]), np.array([1.5])
-    found = [each.skin(None) for each in (reduced, again)]
-    np.testing.assert_array_equal(*(each.certificate(*press) for each in found))
-    np.testing.assert_array_equal(*(each.sweep(*press) for each in found))
 
 
 def test_sweeps_by_depth_and_force_are_reduced_where_that_serves(scene):
@@ -177,10 +89,6 @@ def test_sweeps_by_depth_and_force_are_reduced_where_that_serves(scene):
             solver._indentation_model.result(parse_press(text, DEEP), scene.frequencies)
     answer = solver.solve(parse_press("disc(0.045,0.015,0.01):1mm", DEEP))
     assert answer.rejected[0].startswith("reduced: the model takes pixels")
-
-
-def test_slopes_of_a_reduced_model_are_those_of_its_answers(scene, check_slopes):
-    check_slopes(Forward(scene, rtol=RTOL), "sheet_resistance", "capacitance", rtol=1e-3)
 
 
 def test_a_calibration_finds_the_sheets_of_a_twin_pressed_by_depth(scene):
@@ -206,19 +114,6 @@ def test_limits_and_studies_press_by_depth(scene, coarse):
     (Z,) = impedances(plan.scene, [press_on(plan.scene, "1,2")], family_of(plan.scene, RTOL), RTOL)
     off = relative_difference(Z, Solver(scene, CLOSELY).solve(parse_press("1,2", DEEP)).Z)
     assert off.max() <= RTOL
-
-
-def test_a_data_set_draws_depths_and_is_what_the_full_solver_says(scene, tmp_path):
-    drawn = {"dataset.press.touches": [0.2, 0.4, 0.4], "dataset.press.depth": UNIFORM}
-    own = scene.with_(SAME | drawn | {"dataset.session.sweeps_per_session": 20})
-    made, solver = made_of(own, tmp_path / "set.zarr", 20), Solver(own, CLOSELY)
-    for sweep in np.flatnonzero(made["touches"].values)[:3]:
-        press = parse_press(str(made["press"].values[sweep]), DEEP)
-        off = relative_difference(impedance(made)[sweep], solver.solve(press).Z)
-        assert off.max() <= RTOL + 2 * CLOSELY
-        depths = np.array([each.by.value for each in press.touches])
-        factors = made["touch_factor"].values[sweep, : len(depths)]
-        np.testing.assert_allclose(factors, own.pressed_factors(depths), rtol=1e-6)
 
 
 @pytest.mark.parametrize(

@@ -15,30 +15,14 @@ from rcskin.simulator.measure.touch_factors import factors_under
 from rcskin.simulator.models.mechanics.force_depths import depths_in_words, forces_as_depths
 from rcskin.simulator.models.mechanics.indentation import deformation
 from rcskin.simulator.press.press import press_on
-from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import InputError, concatenate, read, write
+from rcskin.tests.library.scenes import foam_strip
 from typer.testing import CliRunner
-
-FOAM = {"porosity": 0.67, "solid_permittivity": 2.79, "modulus": 30e3}
 
 
 def strip(tension=20.0, **press):
-    foam = {"thickness": 4e-3, "mechanics": {**FOAM, "tension": tension}}
-    sheet = {"sheet_resistance": 50e3}
-    edges = [{"name": name, "electrode": name, "edge": "left"} for name in ("top", "bottom")]
-    return Scene.model_validate(
-        {
-            "name": "foam strip",
-            "skin": {"length": 0.09, "width": 0.03, "top": sheet, "bottom": sheet, "foam": foam},
-            "contact": edges,
-            "interface": [{"name": "meter", "high": ["top"], "low": ["bottom"]}],
-            "pixels": {"rows": 1, "columns": 3},
-            "press": press or {"depth": 2e-3},
-            "sweep": {"frequencies": [1e3, 1e4, 1e5]},
-            "readout": dict.fromkeys(("magnitude_noise", "phase_noise"), 1e-3),
-        }
-    )
+    return foam_strip(tension, 50e3, press=press or {"depth": 2e-3})
 
 
 def run(*arguments):

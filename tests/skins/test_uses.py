@@ -14,30 +14,11 @@ from rcskin.simulator.measure.experiment import planned_presses
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.parameters import scene_with
-from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press, parse_press
 
 STEP = 1e-4
 UNEVEN = pytest.param("uneven", marks=pytest.mark.slow)
-
-
-@pytest.fixture(scope="module")
-def forwards(kinds):
-    known = {}
-
-    def of(name):
-        if name not in known:
-            known[name] = Forward(kinds[name], rtol=1e-3)
-        return known[name]
-
-    return of
-
-
-@pytest.mark.parametrize("name", [UNEVEN, "piezoresistive", "mesh"])
-def test_slopes_of_a_reduced_model_are_those_of_its_answers(forwards, name, check_slopes):
-    parameters = "sheet_resistance", "sheet_mismatch", "capacitance"
-    check_slopes(forwards(name), *parameters, rtol=1e-4)
 
 
 @pytest.mark.parametrize("name", ["piezoresistive", "mesh"])

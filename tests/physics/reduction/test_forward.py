@@ -4,13 +4,11 @@ import numpy as np
 import pytest
 from rcskin.simulator.models.parameters import (
     FOAM_MODES,
-    PARAMETERS,
     SHEET_MODES,
     scene_with,
 )
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.readout.meter import Sweep
 from rcskin.simulator.scene.scene_files import load_scene
@@ -47,36 +45,6 @@ def test_values_are_those_of_the_full_solver(forward, moved):
     frequency = forward.scene.frequencies
     Cp, true_Cp = (parallel_capacitance(Z, frequency) for Z in (response.Z, truth))
     np.testing.assert_allclose(Cp, true_Cp, rtol=RTOL)
-
-
-def test_a_batch_gives_the_same_values(forward, moved):
-    cells, rises = forward.cells(parse_press("2,1:1.4", 2.0))
-    one = forward.respond(cells, rises, moved).Z
-    batch = forward.impedances(PressBatch.of([(cells, rises)]), moved)[0]
-    np.testing.assert_allclose(batch, one, rtol=0.1 * RTOL)
-
-
-@pytest.mark.parametrize("name", PARAMETERS)
-def test_slopes_by_parameters_are_differences(forward, name, moved):
-    cells, rises = forward.cells(parse_press("1,2:1.8", 2.0))
-    step = 1e-5 * (moved[name] if name.startswith(("lead", "stray")) else 1.0)
-    ahead, behind = (
-        forward.respond(cells, rises, moved | {name: moved[name] + turn * step}).Z
-        for turn in (1, -1)
-    )
-    slope = forward.respond(cells, rises, moved).by_parameter[name]
-    difference = (ahead - behind) / (2 * step)
-    np.testing.assert_allclose(slope, difference, rtol=1e-5, atol=1e-8 * np.abs(slope).max())
-
-
-def test_slopes_by_cells_are_differences(forward, moved):
-    cells, rises = np.arange(6), np.array([0.0, 0.8, 0.1, 0.0, 0.3, 1.2])
-    response, step = forward.respond(cells, rises, moved), 1e-5
-    for cell in range(6):
-        turn = step * np.eye(6)[cell]
-        ahead, behind = (forward.respond(cells, rises + t, moved).Z for t in (turn, -turn))
-        difference = (ahead - behind) / (2 * step) / np.exp(moved["capacitance"])
-        np.testing.assert_allclose(response.by_cell[..., cell], difference, rtol=1e-5)
 
 
 TWO_INTERFACES = "sheet-5x5-two-interfaces"

@@ -36,7 +36,7 @@ def scene(noisy):
 
 @pytest.fixture(scope="module")
 def model(scene):
-    return trained(scene, 1e-4, pixel_touches(scene, (0.5, 3.0)))
+    return trained(scene, 1e-2, pixel_touches(scene, (0.5, 3.0)))
 
 
 def read_by(model, scene, count=None):

@@ -15,24 +15,10 @@ from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.press import press_on
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError, impedance
+from rcskin.tests.library.scenes import ALIKE
 
 ONE = [{"share": 0.15, "time_constant": 0.5}]
 TWO = [*ONE, {"share": 0.05, "time_constant": 20.0}]
-AS_IT_IS = {
-    "readout": {"display_digits": 17},
-    "dataset.session": {
-        "sweeps_per_session": 12,
-        "sheet_resistance": 1.0,
-        "sheet_mismatch": 1.0,
-        "unevenness": 0.0,
-        "capacitance": 1.0,
-        "foam_spread": 0.0,
-        "loss_tangent": 0.0,
-        "contact_resistance": 1.0,
-        "stray_capacitance": 0.0,
-        "lead_resistance": 0.0,
-    },
-}
 FOAM = {"porosity": 0.67, "solid_permittivity": 2.79, "modulus": 30e3}
 TIMING = {"averaging": 40, "pause": 0.3}
 
@@ -51,7 +37,7 @@ TIMING = {"averaging": 40, "pause": 0.3}
     ids=["closing pores", "not let go"],
 )
 def test_a_session_is_the_sweeps_of_its_presses_one_after_the_other(changes):
-    scene = load_scene("strip-1x5").with_({**AS_IT_IS, "experiment.timing": TIMING, **changes})
+    scene = load_scene("strip-1x5").with_({**ALIKE, "experiment.timing": TIMING, **changes})
     rtol = 1e-4
     drawn = in_memory(Plan(scene, 12, 3, rtol))
     presses = [press_on(scene, str(press)) for press in drawn["press"].values]

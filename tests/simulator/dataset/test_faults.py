@@ -22,27 +22,21 @@ from rcskin.simulator.press.press import press_on
 from rcskin.simulator.scene.readout.meter import Leads
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError, impedance, read
+from rcskin.tests.library.scenes import ALIKE
 
 STRIP, SHEET = load_scene("strip-1x3"), load_scene("sheet-5x5-crossed")
 QUIET = {
-    "readout": {"display_digits": 12},
-    "dataset.session.sweeps_per_session": 10,
-    "dataset.session.unevenness": 0.0,
-    "dataset.session.foam_spread": 0.0,
-    "dataset.session.sheet_resistance": 1.0,
-    "dataset.session.sheet_mismatch": 1.0,
-    "dataset.session.capacitance": 1.0,
-    "dataset.session.loss_tangent": 0.0,
-    "dataset.session.stray_capacitance": 1e-12,
-    "dataset.session.lead_resistance": 0.0,
+    **ALIKE,
+    "dataset.session": ALIKE["dataset.session"]
+    | {"sweeps_per_session": 10, "stray_capacitance": 1e-12},
     "sweep.frequencies": [1e3, 1e4],
 }
 """A data set whose sessions differ by their faults alone."""
 
 
 def plan_of(scene, sweeps=200, sessions=None, **faults):
-    changes = {"dataset.session.faults": faults, **(sessions or {})}
-    return Plan(scene.with_(changes), sweeps, 1, 1e-3)
+    changed = scene.with_(sessions or {}).with_({"dataset.session.faults": faults})
+    return Plan(changed, sweeps, 1, 1e-3)
 
 
 def test_each_fault_comes_as_often_as_its_odds_say():

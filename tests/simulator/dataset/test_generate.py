@@ -7,22 +7,17 @@ from rcskin.simulator.dataset.dataset_plan import Plan
 from rcskin.simulator.dataset.drawn_session import drawn_sessions
 from rcskin.simulator.dataset.store import finish
 from rcskin.simulator.measure.readout import displayed
-from rcskin.simulator.scene.draws.draw_distributions import Fixed
 from rcskin.simulator.scene.readout.meter import Readout
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError, impedance, open_zarr, read
+from rcskin.tests.library.scenes import ALIKE
 
-NOTHING = {
-    "sheet_resistance": Fixed(value=1.0),
-    "sheet_mismatch": Fixed(value=1.0),
-    "unevenness": 0.0,
-    "capacitance": Fixed(value=1.0),
-    "foam_spread": 0.0,
-    "loss_tangent": Fixed(value=0.0),
-    "contact_resistance": Fixed(value=1.0),
-    "stray_capacitance": Fixed(value=0.0),
-    "lead_resistance": Fixed(value=0.0),
-}
+
+def alike(plan, sweeps, readout):
+    """The plan with skins that do not vary."""
+    session = {**ALIKE["dataset.session"], "sweeps_per_session": 10}
+    scene = plan.scene.with_({"dataset.session": session})
+    return Plan(scene.model_copy(update={"readout": readout}), sweeps, 1, 1e-4)
 
 
 def test_any_number_of_processes_gives_the_same_bytes(make, toy):
@@ -33,7 +28,7 @@ def test_any_number_of_processes_gives_the_same_bytes(make, toy):
 
 
 def test_a_sweep_depends_neither_on_how_many_there_are_nor_on_blocks(make, toy):
-    few, many = read(make("few", toy.small_plan(123))), read(make("many", toy.small_plan(456)))
+    few, many = read(make("few", toy.small_plan(123))), read(make("many", toy.small_plan(234)))
     small_blocks = read(make("blocks", toy.small_plan(123, block=1)))
     for name in few.variables:
         along = {d: slice(few.sizes[d]) for d in many[name].dims}
@@ -66,8 +61,7 @@ def test_a_data_set_has_sweeps_scene_and_draws(make, toy):
 
 
 def test_without_any_variation_it_is_the_model_to_the_digits_displayed(make, toy):
-    plan = toy.small_plan(100, **NOTHING)
-    plan = Plan(plan.scene.model_copy(update={"readout": Readout()}), 100, 1, 1e-4)
+    plan = alike(toy.small_plan(), 100, Readout())
     sweeps = read(make("out", plan))
     (session,) = drawn_sessions(plan, toy.ToyFamily(plan.scene), [0])
     model = toy.ToyFamily(plan.scene).skin(session.skin.variation)
@@ -86,13 +80,11 @@ def test_more_digits_than_single_precision_keeps_are_stored_in_double(make, toy)
 
 def test_the_meters_errors_are_those_of_the_scene(make, toy):
     noise = Readout(magnitude_accuracy=0.01, magnitude_noise=0.003, phase_noise=0.002)
-    plain = toy.small_plan(2000, **NOTHING)
     exact, noisy = (
-        Plan(plain.scene.model_copy(update={"readout": readout}), 2000, 1, 1e-4)
-        for readout in (Readout(display_digits=12), noise)
+        alike(toy.small_plan(), 1000, readout) for readout in (Readout(display_digits=12), noise)
     )
     ratio = impedance(read(make("noisy", noisy))) / impedance(read(make("exact", exact)))
-    by_session = np.abs(ratio).reshape(200, -1)
+    by_session = np.abs(ratio).reshape(100, -1)
     assert by_session.mean(axis=1).std() == pytest.approx(0.01, rel=0.2)
     assert (by_session / by_session.mean(axis=1, keepdims=True)).std() == pytest.approx(
         0.003, rel=0.05

@@ -96,7 +96,7 @@ def _load(path):
     return pickle.loads(path.read_bytes())
 
 
-def small_plan(sweeps=2000, seed=1, block=20, **session):
+def small_plan(sweeps=400, seed=1, block=4, **session):
     """A data set of sheet-3x3 in sessions of 10 sweeps, so many of them a block."""
     scene = load_scene("sheet-3x3")
     session = scene.dataset.session.model_copy(update={"sweeps_per_session": 10, **session})

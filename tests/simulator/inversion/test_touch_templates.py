@@ -20,6 +20,7 @@ from rcskin.simulator.press.touch import Rectangle, Touch
 from rcskin.simulator.scene.frequency import laplace_variable
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.sweeps import InputError
+from rcskin.tests.library.scenes import ALIKE
 
 NOISE = {"magnitude_noise": 0.003, "phase_noise": 2.6e-3}
 PAIR = {"top-left": {"resistance": 200.0}, "bottom-left": {"resistance": 100.0}}
@@ -42,8 +43,12 @@ def change(scene, press):
     return observed(solver.solve(press).Z) - observed(solver.solve(Press()).Z)
 
 
-def test_touches_are_those_of_the_full_solver(scene):
-    tables = templates(scene, "pixel")
+@pytest.fixture(scope="module")
+def tables(scene):
+    return templates(scene, "pixel")
+
+
+def test_touches_are_those_of_the_full_solver(scene, tables):
     mean_skin = scene_with(scene, expected(scene))
     for place, strength in ((0, 1), (3, 5)):
         row, column = tables["pixels"][place]
@@ -52,8 +57,7 @@ def test_touches_are_those_of_the_full_solver(scene):
         assert np.abs(off / tables["deviation"]).max() < 0.2
 
 
-def test_slopes_are_differences_between_strengths(scene):
-    tables = templates(scene, "pixel")
+def test_slopes_are_differences_between_strengths(tables):
     difference = np.gradient(tables["single"], tables["strengths"], axis=1)[:, 1:-1]
     scale = np.abs(tables["slope"]).max()
     np.testing.assert_allclose(tables["slope"][:, 1:-1], difference, atol=0.03 * scale)
@@ -108,13 +112,13 @@ def _observed(scene, family, seed):
 def test_a_skin_is_estimated_from_its_baseline(make_scene):
     """Drawn skins, read once at rest with noise: touches are foretold within what is left open."""
     drawn = tables_scene(make_scene, {"unevenness": 0.04, "lead_resistance": 2.0})
-    unknown, modes = UnknownSkin(Forward(drawn, rtol=1e-4)), len(HALF_WAVES)
+    unknown, modes = UnknownSkin(Forward(drawn, rtol=1e-3)), len(HALF_WAVES)
 
     def one(random):
         skin = drawn_skin(drawn, int(random.integers(2**62)), 0, (2, 2), modes)
         return Case(skin.variation, *TOUCH)
 
-    family = reduce(drawn, 1e-4, one, modes=modes, same_sheets=False)
+    family = reduce(drawn, 1e-3, one, modes=modes, same_sheets=False)
     error = ErrorModel(drawn.readout, np.ones((len(drawn.interfaces), 3), bool), averaged=20)
     random = np.random.default_rng(0)
     z, before, after = [], [], []
@@ -140,16 +144,25 @@ def _predicted(skin):
     return touched - rest + moved, effect
 
 
-def test_an_impossible_baseline_leaves_unknowns_within_bounds(scene):
-    unknown = UnknownSkin(Forward(scene, rtol=1e-3))
+@pytest.fixture(scope="module")
+def forward(scene):
+    return Forward(scene, rtol=1e-3)
+
+
+@pytest.fixture(scope="module")
+def baseline(forward):
+    return UnknownSkin(forward).baseline() + 0.01
+
+
+def test_an_impossible_baseline_leaves_unknowns_within_bounds(forward):
+    unknown = UnknownSkin(forward)
     far = unknown.conditioned_on_baseline(unknown.baseline() + 5.0, 10**6)
     assert np.isfinite(far.baseline()).all()
 
 
-def test_drift_is_a_small_change_of_all_foam_and_of_both_sheets(scene):
-    tables = templates(scene, "pixel", "dataset", _baseline(scene), 20, 1e-3)
-    forward = Forward(scene, rtol=1e-3)
-    values = UnknownSkin(forward).conditioned_on_baseline(_baseline(scene), 20).values
+def test_drift_is_a_small_change_of_all_foam_and_of_both_sheets(scene, forward, baseline):
+    tables = templates(scene, "pixel", "dataset", baseline, 20, 1e-3)
+    values = UnknownSkin(forward).conditioned_on_baseline(baseline, 20).values
     nothing = np.zeros(0, dtype=np.int64), np.zeros(0)
     for column, name in zip(tables["drift"].T, ("capacitance", "sheet_resistance"), strict=True):
         moved = values | {name: values[name] + 1e-3}
@@ -158,23 +171,8 @@ def test_drift_is_a_small_change_of_all_foam_and_of_both_sheets(scene):
     np.testing.assert_array_equal(tables["skin"][0, 0, :, -2:], tables["drift"])
 
 
-def _baseline(scene):
-    return UnknownSkin(Forward(scene, rtol=1e-3)).baseline() + 0.01
-
-
 def test_a_skin_without_variation_is_known(make_scene):
-    fixed = {
-        "sheet_resistance": 1.0,
-        "sheet_mismatch": 1.0,
-        "unevenness": 0.0,
-        "capacitance": 1.0,
-        "foam_spread": 0.0,
-        "loss_tangent": 0.0,
-        "contact_resistance": 1.0,
-        "stray_capacitance": 0.0,
-        "lead_resistance": 0.0,
-    }
-    scene = tables_scene(make_scene, fixed)
+    scene = tables_scene(make_scene, ALIKE["dataset.session"])
     assert not any(spread.deviation for spread in session_spreads(scene).values())
     assert templates(scene, "column")["skin"].shape[-1] == 0
 

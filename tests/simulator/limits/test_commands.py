@@ -22,7 +22,7 @@ def scene_file(tmp_path, noisy):
     return write
 
 
-def test_maps_tables_and_a_summary_are_written(run, tmp_path, scene_file):
+def test_maps_tables_and_a_summary_are_written(run, tmp_path, scene_file, coarse):
     names = ["frequencies.png", "limits.csv", "limits.json", "pixels.csv", "pixels.png"]
     folder = tmp_path / "new" / "folder"
     code, out, err = run(
@@ -41,7 +41,7 @@ def test_maps_tables_and_a_summary_are_written(run, tmp_path, scene_file):
     assert imread(folder / "frequencies.png")[..., :3].std() > 0.05
 
 
-def test_a_terminal_shows_a_table_of_frequency_sets(run, scene_file, monkeypatch):
+def test_a_terminal_shows_a_table_of_frequency_sets(run, scene_file, coarse, monkeypatch):
     monkeypatch.setenv("FORCE_COLOR", "1")
     code, out, err = run("frequencies", scene_file(), "-n", "2", "--grid", "8")
     assert (code, err) == (0, "")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.models.line_ports import tanh_ratio
 from rcskin.simulator.models.line_slopes import LineModel, tanh_ratio_slope
-from rcskin.simulator.models.parameters import PARAMETERS, scene_with
+from rcskin.simulator.models.parameters import scene_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.sweeps import InputError
@@ -26,42 +26,6 @@ def test_values_are_those_of_the_solver(model, press, moved):
     truth = Solver(scene_with(model.scene, same_films), 1e-6).solve(touched).Z
     np.testing.assert_allclose(model.respond(*model.cells(touched), same_films).Z, truth, rtol=1e-9)
     assert np.abs(Z / truth - 1).max() > 1e-4
-
-
-@pytest.mark.parametrize("name", PARAMETERS)
-def test_slopes_by_parameters_are_differences(model, name, moved):
-    cells, rises = model.cells(parse_press("1,2:1.8", 2.0))
-    step = 1e-4 * moved[name]
-    ahead, behind = (
-        model.respond(cells, rises, moved | {name: moved[name] + turn * step}).Z for turn in (1, -1)
-    )
-    slope = model.respond(cells, rises, moved).by_parameter[name]
-    difference = (ahead - behind) / (2 * step)
-    np.testing.assert_allclose(slope, difference, rtol=1e-5, atol=1e-7 * np.abs(slope).max())
-
-
-def test_slopes_by_cells_are_differences(model, moved):
-    cells, rises, step = np.arange(3), np.array([0.0, 0.8, 1.2]), 1e-5
-    response = model.respond(cells, rises, moved)
-    for cell in range(3):
-        turn = step * np.eye(3)[cell]
-        ahead, behind = (model.respond(cells, rises + t, moved).Z for t in (turn, -turn))
-        difference = (ahead - behind) / (2 * step) / np.exp(moved["capacitance"])
-        np.testing.assert_allclose(response.by_cell[..., cell], difference, rtol=1e-5)
-
-
-@pytest.mark.parametrize("touches", [0, 1, 2])
-def test_presses_together_are_those_one_by_one(model, touches, moved):
-    random = np.random.default_rng(touches)
-    cells = np.stack([random.permutation(3)[:touches] for _ in range(4)])
-    rises = random.uniform(-0.4, 2.0, cells.shape)
-    together = model.respond_together(cells, rises, moved)
-    for k in range(4):
-        alone = model.respond(cells[k], rises[k], moved)
-        np.testing.assert_allclose(together.Z[k], alone.Z, rtol=1e-12)
-        np.testing.assert_allclose(together.by_cell[k], alone.by_cell[..., cells[k]], rtol=1e-10)
-        for name, slope in alone.by_parameter.items():
-            np.testing.assert_allclose(together.by_parameter[name][k], slope, rtol=1e-10)
 
 
 def test_the_slope_of_the_ratio_is_smooth_where_its_formula_changes():

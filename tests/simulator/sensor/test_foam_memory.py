@@ -36,7 +36,14 @@ def test_presses_in_turn_are_those_of_the_solver_in_time():
     assert np.abs(first / again - 1).max() > 5e-3
 
 
-CHANGES = [(["1,2:1.8"], 0.3), (["1,2:1.4", "1,3:1.5"], 0.1), ([], 0.2), (["1,3:1.6"], 0.4)]
+CHANGES = [
+    (["1,2:1.8"], 0.3),
+    (["1,2:1.4", "1,3:1.5"], 0.1),
+    (["1,2:0.8", "1,3:1.1"], 0.1),
+    (["1,2:1.3"], 0.1),
+    ([], 0.2),
+    (["1,3:1.6"], 0.4),
+]
 CLOSING = {"thickness": 4e-3, "mechanics": FOAM, "capacitance_per_area": None}
 
 

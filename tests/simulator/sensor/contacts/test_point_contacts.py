@@ -84,7 +84,7 @@ def test_a_model_s_largest_factor_limits_as_closed_cells_do(sharp, tension):
 @pytest.mark.parametrize(("count", "radius"), [(8, 6e-3), (3, 1e-2), (2, 3e-3)])
 def test_patches_that_overlap_end_with_the_foam(sharp, count, radius):
     """Loads that compress the foam whole are limited, however their patches lie on the cells."""
-    sensor, middle = Sensor(sharp), np.array(sharp.skin.sides) / 2
+    sensor, middle = Sensor(sharp, rtol=1e-2), np.array(sharp.skin.sides) / 2
     x = middle[0] + 2e-3 * np.arange(count)
     readings = [
         sensor.step(PointContacts(at, [middle[1]] * len(at), [1e4] * len(at), radius), 1.0)
