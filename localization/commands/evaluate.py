@@ -53,8 +53,10 @@ def evaluate(
     from ..evaluation.fault_scores import FaultScore, fault_lines, fault_scores
     from ..evaluation.report import WRITTEN, lines_of, write_report
     from ..evaluation.result import evaluated
+    from ..inputs.features import default_quantities
     from ..inputs.samples import samples_of
     from ..inputs.sweep_files import read_first
+    from ..inversion.estimators import chosen
     from ..model.localizer_file import ENDING
     from .model_notes import accuracy_meaning, load_model_for, note_features, note_known_sweeps
 
@@ -78,7 +80,8 @@ def evaluate(
         problem, scored = model.problem, "given sweeps"
         note_known_sweeps(model, sweeps, files[0])
     else:
-        samples = samples_of(sweeps, target, quantities, interfaces=interface, rest=baselines)
+        used = quantities or default_quantities(sweeps, baselines, chosen(name, target).curve)
+        samples = samples_of(sweeps, target, used, interfaces=interface, rest=baselines)
         note_features(quantities, samples.problem.quantities)
         problem, scored = samples.problem, "sweeps outside the training"
         with on_terminal() as progress:

@@ -61,9 +61,9 @@ def accuracy_meaning(problem: LocalizationProblem, scored: str, sweeps: xr.Datas
 
 def note_features(requested: str | None, used: Sequence[str]) -> None:
     """Print a note if the features are a default other than changes from the unpressed skin."""
-    from ..inputs.feature_names import are_changes, names_beside
+    from ..inputs.feature_names import RELATIVE, names_beside
 
-    if requested is None and not are_changes(used):
+    if requested is None and not set(used) & set(RELATIVE):
         changes = names_beside(used).relative[: len(used)]
         say(
             f"rcskin: note: --features {','.join(used)} is used because most presses have no sweep "

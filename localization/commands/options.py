@@ -61,7 +61,7 @@ Quantities = Annotated[
         "the unpressed skin in the same session; lnZ0 and phase0 of the unpressed skin itself. "
         "Of gains: gain, lnG, phaseG, dlnG, dphaseG, lnG0, phaseG0. "
         "Default: dlnZ,dphase, or Rs,Cp if the unpressed skin was not measured; of gains dlnG,"
-        "dphaseG, or lnG,phaseG.",
+        "dphaseG, or lnG,phaseG. Classes of 40 sessions or more: with lnZ0,phase0.",
     ),
 ]
 Interfaces = Annotated[

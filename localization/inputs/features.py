@@ -35,16 +35,22 @@ Quantities = str | Sequence[str]
 """Names of QUANTITIES, in one text joined by commas or one by one."""
 
 
-def default_quantities(sweeps: xr.Dataset, rest: xr.Dataset | None = None) -> tuple[str, ...]:
+def default_quantities(
+    sweeps: xr.Dataset, rest: xr.Dataset | None = None, curve: int | None = None
+) -> tuple[str, ...]:
     """The default features: changes from the unpressed skin, if most presses have a baseline.
 
     They are the `relative` ones of `FeatureNames` if `rest` is given, or if more than half of the
-    pressed sweeps have a baseline sweep before them in their session, else its `default`.
+    pressed sweeps have a baseline sweep before them in their session, else its `default`. curve:
+    number of sessions from which on the `baseline` ones join them; None for never.
     """
     names = names_of(sweeps.variables)
     pressed = sweeps["row"].values != 0
     known = has_baseline_before(sweeps)[pressed]
-    return names.relative if rest is not None or 2 * known.sum() > known.size else names.default
+    if rest is None and 2 * known.sum() <= known.size:
+        return names.default
+    many = curve is not None and np.unique(sweeps["session"].values).size >= curve
+    return (*names.relative, *names.baseline) if many else names.relative
 
 
 def features(

@@ -75,12 +75,12 @@ def chosen(name: str | None, target: str) -> Estimator:
 def model_based() -> list[Estimator]:
     """Both estimators that invert the simulator: for the mean skin, and for the actual skin."""
     return [
-        _inverting(MODEL_BASED),
-        _inverting(MODEL_ADAPTED, max_sessions=SKINS),
+        _inverting(MODEL_BASED, curve=None),
+        _inverting(MODEL_ADAPTED, curve=0, max_sessions=SKINS),
     ]
 
 
-def _inverting(name: str, max_sessions: int | None = None) -> Estimator:
+def _inverting(name: str, curve: int | None, max_sessions: int | None = None) -> Estimator:
     return Estimator(
         name,
         TARGETS,
@@ -88,6 +88,7 @@ def _inverting(name: str, max_sessions: int | None = None) -> Estimator:
         check=partial(_check, name=name),
         max_sessions=max_sessions,
         uses_sweeps=False,
+        curve=curve,
     )
 
 

@@ -30,6 +30,16 @@ Fit = Callable[..., Predictor]
 """Function of a problem, features X and targets y, and parameters by name."""
 
 
+CURVE_SESSIONS = 40
+"""Number of sessions from which on the baseline curve is learned by default.
+
+It tells skins apart. The paper's SVM finds 96.7 % of the columns of other skins after 20 sessions
+of skins, and 98.4 % after 40, where without the curve it finds 95.5 and 97.8 %. Too few curves are
+learned by heart: of one session, 17 % are right with all answered, of 10 sessions of one skin 97 %
+where 98.5 % are without, and `gaussian` finds 67 %.
+"""
+
+
 @dataclass(frozen=True)
 class Estimator:
     """A localizer to be trained.
@@ -39,7 +49,8 @@ class Estimator:
     a problem that it cannot learn. drifted: adds the synthetic drift of its training to sweeps.
     max_sweeps: maximum number of training sweeps; more are subsampled evenly. max_sessions: maximum
     number of training sessions, None for all. uses_sweeps: True if predictions depend on the
-    training sweeps.
+    training sweeps. curve: number of sessions from which on its default features hold the baseline
+    curve, None for never.
     """
 
     name: str
@@ -51,6 +62,7 @@ class Estimator:
     max_sweeps: int = 20_000
     max_sessions: int | None = None
     uses_sweeps: bool = True
+    curve: int | None = CURVE_SESSIONS
 
     def grid_for(self, problem: LocalizationProblem) -> Grid:
         """Values of parameters that tuning tries for a problem."""
@@ -86,11 +98,12 @@ def learners() -> dict[str, Estimator]:
         "check": curve_and_absolute,
         "drifted": _drifted_for_gaussian,
     }
+    of_ridge: dict[str, Any] = {"max_sweeps": 6000, "curve": None}
     made = [
         Estimator(REFERENCE, few, _reference, _reference_grid),
         Estimator("ksvm-components", CLASSES, components_svm, SVM_GRID),
         Estimator("gaussian", CLASSES, gaussian, **of_gaussian, max_sweeps=100_000),
-        Estimator("kernel-ridge", ("position",), kernel_ridge, RIDGE_GRID, max_sweeps=6000),
+        Estimator("kernel-ridge", ("position",), kernel_ridge, RIDGE_GRID, **of_ridge),
         Estimator("network", TARGETS, network, NETWORK_GRID, **drift),
     ]
     return {each.name: each for each in made}

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...simulator.progress import ProgressCallback, silent
 from ...simulator.sweeps import InputError
-from ..inputs.features import Quantities
+from ..inputs.features import Quantities, default_quantities
 from ..inputs.fingerprints import fingerprints_of
 from ..inputs.samples import Samples, samples_of
 from ..inputs.targets import has_target, labels
@@ -48,6 +48,8 @@ def train(
     """
     made, given = chosen(estimator, target), sweeps
     sweeps = _without_faults(sweeps)
+    if quantities is None:
+        quantities = default_quantities(sweeps, rest, made.curve)
     samples = samples_of(sweeps, target, quantities, interfaces=interfaces, rest=rest)
     if samples.problem.continuous:
         gate = _gate(sweeps, samples, rest, certain)
