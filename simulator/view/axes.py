@@ -99,7 +99,7 @@ def pixel_names(axes: Axes, camera: Camera, skin: SkinSurface, marks: Marks) -> 
     facing[there] = camera.towards @ skin.normals[:, skin.nearest(marks.middles[:, there])]
     if marks.grid_lines and max(facing.shape) > MAX_NAMED_PIXELS:
         column = int(np.argmax(facing.sum(axis=0)))
-        facing[1:, np.arange(facing.shape[1]) != column] = 0.0
+        facing[1:, np.arange(len(facing[0])) != column] = 0.0
     outlined = [withStroke(linewidth=1.8, foreground="0.15")]
     white = {"fontsize": 7, "color": "white", "ha": "center", "va": "center"}
     for row, column in np.argwhere(facing > MIN_FACING):
