@@ -269,14 +269,14 @@ def centred(decisions: Real) -> Real:
 
 def kernel(x: Real, vectors: Real, gamma: float) -> Real:
     """exp(-gamma |x - v|²) of each row and vector, shape (n, V)."""
-    return np.asarray(np.exp(-gamma * squared_distances(x, vectors)), np.float64)
+    return np.exp(-gamma * squared_distances(x, vectors))
 
 
 def squared_distances(x: Real, vectors: Real) -> Real:
     """|x - v|² of each row and vector, from their differences, shape (n, V)."""
     from scipy.spatial.distance import cdist
 
-    return cdist(x, vectors, "sqeuclidean")
+    return np.asarray(cdist(x, vectors, "sqeuclidean"), np.float64)
 
 
 def _in_turn(rows: int, vectors: int) -> list[slice]:

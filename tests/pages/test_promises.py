@@ -34,8 +34,8 @@ PROMISES = {
             "::test_no_command_opens_a_file_that_received_sweeps_name"
         ),
         "They are read without pickle.": f"{MODELS}::test_a_file_is_read_without_pickle",
-        "Types that are not on a list are refused.": (
-            f"{MODELS}::test_a_file_of_a_foreign_type_is_refused"
+        "Their sizes are checked before memory is reserved for them.": (
+            f"{MODELS}::test_a_size_that_a_file_does_not_have_takes_no_memory"
         ),
         "A command replaces nothing that exists without `--overwrite`": (
             f"{SWEEPS}test_writing.py::test_what_exists_is_replaced_on_demand_only"
@@ -137,14 +137,14 @@ PROMISES = {
         "NetCDF keeps everything.": (f"{DATA}exports/test_tables.py::test_netcdf_keeps_everything"),
         "A model file contains no code.": (
             f"{LOCALIZERS}model/test_localizer_file.py"
-            "::test_a_file_tampered_to_build_another_type_is_refused"
+            "::test_a_forged_description_is_refused_by_what_is_wrong"
         ),
-        "A note names versions that differ from yours.": (
+        "A note names the version of rcskin if it differs from yours.": (
             f"{LOCALIZERS}model/test_localizer_model.py::test_a_model_knows_what_it_was_trained_on"
         ),
-        "A file of an older layout is refused": (
+        "A file of another layout": (
             f"{LOCALIZERS}model/test_localizer_file.py"
-            "::test_a_model_of_an_earlier_version_names_what_to_take"
+            "::test_a_file_of_an_older_version_says_to_train_again"
         ),
         "A model refuses sweeps of another skin": (
             f"{LOCALIZERS}test_same_skin.py::test_sweeps_of_another_skin_are_refused_and_insisted_on"
