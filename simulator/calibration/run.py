@@ -11,7 +11,6 @@ from ..arrays import Real
 from ..models.cosine_modes.amplitudes import FittedModes
 from ..models.cosine_modes.foam_modes import check_uniform_foam, with_foam_modes
 from ..models.cosine_modes.sheet_modes import check_uniform_sheets, with_sheet_modes
-from ..models.effects import effects_of
 from ..models.line_slopes import LineModel
 from ..models.mechanics.force_depths import forces_as_depths
 from ..models.parameters import own_values, scene_with
@@ -134,11 +133,10 @@ def calibrate(
     """
     scene = forces_as_depths(scene)
     also = (*options.also, *(name for name in options.fit if name in READER))
-    unknown_effects = (*(effects_of(scene) if options.prior == "wide" else ()), *also)
     scene = with_effects(scene, also)
     folded(scene, "a calibration")
     data = measurements_of(scene, sweeps, options.band, options.session)
-    job = _CalibrationRun(data, options, unknown_effects, model, progress)
+    job = _CalibrationRun(data, options, also, model, progress)
     fit, noise = job.run()
     info = information(fit, job.not_fitted)
     degrees = info.variance_freedom(noise)
@@ -198,16 +196,16 @@ class _CalibrationRun:
         self,
         measured: Measurements,
         options: Options,
-        effects: Sequence[str],
+        also: Sequence[str],
         model: Model | None,
         progress: ProgressCallback,
     ) -> None:
-        """effects: see `priors`."""
+        """also: see `priors`."""
         self.measured, self.options, self._progress = measured, options, progress
         self.remarks = [f"left out: {reason}" for reason in measured.left_out]
         self.noise = noise_of(measured)
         self._uneven = _checked_uneven(measured.scene, options, model)
-        self.priors = priors(measured, options.prior, self._uneven, effects)
+        self.priors = priors(measured, options.prior, self._uneven, also)
         at_hand = model or model_of(measured.scene, self._tolerance, progress, self._uneven)
         free = (*at_hand.free, *self._uneven.names)
         fit = (*options.fit, *options.also) if options.fit else ()
