@@ -41,6 +41,7 @@ from .results.estimates import (
 from .results.identifiability import Information, information, with_all_unknown
 from .results.sheet_intervals import MISMATCH
 from .robust import robust_fit, tail_remarks
+from .trials.connections import Connection, Measure, try_connections
 from .trials.physics_trials import misfit_trials
 from .trials.surroundings_trials import with_effects
 
@@ -57,17 +58,18 @@ class Calibration(Tabular):
     """Result of a calibration.
 
     values: value of each parameter by name; of a factor on the given scene it is the logarithm.
-    intervals: marginal 95 % interval of each unknown parameter. identified: for each of them, True
-    if the data determine it, False if its prior does. quantities: the fitted quantities in physical
-    units; `calibration["foam capacitance"]` is one of them by its name. scene: the calibrated
-    scene. not_fitted: unknown parameters that kept the scene's values. noise: the meter's noise.
-    unclear: combinations that the data do not identify, a line each. remarks: notes on the fit.
-    left_over: those on readings far off and on physics that the scene lacks. ideal: comparison with
-    an ideal capacitance, if the exponent was fitted below 1.
+    intervals: marginal 95 % interval of each unknown parameter. standard_errors: of these.
+    identified: for each of them, True if the data determine it, False if its prior does.
+    quantities: the fitted quantities in physical units; `calibration["foam capacitance"]` is one of
+    them by its name. scene: the calibrated scene. not_fitted: unknown parameters that kept the
+    scene's values. noise: the meter's noise. unclear: combinations that the data do not identify, a
+    line each. remarks: notes on the fit. left_over: those on readings far off and on physics that
+    the scene lacks. ideal: comparison with an ideal capacitance, for an exponent fitted below 1.
     """
 
     values: dict[str, float]
     intervals: dict[str, tuple[float, float]]
+    standard_errors: dict[str, float]
     scene: Scene
     identified: dict[str, bool]
     quantities: tuple[FittedQuantity, ...]
@@ -135,18 +137,26 @@ def calibrate(
     also = (*options.also, *(name for name in options.fit if name in READER))
     scene = with_effects(scene, also)
     folded(scene, "a calibration")
-    data = measurements_of(scene, sweeps, options.band, options.session)
-    job = _CalibrationRun(data, options, also, model, progress)
+
+    def measure(scene: Scene) -> Measurements:
+        return measurements_of(scene, sweeps, options.band, options.session)
+
+    job = _CalibrationRun(measure(scene), options, also, model, progress)
+    if model is None and (other := job.connection(scene, measure)):
+        data = other.presses(measure(scene := other.scene(scene)))
+        job = _CalibrationRun(data, options, also, model, progress, job)
     fit, noise = job.run()
     info = information(fit, job.not_fitted)
     degrees = info.variance_freedom(noise)
     unknown = with_all_unknown(fit, job.not_fitted)
     distributions = _distributions(scene, unknown, info, degrees, job.not_fitted)
-    bounds = intervals(scene, unknown, info, degrees, distributions)
+    bounds = intervals(scene, unknown, info, degrees, distributions, progress)
+    deviations = zip(unknown.spec.fitted.items(), info.deviation.tolist(), strict=True)
     left_over = tuple(tail_remarks(fit))
     found = Calibration(
         values=fit.values,
         intervals=bounds,
+        standard_errors={name: prior.deviation * own for (name, prior), own in deviations},
         scene=_fitted_scene(scene, fit.values),
         identified=info.identified,
         quantities=quantities(scene, unknown, info, degrees, fit.spec.names, distributions),
@@ -199,10 +209,12 @@ class _CalibrationRun:
         also: Sequence[str],
         model: Model | None,
         progress: ProgressCallback,
+        before: _CalibrationRun | None = None,
     ) -> None:
-        """also: see `priors`."""
+        """also: see `priors`. before: one whose `connection` led to this one."""
         self.measured, self.options, self._progress = measured, options, progress
-        self.remarks = [f"left out: {reason}" for reason in measured.left_out]
+        left_out = [f"left out: {reason}" for reason in measured.left_out]
+        self.remarks = before.remarks if before else left_out
         self.noise = noise_of(measured)
         self._uneven = _checked_uneven(measured.scene, options, model)
         self.priors = priors(measured, options.prior, self._uneven, also)
@@ -215,8 +227,15 @@ class _CalibrationRun:
             {name: self.priors[name] for name in chosen.not_fitted},
         )
         self._ready = self._prepared(at_hand, trained=model is not None)
-        self._begin: Mapping[str, float] | None = None
+        self._begin: Mapping[str, float] | None = before._begin if before else None
         self._tail: StudentT | None = None
+
+    def connection(self, scene: Scene, measure: Measure) -> Connection | None:
+        """The connection that explains the readings, where the stated one does not."""
+        found = try_connections(self._spec(), self._ready, scene, measure, self._progress)
+        self._begin = found.begin
+        self.remarks += found.remarks
+        return found.connection
 
     def run(self) -> tuple[Fit, Noise]:
         """The fit, and the noise it was made with."""
@@ -235,9 +254,9 @@ class _CalibrationRun:
         self._tail = tail
         return self._fit()
 
-    def _fit(self) -> Fit:
+    def _spec(self) -> FitSpec:
         own = own_values(self.measured.scene) | dict.fromkeys(self._uneven.names, 0.0)
-        spec = FitSpec(
+        return FitSpec(
             self.measured,
             self.noise.readout,
             {name: self.priors[name] for name in self.names},
@@ -245,7 +264,9 @@ class _CalibrationRun:
             self.options.strengths,
             self._tail,
         )
-        fit = best_fit(spec, self._ready, self._begin, self._remark)
+
+    def _fit(self) -> Fit:
+        fit = best_fit(self._spec(), self._ready, self._begin, self._remark)
         self._ready, self._begin = fit.problem.model, fit.values
         return fit
 

@@ -149,9 +149,12 @@ def best_of_starts(
 
 
 def solve_from(
-    problem: LeastSquaresProblem, begin: Mapping[str, float], progress: ProgressCallback = silent
+    problem: LeastSquaresProblem,
+    begin: Mapping[str, float],
+    progress: ProgressCallback = silent,
+    steps: int = MAX_STEPS,
 ) -> Fit:
-    """Fit from one start, within the range of the model."""
+    """Fit from one start, within the range of the model. steps: largest number of evaluations."""
     low, high = problem.bounds()
     inside = np.minimum(INSIDE, (high - low) / 4)
     u = np.clip(problem.spec.unknowns(begin), low + inside, high - inside)
@@ -175,7 +178,7 @@ def solve_from(
         ftol=CLOSE,
         xtol=CLOSE,
         gtol=CLOSE,
-        max_nfev=MAX_STEPS,
+        max_nfev=steps,
     )
     return Fit(problem, np.where(solution.x - low < AT_BOUND, low, solution.x))
 

@@ -232,7 +232,7 @@ def test_intervals_hold_the_truth(scene, model):
         (
             None,
             "bodies",
-            "`also` must be one of body, rim, finger, leak, series_resistance, .*'bodies'",
+            "`also` must be one of body, rim, finger, leak, source_scale, .*'bodies'",
         ),
         (
             None,
