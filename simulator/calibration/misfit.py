@@ -197,7 +197,7 @@ def compare_with_ideal(fit: Fit, progress: ProgressCallback) -> IdealComparison:
         name: prior for name, prior in fit.spec.fitted.items() if name not in IDEAL_CAPACITANCE
     }
     spec = replace(fit.spec, fitted=others, fixed=fixed)
-    ideal = best_fit(spec, fit.problem.model, progress=progress)
+    ideal = best_fit(spec, fit.problem.model, fit.values, progress)
     sentences = _comparison_sentences(fit, ideal)
     return IdealComparison(ideal, fit.rms_error, ideal.rms_error, sentences)
 

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 from ..arrays import Real
 from ..models.cosine_modes.amplitudes import FittedModes
-from ..models.cosine_modes.foam_modes import check_uniform_foam, with_foam_modes
-from ..models.cosine_modes.sheet_modes import check_uniform_sheets, with_sheet_modes
+from ..models.cosine_modes.foam_modes import check_uniform_foam
+from ..models.cosine_modes.sheet_modes import check_uniform_sheets
 from ..models.line_slopes import LineModel
 from ..models.mechanics.force_depths import forces_as_depths
-from ..models.parameters import own_values, scene_with
+from ..models.parameters import own_values
 from ..models.reader_parameters import READER
 from ..models.uniform import folded
 from ..notebook_display import SmallChart, Tabular
@@ -21,7 +21,7 @@ from ..progress import ProgressCallback, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .fitting.centered_model import CenteredModel, Model, centered_model, checked_model, model_of
-from .fitting.fit import Fit, best_fit, certificate_limit, model_tolerance
+from .fitting.fit import Fit, best_fit, certificate_limit, fitted_scene, model_tolerance
 from .fitting.fit_options import Options, candidates
 from .fitting.fit_spec import FitSpec
 from .fitting.initial_values import capacitance_offset
@@ -157,7 +157,7 @@ def calibrate(
         values=fit.values,
         intervals=bounds,
         standard_errors={name: prior.deviation * own for (name, prior), own in deviations},
-        scene=_fitted_scene(scene, fit.values),
+        scene=fitted_scene(scene, fit.values),
         identified=info.identified,
         quantities=quantities(scene, unknown, info, degrees, fit.spec.names, distributions),
         information=info,
@@ -192,11 +192,6 @@ def _distributions(
     if not_fitted.keys() - {MISMATCH}:
         return None
     return Distributions(scene, unknown, info, quantile(freedom))
-
-
-def _fitted_scene(scene: Scene, values: Mapping[str, float]) -> Scene:
-    """The scene with the fitted parameters, and with the cosine modes as maps."""
-    return with_sheet_modes(with_foam_modes(scene_with(scene, values), values), values)
 
 
 class _CalibrationRun:

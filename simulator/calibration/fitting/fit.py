@@ -15,8 +15,12 @@ from scipy.optimize import least_squares
 
 from ...arrays import Real
 from ...fem.matrices.factors import one_blas_thread
+from ...models.cosine_modes.foam_modes import with_foam_modes
+from ...models.cosine_modes.sheet_modes import with_sheet_modes
+from ...models.parameters import scene_with
 from ...progress import ProgressCallback, silent
 from ...scene.readout.meter import Readout
+from ...scene.scene import Scene
 from ...sweeps import InputError
 from .centered_model import CenteredModel, centered_model, trainable_factors
 from .fit_spec import FitSpec
@@ -96,6 +100,11 @@ class Fit:
             fitted = np.abs(fitted)
         error = np.abs(fitted / measured - 1)
         return float(np.sqrt(np.mean(error[:, self.spec.measurements.read] ** 2)))
+
+
+def fitted_scene(scene: Scene, values: Mapping[str, float]) -> Scene:
+    """The scene with the fitted parameters, and with the cosine modes as maps."""
+    return with_sheet_modes(with_foam_modes(scene_with(scene, values), values), values)
 
 
 def model_tolerance(readout: Readout) -> float:
