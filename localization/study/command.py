@@ -81,7 +81,7 @@ def study(
     from ...simulator.progress import Overall, on_terminal
     from ...simulator.requests.console import report_written, warn
     from ...simulator.requests.requested_scene import requested_scene
-    from ...simulator.requests.time_estimates import note_if_long, study_parts
+    from ...simulator.requests.time_estimates import note_if_long, study_parts, study_seconds
     from ...simulator.sweeps import checked_output
     from ...simulator.sweeps.accuracy_text import CHANGES, accuracy_text
     from .axis import READY_MADE, axes_of
@@ -95,10 +95,9 @@ def study(
     loaded = requested_scene(scene)
     table = with_study_settings(scene_table(scene), max_frequency, repetitions, seed)
     count = math.prod(len(axis.values) for axis in axes_of(vary or READY_MADE, table))
-    points, parts = f"{count} points", study_parts(loaded, count, workers)
-    note_if_long(scene, sum(parts.values()), points)
+    points = f"{count} points"
     with on_terminal() as bars:
-        progress = Overall("study in all", parts, bars)
+        progress = Overall("study in all", study_parts(loaded, count, workers), bars)
         from .execution import warnings_of
         from .study import plan_study
 
@@ -113,6 +112,7 @@ def study(
         )
         for warning in warnings_of(plan.scenes):
             warn(f"{scene}: {warning}")
+        note_if_long(scene, study_seconds(loaded, count, workers), points)
         found = plan.run(progress, rtol=rtol, workers=workers)
     found.write(output)
     found.plot(picture)

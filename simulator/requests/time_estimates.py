@@ -33,8 +33,8 @@ POINT_SECONDS, SKIN_SECONDS = 1.7, 0.3
 """Seconds of work at a complexity of 1: of imports, of a mesh and of the training of a reduced
 model by cell; of fields, of each of PLACES places of a pixel, and of accuracies by pixel; of a
 point of a study, and of its skins."""
-PLACE_POWER = 0.75
-"""Power of the complexity by which the work of a place grows."""
+PLACE_POWER, TRAINING_POWER = 0.75, 1.3
+"""Powers of the complexity by which the work of a place, and of a training, grows."""
 
 
 def slowness() -> float:
@@ -54,10 +54,12 @@ def complexity(scene: Scene) -> float:
 
 def page_parts(scene: Scene, rtol: float, cells: int) -> dict[str, float]:
     """Expected seconds of the parts of a page, by the name of their progress."""
-    each = MESH_SECONDS, TRAINING_SECONDS * cells**2 * scene.pixels.rows * scene.pixels.columns
-    tolerance = (1e-3 / rtol) ** 0.25
-    names = "choosing the mesh of a reduced model", "training a reduced model"
-    return _scaled(dict(zip(names, each, strict=True)), tolerance * complexity(scene))
+    count, times = cells**2 * scene.pixels.rows * scene.pixels.columns, complexity(scene)
+    each = {
+        "choosing the mesh of a reduced model": IMPORT_SECONDS + MESH_SECONDS * times,
+        "training a reduced model": TRAINING_SECONDS * count * times**TRAINING_POWER,
+    }
+    return _scaled(each, (1e-3 / rtol) ** 0.25)
 
 
 def limit_parts(scene: Scene) -> dict[str, float]:
@@ -72,10 +74,15 @@ def limit_parts(scene: Scene) -> dict[str, float]:
     return _scaled(each, 1.0)
 
 
-def study_parts(scene: Scene, points: int, workers: int) -> dict[str, float]:
-    """Expected seconds of a study, by the name of its progress."""
+def study_seconds(scene: Scene, points: int, workers: int) -> float:
+    """Expected seconds of a study on the processor of the rates."""
     each = POINT_SECONDS + SKIN_SECONDS * complexity(scene)
-    return _scaled({"accuracy": each * math.ceil(points / workers)}, 1.0)
+    return each * math.ceil(points / workers)
+
+
+def study_parts(scene: Scene, points: int, workers: int) -> dict[str, float]:
+    """Expected seconds of a study here and now, by the name of its progress."""
+    return _scaled({"accuracy": study_seconds(scene, points, workers)}, 1.0)
 
 
 def _scaled(parts: Mapping[str, float], times: float) -> dict[str, float]:
