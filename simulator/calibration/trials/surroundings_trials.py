@@ -210,7 +210,7 @@ def _too_weak(fit: Fit) -> bool:
     scene, Z = scene_with(measured.scene, fit.values), fit.problem.fitted(fit.u)
     touches = [len(each.press.touches) for each in measured.sweeps]
     most = np.stack([largest_changes(scene, *each) for each in zip(Z, touches, strict=True)])
-    strongest = float(np.linalg.norm(fit.problem.whitened((1 + 1j) * most)))
+    strongest = float(np.linalg.norm(fit.problem.whitened(most + 1j * most)))
     return 2 * strongest < WORTH * np.sqrt(fit.chi_squared)
 
 
