@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated
 
@@ -9,13 +10,6 @@ import typer
 
 from ...simulator.requests.options import SceneName
 from ...simulator.safe_text import say
-
-SECONDS_A_POINT = 4.0
-"""Approximate time of one process for a point.
-
-It is for a reduced model of the paper's sheets, 2000 sweeps and four trainings; mean of the default
-study of `sheet-5x5` by two processes on two processors of a server.
-"""
 
 
 def study(
@@ -84,35 +78,41 @@ def study(
     neighbours best.
     """
     from ...simulator.chart_style import checked_chart
-    from ...simulator.progress import on_terminal
+    from ...simulator.progress import Overall, on_terminal
     from ...simulator.requests.console import report_written, warn
     from ...simulator.requests.requested_scene import requested_scene
-    from ...simulator.requests.time_estimates import note_if_long
+    from ...simulator.requests.time_estimates import note_if_long, study_parts, study_seconds
     from ...simulator.sweeps import checked_output
     from ...simulator.sweeps.accuracy_text import CHANGES, accuracy_text
-    from .execution import warnings_of
+    from .axis import READY_MADE, axes_of
     from .report import ENDINGS, first_lines
-    from .settings import checked_workers
-    from .study import plan_study
+    from .scene_keys import scene_table
+    from .settings import checked_workers, with_study_settings
 
     default = checked_output(output, ENDINGS).with_suffix(".png")
     picture = checked_chart(chart or default)
     workers = checked_workers(workers)
-    requested_scene(scene)
-    plan = plan_study(
-        scene,
-        vary,
-        max_frequency=max_frequency,
-        target=target,
-        draws=draws,
-        repetitions=repetitions,
-        seed=seed,
-    )
-    for warning in warnings_of(plan.scenes):
-        warn(f"{scene}: {warning}")
-    points = f"{len(plan.scenes)} points"
-    note_if_long(scene, SECONDS_A_POINT * len(plan.scenes) / workers, points)
-    with on_terminal() as progress:
+    loaded = requested_scene(scene)
+    table = with_study_settings(scene_table(scene), max_frequency, repetitions, seed)
+    count = math.prod(len(axis.values) for axis in axes_of(vary or READY_MADE, table))
+    points = f"{count} points"
+    with on_terminal() as bars:
+        progress = Overall("study in all", study_parts(loaded, count, workers), bars)
+        from .execution import warnings_of
+        from .study import plan_study
+
+        plan = plan_study(
+            scene,
+            vary,
+            max_frequency=max_frequency,
+            target=target,
+            draws=draws,
+            repetitions=repetitions,
+            seed=seed,
+        )
+        for warning in warnings_of(plan.scenes):
+            warn(f"{scene}: {warning}")
+        note_if_long(scene, study_seconds(loaded, count, workers), points)
         found = plan.run(progress, rtol=rtol, workers=workers)
     found.write(output)
     found.plot(picture)

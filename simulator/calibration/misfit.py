@@ -11,7 +11,7 @@ import numpy as np
 
 from ..arrays import Complex, Real
 from ..fem.matrices.factors import one_blas_thread
-from ..models.effects import EFFECTS, effects_of
+from ..models.effects import EFFECTS
 from ..models.parameters import own_values
 from ..progress import ProgressCallback, silent
 from ..scene.scene import Scene
@@ -98,8 +98,7 @@ def gap_by_parameter(
     restricts the parameters.
     """
     data = measurements_of(scene, sweeps, options.band, options.session)
-    effects = effects_of(data.scene) if options.prior == "wide" else ()
-    readout, known = noise_of(data).readout, priors(data, options.prior, effects=effects)
+    readout, known = noise_of(data).readout, priors(data, options.prior)
     spec = FitSpec(data, readout, {}, own_values(data.scene), options.strengths)
     own = checked_model(model, data.scene) if model else None
     centered = CenteredModel(own or model_of(data.scene, model_tolerance(readout), progress), {})
@@ -198,7 +197,7 @@ def compare_with_ideal(fit: Fit, progress: ProgressCallback) -> IdealComparison:
         name: prior for name, prior in fit.spec.fitted.items() if name not in IDEAL_CAPACITANCE
     }
     spec = replace(fit.spec, fitted=others, fixed=fixed)
-    ideal = best_fit(spec, fit.problem.model, progress=progress)
+    ideal = best_fit(spec, fit.problem.model, fit.values, progress)
     sentences = _comparison_sentences(fit, ideal)
     return IdealComparison(ideal, fit.rms_error, ideal.rms_error, sentences)
 

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING
 
 from ..arrays import Real
 from ..models.cosine_modes.amplitudes import FittedModes
-from ..models.cosine_modes.foam_modes import check_uniform_foam, with_foam_modes
-from ..models.cosine_modes.sheet_modes import check_uniform_sheets, with_sheet_modes
-from ..models.effects import effects_of
+from ..models.cosine_modes.foam_modes import check_uniform_foam
+from ..models.cosine_modes.sheet_modes import check_uniform_sheets
 from ..models.line_slopes import LineModel
 from ..models.mechanics.force_depths import forces_as_depths
-from ..models.parameters import own_values, scene_with
+from ..models.parameters import own_values
 from ..models.reader_parameters import READER
 from ..models.uniform import folded
 from ..notebook_display import SmallChart, Tabular
@@ -22,7 +21,7 @@ from ..progress import ProgressCallback, silent
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .fitting.centered_model import CenteredModel, Model, centered_model, checked_model, model_of
-from .fitting.fit import Fit, best_fit, certificate_limit, model_tolerance
+from .fitting.fit import Fit, best_fit, certificate_limit, fitted_scene, model_tolerance
 from .fitting.fit_options import Options, candidates
 from .fitting.fit_spec import FitSpec
 from .fitting.initial_values import capacitance_offset
@@ -42,6 +41,7 @@ from .results.estimates import (
 from .results.identifiability import Information, information, with_all_unknown
 from .results.sheet_intervals import MISMATCH
 from .robust import robust_fit, tail_remarks
+from .trials.connections import Connection, Measure, try_connections
 from .trials.physics_trials import misfit_trials
 from .trials.surroundings_trials import with_effects
 
@@ -58,17 +58,18 @@ class Calibration(Tabular):
     """Result of a calibration.
 
     values: value of each parameter by name; of a factor on the given scene it is the logarithm.
-    intervals: marginal 95 % interval of each unknown parameter. identified: for each of them, True
-    if the data determine it, False if its prior does. quantities: the fitted quantities in physical
-    units; `calibration["foam capacitance"]` is one of them by its name. scene: the calibrated
-    scene. not_fitted: unknown parameters that kept the scene's values. noise: the meter's noise.
-    unclear: combinations that the data do not identify, a line each. remarks: notes on the fit.
-    left_over: those on readings far off and on physics that the scene lacks. ideal: comparison with
-    an ideal capacitance, if the exponent was fitted below 1.
+    intervals: marginal 95 % interval of each unknown parameter. standard_errors: of these.
+    identified: for each of them, True if the data determine it, False if its prior does.
+    quantities: the fitted quantities in physical units; `calibration["foam capacitance"]` is one of
+    them by its name. scene: the calibrated scene. not_fitted: unknown parameters that kept the
+    scene's values. noise: the meter's noise. unclear: combinations that the data do not identify, a
+    line each. remarks: notes on the fit. left_over: those on readings far off and on physics that
+    the scene lacks. ideal: comparison with an ideal capacitance, for an exponent fitted below 1.
     """
 
     values: dict[str, float]
     intervals: dict[str, tuple[float, float]]
+    standard_errors: dict[str, float]
     scene: Scene
     identified: dict[str, bool]
     quantities: tuple[FittedQuantity, ...]
@@ -134,22 +135,29 @@ def calibrate(
     """
     scene = forces_as_depths(scene)
     also = (*options.also, *(name for name in options.fit if name in READER))
-    unknown_effects = (*(effects_of(scene) if options.prior == "wide" else ()), *also)
     scene = with_effects(scene, also)
     folded(scene, "a calibration")
-    data = measurements_of(scene, sweeps, options.band, options.session)
-    job = _CalibrationRun(data, options, unknown_effects, model, progress)
+
+    def measure(scene: Scene) -> Measurements:
+        return measurements_of(scene, sweeps, options.band, options.session)
+
+    job = _CalibrationRun(measure(scene), options, also, model, progress)
+    if model is None and (other := job.connection(scene, measure)):
+        data = other.presses(measure(scene := other.scene(scene)))
+        job = _CalibrationRun(data, options, also, model, progress, job)
     fit, noise = job.run()
     info = information(fit, job.not_fitted)
     degrees = info.variance_freedom(noise)
     unknown = with_all_unknown(fit, job.not_fitted)
     distributions = _distributions(scene, unknown, info, degrees, job.not_fitted)
-    bounds = intervals(scene, unknown, info, degrees, distributions)
+    bounds = intervals(scene, unknown, info, degrees, distributions, progress)
+    deviations = zip(unknown.spec.fitted.items(), info.deviation.tolist(), strict=True)
     left_over = tuple(tail_remarks(fit))
     found = Calibration(
         values=fit.values,
         intervals=bounds,
-        scene=_fitted_scene(scene, fit.values),
+        standard_errors={name: prior.deviation * own for (name, prior), own in deviations},
+        scene=fitted_scene(scene, fit.values),
         identified=info.identified,
         quantities=quantities(scene, unknown, info, degrees, fit.spec.names, distributions),
         information=info,
@@ -186,11 +194,6 @@ def _distributions(
     return Distributions(scene, unknown, info, quantile(freedom))
 
 
-def _fitted_scene(scene: Scene, values: Mapping[str, float]) -> Scene:
-    """The scene with the fitted parameters, and with the cosine modes as maps."""
-    return with_sheet_modes(with_foam_modes(scene_with(scene, values), values), values)
-
-
 class _CalibrationRun:
     """A calibration in progress: its current model and its remarks."""
 
@@ -198,16 +201,18 @@ class _CalibrationRun:
         self,
         measured: Measurements,
         options: Options,
-        effects: Sequence[str],
+        also: Sequence[str],
         model: Model | None,
         progress: ProgressCallback,
+        before: _CalibrationRun | None = None,
     ) -> None:
-        """effects: see `priors`."""
+        """also: see `priors`. before: one whose `connection` led to this one."""
         self.measured, self.options, self._progress = measured, options, progress
-        self.remarks = [f"left out: {reason}" for reason in measured.left_out]
+        left_out = [f"left out: {reason}" for reason in measured.left_out]
+        self.remarks = before.remarks if before else left_out
         self.noise = noise_of(measured)
         self._uneven = _checked_uneven(measured.scene, options, model)
-        self.priors = priors(measured, options.prior, self._uneven, effects)
+        self.priors = priors(measured, options.prior, self._uneven, also)
         at_hand = model or model_of(measured.scene, self._tolerance, progress, self._uneven)
         free = (*at_hand.free, *self._uneven.names)
         fit = (*options.fit, *options.also) if options.fit else ()
@@ -217,8 +222,15 @@ class _CalibrationRun:
             {name: self.priors[name] for name in chosen.not_fitted},
         )
         self._ready = self._prepared(at_hand, trained=model is not None)
-        self._begin: Mapping[str, float] | None = None
+        self._begin: Mapping[str, float] | None = before._begin if before else None
         self._tail: StudentT | None = None
+
+    def connection(self, scene: Scene, measure: Measure) -> Connection | None:
+        """The connection that explains the readings, where the stated one does not."""
+        found = try_connections(self._spec(), self._ready, scene, measure, self._progress)
+        self._begin = found.begin
+        self.remarks += found.remarks
+        return found.connection
 
     def run(self) -> tuple[Fit, Noise]:
         """The fit, and the noise it was made with."""
@@ -237,9 +249,9 @@ class _CalibrationRun:
         self._tail = tail
         return self._fit()
 
-    def _fit(self) -> Fit:
+    def _spec(self) -> FitSpec:
         own = own_values(self.measured.scene) | dict.fromkeys(self._uneven.names, 0.0)
-        spec = FitSpec(
+        return FitSpec(
             self.measured,
             self.noise.readout,
             {name: self.priors[name] for name in self.names},
@@ -247,7 +259,9 @@ class _CalibrationRun:
             self.options.strengths,
             self._tail,
         )
-        fit = best_fit(spec, self._ready, self._begin, self._remark)
+
+    def _fit(self) -> Fit:
+        fit = best_fit(self._spec(), self._ready, self._begin, self._remark)
         self._ready, self._begin = fit.problem.model, fit.values
         return fit
 

@@ -103,7 +103,8 @@ def check(
         faults = device_faults(sweeps, bound)
         laws = {"noise": noise, "tolerance": tolerance, "profiles": noise_profiles(scene, sweeps)}
         if gains:
-            verdicts = examine_gains(sweeps, single_source=bound, **laws)
+            scale = max(each.source_scale for each in scene.interfaces) if scene else 1.0
+            verdicts = examine_gains(sweeps, single_source=bound, source_scale=scale, **laws)
         else:
             verdicts = examine(sweeps, two_terminal=bound, **laws)
     except InputError as error:

@@ -23,9 +23,10 @@ def describe_gains(scene: Scene) -> Iterator[str]:
     what = "complex gain" if scene.reading.phases else "magnitude of the gain"
     for each in scene.interfaces:
         assert each.series_resistance is not None
+        through = prefixed(each.series_resistance, "ohm")
         yield (
-            f"{each.name}: reads the {what}, driven through "
-            f"{prefixed(each.series_resistance, 'ohm')}; {_input(each.load)}{_together(each)}"
+            f"{each.name}: reads the {what}, driven through {through}{_scale(each)}; "
+            f"{_input(each.load)}{_together(each)}"
         )
     try:
         gain = np.abs(Solver(scene, RTOL).solve(Press()).Z)
@@ -44,6 +45,11 @@ def describe_converter(converter: Converter) -> str:
         f"{prefixed(converter.component_noise, 'V')} of each component of a node's voltage, "
         f"{share:.3g} % of a gain of 1 and {10 * share:.3g} % of one of 0.1"
     )
+
+
+def _scale(interface: Interface) -> str:
+    a = interface.source_scale
+    return "" if a == 1 else f" by {a:.4g} times the voltage that readings are divided by"
 
 
 def _input(load: Load | None) -> str:

@@ -28,7 +28,7 @@ def wirings(scene: Scene, wires: int) -> list[tuple[str, ...]]:
     return list(itertools.combinations(names, min(wires, len(names))))
 
 
-READER = ("reader", "series_resistance", "load", "magnitude_only")
+READER = ("reader", "series_resistance", "source_scale", "load", "magnitude_only")
 """Keys of an interface that say how it is read."""
 
 

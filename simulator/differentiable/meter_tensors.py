@@ -33,18 +33,20 @@ def _single_gain(
     """Gain at nodes that are driven one at a time, see `node_gain.single_gain`."""
     each = [own_source(interface) for interface in reading.interfaces]
     like = values["series_resistance"]
-    R, C, G = (
+    a, R, C, G = (
         like.new_tensor(own)[:, None]
         for own in (
+            [source.source_scale for source in each],
             [source.series_resistance for source in each],
             [source.load.capacitance for source in each],
             [1 / source.load.resistance if source.load.resistance else 0.0 for source in each],
         )
     )
+    a = a * (values["source_scale"][..., None] / a[0])
     R = R * (values["series_resistance"][..., None] / R[0])
     C = C + (values["load_capacitance"][..., None] - C[0])
     G = G + (values["load_conductance"][..., None] - G[0])
-    return Z / (R + Z * (1 + R * (G + omega * C)))
+    return a * Z / (R + Z * (1 + R * (G + omega * C)))
 
 
 def quantities(reading: Tensor, frequency: Tensor, setup: ReadingSetup) -> dict[str, Tensor]:

@@ -78,35 +78,39 @@ def limits(
     --accuracy prints the largest number of pixels at which it is possible, for
     grids in the proportion of the scene's rows and columns.
     """
-    from ..bounds.position_bound import chosen_touch
-    from ..chart_style import checked_ending
-    from ..models.mechanics.force_depths import foldable
-    from ..progress import on_terminal
+    from ..progress import Overall, on_terminal
     from ..requests.requested_scene import requested_scene
-    from ..sweeps import checked_folder, made_folder
-    from .survey import (
-        SurveyOptions,
-        survey,
-        survey_rasterization_errors,
-        with_factor,
-        with_finger,
-        with_interfaces,
-        with_sheets,
-    )
-    from .survey_results import WRITTEN, SurveyResults
-    from .touch_identity import Sampling, identity
+    from ..requests.time_estimates import limit_parts
 
-    folded = foldable(with_finger(requested_scene(scene), finger), "a limit")
-    side = None if size is None else 1e-3 * size
-    touch = chosen_touch(folded, side, factor)
-    loaded = with_factor(with_interfaces(folded, interface or []), 1 + touch.rise)
-    options = SurveyOptions(touch, against_rest, unknown_skin, not loaded.press.by_factor)
-    sampling = Sampling(seed, draws, against_rest, side)
-    ending = checked_ending(charts)
-    resistances = _listed(sheet_resistance)
-    for resistance in resistances:
-        with_sheets(loaded, resistance)
-    with on_terminal() as progress:
+    requested = requested_scene(scene)
+    with on_terminal() as bars:
+        progress = Overall("limits in all", limit_parts(requested), bars)
+        from ..bounds.position_bound import chosen_touch
+        from ..chart_style import checked_ending
+        from ..models.mechanics.force_depths import foldable
+        from ..sweeps import checked_folder, made_folder
+        from .survey import (
+            SurveyOptions,
+            survey,
+            survey_rasterization_errors,
+            with_factor,
+            with_finger,
+            with_interfaces,
+            with_sheets,
+        )
+        from .survey_results import WRITTEN, SurveyResults
+        from .touch_identity import Sampling, identity
+
+        folded = foldable(with_finger(requested, finger), "a limit")
+        side = None if size is None else 1e-3 * size
+        touch = chosen_touch(folded, side, factor)
+        loaded = with_factor(with_interfaces(folded, interface or []), 1 + touch.rise)
+        options = SurveyOptions(touch, against_rest, unknown_skin, not loaded.press.by_factor)
+        sampling = Sampling(seed, draws, against_rest, side)
+        ending = checked_ending(charts)
+        resistances = _listed(sheet_resistance)
+        for resistance in resistances:
+            with_sheets(loaded, resistance)
         if accuracy is not None:
             _print_counts(loaded, accuracy, sampling, progress)
         if accuracy is None or output is not None:

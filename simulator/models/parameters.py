@@ -112,6 +112,7 @@ VALUES = {
     "finger": "F",
     "leak": "1/s",
     "exponent_slope": "(per decade)",
+    "source_scale": "(relative)",
     "series_resistance": "ohm",
     "load_capacitance": "F",
     "load_conductance": "S",

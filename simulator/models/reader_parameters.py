@@ -1,4 +1,4 @@
-"""Parameters of readers of gains: their resistors and their inputs, of all interfaces together."""
+"""Parameters of readers of gains: sources, resistors and inputs, of all interfaces together."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ if TYPE_CHECKING:
     from ..scene.readings.contacts import Interface
     from ..scene.scene import Scene
 
-READER = ("series_resistance", "load_capacitance", "load_conductance")
-"""Parameters on request: ohm, F and S of the first interface. Resistors of all others change by the
-same factor, and their inputs by the same capacitance and conductance."""
+SOURCE = "source_scale"
+READER = (SOURCE, "series_resistance", "load_capacitance", "load_conductance")
+"""Scale of the source, and on request ohm, F and S, of the first interface. Scales and resistors of
+all others change by the same factor, and their inputs by the same capacitance and conductance."""
 
 
 def reader_values(scene: Scene) -> dict[str, float]:
@@ -21,8 +22,8 @@ def reader_values(scene: Scene) -> dict[str, float]:
     if not scene.reading.gain:
         return {}
     first = own_source(scene.interfaces[0])
-    values = first.series_resistance, first.load.capacitance, _conductance(first.load)
-    return dict(zip(READER, values, strict=True))
+    load = first.load.capacitance, _conductance(first.load)
+    return dict(zip(READER, (first.source_scale, first.series_resistance, *load), strict=True))
 
 
 def smallest_load_capacitance(scene: Scene) -> float:
@@ -36,10 +37,11 @@ def with_reader(
 ) -> tuple[Interface, ...]:
     """Interfaces whose readers have these parameters; others keep theirs."""
     own = own_source(interfaces[0])
+    scale = values.get(SOURCE, own.source_scale) / own.source_scale
     factor = values.get("series_resistance", own.series_resistance) / own.series_resistance
     capacitance = values.get("load_capacitance", own.load.capacitance) - own.load.capacitance
     conductance = values.get("load_conductance", _conductance(own.load)) - _conductance(own.load)
-    if (factor, capacitance, conductance) == (1.0, 0.0, 0.0):
+    if (scale, factor, capacitance, conductance) == (1.0, 1.0, 0.0, 0.0):
         return tuple(interfaces)
 
     def changed(part: Interface | Source) -> dict[str, object]:
@@ -50,7 +52,11 @@ def with_reader(
             "capacitance": load.capacitance + capacitance,
             "resistance": 1 / total if total > 0 else None,
         }
-        return {"series_resistance": assumed * factor, "load": load.model_copy(update=update)}
+        return {
+            "source_scale": part.source_scale * scale,
+            "series_resistance": assumed * factor,
+            "load": load.model_copy(update=update),
+        }
 
     found = []
     for each in interfaces:

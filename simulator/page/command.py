@@ -29,14 +29,12 @@ def page(
     touch; sliders change the sheets and the foam. `rcskin view -o OUT.png`
     draws a single press in space instead.
     """
-    from ..models.reduced.indentation.indentation_draws import scene_spreads_presses
     from ..models.uniform import uniformly_pressed
-    from ..progress import on_terminal
+    from ..progress import Overall, on_terminal
     from ..requests.console import note, report_written
     from ..requests.requested_scene import note_if_noise_free, requested_scene
+    from ..requests.time_estimates import page_parts
     from ..sweeps import InputError, checked_output, whole_file
-    from .document import document
-    from .packed import page_data, reduced_for_page
 
     checked_output(output, (".html",))
     requested = requested_scene(scene)
@@ -47,13 +45,18 @@ def page(
         )
     skin = uniformly_pressed(requested, "a page")
     note_if_noise_free(scene, skin)
+    with on_terminal() as bars:
+        progress = Overall("page in all", page_parts(skin, rtol, cells), bars)
+        from ..models.reduced.indentation.indentation_draws import scene_spreads_presses
+        from .document import document
+        from .packed import page_data, reduced_for_page
+
+        reduced = reduced_for_page(skin, rtol, cells, progress)
+        text = document(page_data(skin, reduced))
     if scene_spreads_presses(requested):
         factor = f"{skin.press.capacitance_factor:.4g} x C"
         spread = "the spread of a press by the foam's tension is left out"
         note(f"{scene}: the page presses whole pixels uniformly, by {factor}; {spread}")
-    with on_terminal() as progress:
-        reduced = reduced_for_page(skin, rtol, cells, progress)
-    text = document(page_data(skin, reduced))
     with whole_file(output) as path:
         path.write_text(text, encoding="utf-8")
     report_written(f"page of {skin.name}, {len(text) / 1e6:.1f} MB", output)

@@ -2,17 +2,92 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from time import perf_counter
 from typing import TypeVar
 
+import numpy as np
+
 from ..progress import duration
+from ..scene.scene import Scene
 from .console import note
 
 Item = TypeVar("Item")
 
 MIN_NOTED_SECONDS = 60.0
 """Shortest duration of work that is announced, s."""
+
+
+SIZE, REFERENCE = 200_000, 10e-3
+"""Numbers that `slowness` sorts, and the time of it on the processor that the rates of work were
+measured on, s."""
+EARTH, TWO_FIELDS = 8.0, 3.0
+"""Work of a skin with surroundings, and of one whose sheets have different fields, over that of a
+plain skin of one field."""
+
+
+IMPORT_SECONDS, MESH_SECONDS, TRAINING_SECONDS = 1.0, 0.3, 0.01
+FIELD_SECONDS, PLACE_SECONDS, PLACES, READING_SECONDS = 0.2, 0.013, 9, 0.13
+POINT_SECONDS, SKIN_SECONDS = 1.7, 0.3
+"""Seconds of work at a complexity of 1: of imports, of a mesh and of the training of a reduced
+model by cell; of fields, of each of PLACES places of a pixel, and of accuracies by pixel; of a
+point of a study, and of its skins."""
+PLACE_POWER, TRAINING_POWER = 0.75, 1.3
+"""Powers of the complexity by which the work of a place, and of a training, grows."""
+
+
+def slowness() -> float:
+    """Time of sorting numbers here and now over REFERENCE, on one thread."""
+    numbers, started = np.random.default_rng(0).random(SIZE), perf_counter()
+    np.sort(numbers)
+    return (perf_counter() - started) / REFERENCE
+
+
+def complexity(scene: Scene) -> float:
+    """Work of one solution of a skin over that of one field without surroundings."""
+    edge = {contact.name: contact.edge for contact in scene.contacts}
+    wired = [{edge.get(name) for name in (*each.high, *each.low)} for each in scene.interfaces]
+    two = scene.surroundings is not None or any(len(edges) > 1 for edges in wired)
+    return (EARTH if scene.surroundings else 1.0) * (TWO_FIELDS if two else 1.0)
+
+
+def page_parts(scene: Scene, rtol: float, cells: int) -> dict[str, float]:
+    """Expected seconds of the parts of a page, by the name of their progress."""
+    count, times = cells**2 * scene.pixels.rows * scene.pixels.columns, complexity(scene)
+    each = {
+        "choosing the mesh of a reduced model": IMPORT_SECONDS + MESH_SECONDS * times,
+        "training a reduced model": TRAINING_SECONDS * count * times**TRAINING_POWER,
+    }
+    return _scaled(each, (1e-3 / rtol) ** 0.25)
+
+
+def limit_parts(scene: Scene) -> dict[str, float]:
+    """Expected seconds of the parts of limits, by the name of their progress."""
+    pixels, times = scene.pixels.rows * scene.pixels.columns, complexity(scene)
+    each = {
+        "fields": IMPORT_SECONDS + FIELD_SECONDS * times,
+        "places": PLACE_SECONDS * PLACES * pixels * times**PLACE_POWER,
+        "training": MESH_SECONDS + TRAINING_SECONDS * pixels,
+        "readings": READING_SECONDS * pixels,
+    }
+    return _scaled(each, 1.0)
+
+
+def study_seconds(scene: Scene, points: int, workers: int) -> float:
+    """Expected seconds of a study on the processor of the rates."""
+    each = POINT_SECONDS + SKIN_SECONDS * complexity(scene)
+    return each * math.ceil(points / workers)
+
+
+def study_parts(scene: Scene, points: int, workers: int) -> dict[str, float]:
+    """Expected seconds of a study here and now, by the name of its progress."""
+    return _scaled({"accuracy": study_seconds(scene, points, workers)}, 1.0)
+
+
+def _scaled(parts: Mapping[str, float], times: float) -> dict[str, float]:
+    now = times * slowness()
+    return {name: now * seconds for name, seconds in parts.items()}
 
 
 def note_if_long(name: str, seconds: float, work: str) -> None:

@@ -3,7 +3,7 @@
 import pytest
 from rcskin.simulator.models.solution_fields import fields
 from rcskin.simulator.press.press import press_on
-from rcskin.simulator.progress import on_terminal, time_left, tracked
+from rcskin.simulator.progress import Overall, on_terminal, time_left, tracked
 from rcskin.simulator.scene.scene_files import load_scene
 
 
@@ -62,3 +62,31 @@ def test_items_count_as_done_when_the_next_is_asked_for():
     items = tracked("ab", "letters", lambda *told: heard.append(told))
     assert next(items) == "a" and heard == [("letters", 0, 2)]
     assert list(items) == ["b"] and heard[1:] == [("letters", 1, 2), ("letters", 2, 2)]
+
+
+def test_an_expected_time_counts_down_before_anything_is_done_and_gives_way_to_what_is_measured():
+    assert time_left(0, 0, 0, expected=100) == "0:01:40"
+    assert time_left(40, 0, 0, expected=100) == "0:01:00"
+    assert time_left(60, 0.25, 60, expected=120) == "0:02:15"
+    assert time_left(60, 0.5, 60, expected=1000) == time_left(60, 0.5, 60) == "0:01:00"
+
+
+def test_parts_add_up_to_a_whole_of_the_seconds_that_are_expected():
+    heard = []
+    progress = Overall("all", {"mesh": 10.0, "training": 30.0}, lambda *told: heard.append(told))
+    assert heard == [("all", 0, 40.0)]
+    for told in (("mesh", 0.5), ("mesh", 1, 2), ("training", 0.0), ("training", 0.5), ("note",)):
+        progress(*told)
+    of_all = [done for name, done, *_ in heard if name == "all"]
+    assert of_all == [0, 5.0, 10.0, 25.0]
+    assert ("note", None, 1.0) in heard
+
+
+def test_a_terminal_shows_the_expected_time_first(capsys, monkeypatch):
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("COLUMNS", "100")
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    with on_terminal() as progress:
+        Overall("page in all", {"mesh": 90.0}, progress)
+    shown = capsys.readouterr().err
+    assert "page in all" in shown and "left 0:01:" in shown and "/90" not in shown

@@ -15,8 +15,12 @@ from scipy.optimize import least_squares
 
 from ...arrays import Real
 from ...fem.matrices.factors import one_blas_thread
+from ...models.cosine_modes.foam_modes import with_foam_modes
+from ...models.cosine_modes.sheet_modes import with_sheet_modes
+from ...models.parameters import scene_with
 from ...progress import ProgressCallback, silent
 from ...scene.readout.meter import Readout
+from ...scene.scene import Scene
 from ...sweeps import InputError
 from .centered_model import CenteredModel, centered_model, trainable_factors
 from .fit_spec import FitSpec
@@ -98,6 +102,11 @@ class Fit:
         return float(np.sqrt(np.mean(error[:, self.spec.measurements.read] ** 2)))
 
 
+def fitted_scene(scene: Scene, values: Mapping[str, float]) -> Scene:
+    """The scene with the fitted parameters, and with the cosine modes as maps."""
+    return with_sheet_modes(with_foam_modes(scene_with(scene, values), values), values)
+
+
 def model_tolerance(readout: Readout) -> float:
     """Required tolerance of the model for Rs and Cp."""
     return float(np.clip(SHARE_OF_NOISE * readout.smallest_noise, FINEST, COARSEST))
@@ -149,9 +158,12 @@ def best_of_starts(
 
 
 def solve_from(
-    problem: LeastSquaresProblem, begin: Mapping[str, float], progress: ProgressCallback = silent
+    problem: LeastSquaresProblem,
+    begin: Mapping[str, float],
+    progress: ProgressCallback = silent,
+    steps: int = MAX_STEPS,
 ) -> Fit:
-    """Fit from one start, within the range of the model."""
+    """Fit from one start, within the range of the model. steps: largest number of evaluations."""
     low, high = problem.bounds()
     inside = np.minimum(INSIDE, (high - low) / 4)
     u = np.clip(problem.spec.unknowns(begin), low + inside, high - inside)
@@ -175,7 +187,7 @@ def solve_from(
         ftol=CLOSE,
         xtol=CLOSE,
         gtol=CLOSE,
-        max_nfev=MAX_STEPS,
+        max_nfev=steps,
     )
     return Fit(problem, np.where(solution.x - low < AT_BOUND, low, solution.x))
 

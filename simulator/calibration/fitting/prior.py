@@ -10,8 +10,9 @@ from typing import Literal, get_args
 import numpy as np
 
 from ...models.cosine_modes.amplitudes import MAX_AMPLITUDE, NO_MODES, FittedModes
+from ...models.effects import effects_of
 from ...models.parameters import COSINE_MODES, FACTORS, FOAM_MODES, SHEET_MODES, own_values
-from ...models.reader_parameters import READER, reader_values, smallest_load_capacitance
+from ...models.reader_parameters import READER, SOURCE, reader_values, smallest_load_capacitance
 from ...models.session_spreads import SessionSpread, session_spreads
 from ...scene.ranges import MAX_INDUCTANCE
 from ...scene.readout.meter import Readout
@@ -31,7 +32,7 @@ FINGER = 10e-12
 """F: twice the capacitance of a finger's pad on a millimetre of cover."""
 MIN_EXPONENT = 0.5 + 1e-6
 MIN_SHARE = 1e-3
-"""Smallest fitted series resistance over that of the scene."""
+"""Smallest fitted series resistance and scale of the source, over those of the scene."""
 
 
 @dataclass(frozen=True)
@@ -53,17 +54,20 @@ def checked_kind(name: str) -> Kind:
 
 
 def priors(
-    measured: Measurements, kind: Kind, uneven: FittedModes = NO_MODES, effects: Sequence[str] = ()
+    measured: Measurements, kind: Kind, uneven: FittedModes = NO_MODES, also: Sequence[str] = ()
 ) -> dict[str, Prior]:
     """Prior of every unknown parameter.
 
-    uneven: the cosine modes among them. effects: a leak, or those of EFFECTS, that are unknown
-    although no distribution of the scene draws them.
+    uneven: the cosine modes among them. also: names that are unknown although no distribution of
+    the scene draws them. With wide priors, those of EFFECTS and the source of gains are, too.
     """
     own = own_values(measured.scene) | dict.fromkeys(COSINE_MODES, 0.0)
     spreads = wide(measured) if kind == "wide" else session_spreads(measured.scene)
     if measured.scene.skin.one_conductor:
         spreads = {name: own for name, own in spreads.items() if name != "sheet_mismatch"}
+    if kind == "wide":
+        source = (SOURCE,) if measured.scene.reading.gain else ()
+        also = (*effects_of(measured.scene), *source, *also)
     modes = mode_deviations(measured.scene, kind)
     spreads = spreads | {name: SessionSpread(0.0, modes[name]) for name in uneven.names}
     found = {
@@ -71,7 +75,7 @@ def priors(
         for name, (shift, deviation) in spreads.items()
         if deviation > 0
     }
-    return found | {name: effect_prior(measured, name) for name in effects}
+    return found | {name: effect_prior(measured, name) for name in also}
 
 
 def effect_prior(measured: Measurements, name: str) -> Prior:
@@ -94,11 +98,12 @@ def effect_prior(measured: Measurements, name: str) -> Prior:
 
 
 def _reader_prior(scene: Scene, name: str) -> Prior:
-    """Prior of a parameter of the readers, as wide as the resistor and what it shows of inputs."""
+    """Prior of a parameter of the readers: as wide as source and resistor themselves, and as what
+    the resistor shows of inputs."""
     own, f = reader_values(scene), scene.frequencies
     R = own["series_resistance"]
-    if name == "series_resistance":
-        return Prior(R, R, MIN_SHARE * R)
+    if name in (SOURCE, "series_resistance"):
+        return Prior(own[name], own[name], MIN_SHARE * own[name])
     if name == "load_capacitance":
         deviation = 1 / (2 * math.pi * math.sqrt(f[0] * f[-1]) * R)
         return Prior(own[name], deviation, smallest_load_capacitance(scene))

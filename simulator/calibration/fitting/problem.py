@@ -65,10 +65,10 @@ class LeastSquaresProblem:
 
     def squares(self, u: Real) -> Real:
         """Squared distance of each used reading over the noise, shape (reading,)."""
-        squares = self._squares(u)
+        squares = self.all_squares(u)
         return squares[np.isfinite(self._deviation[:, : squares.shape[1]])]
 
-    def _squares(self, u: Real) -> Real:
+    def all_squares(self, u: Real) -> Real:
         """Squared distance of every reading over the noise, shape (sweep, reading)."""
         residuals = self.residuals(u)[: self._deviation.size].reshape(len(self._deviation), 2, -1)
         return (residuals**2).sum(axis=1)
@@ -77,7 +77,7 @@ class LeastSquaresProblem:
         """Root of the information of each number over that of a normal one; (sweep * number,)."""
         tail = self.spec.tail
         assert tail is not None
-        weights = tail.information * tail.weights(self._squares(u))
+        weights = tail.information * tail.weights(self.all_squares(u))
         return np.sqrt(np.tile(weights, 2).ravel())
 
     def bounds(self) -> tuple[Real, Real]:
@@ -107,13 +107,14 @@ class LeastSquaresProblem:
         """Rises of c under the touches of one sweep."""
         return self.rises(u, k)[self.cells[k][0] < foam_parts(self.spec.measurements.scene)]
 
-    def size_of(self, relative: Real) -> float:
-        """Largest root sum of squares, over the noise, of changes of Z of these sizes.
+    def whitened(self, change: Complex) -> Real:
+        """Changes of ln |Z| and of phase over the noise, shape (sweep, 2 * readings).
 
-        relative: to |Z|, shape (sweep, interface, frequency).
+        change: of ln Z, broadcast to shape (sweep, interface, frequency).
         """
-        each = np.tile(relative.reshape(len(self._deviation), -1), (1, 2)) / self._deviation
-        return float(np.linalg.norm(each))
+        shape = len(self._deviation), *self.spec.measurements.sweeps[0].Z.shape
+        each = np.broadcast_to(change, shape).reshape(shape[0], -1)
+        return np.concatenate([each.real, each.imag], axis=1) / self._deviation
 
     def fitted(self, u: Real) -> Complex:
         """Fitted Z in ohm without the meter's errors, shape (sweep, interface, frequency)."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...arrays import Real
 from ...models.parameters import COSINE_MODES, FACTORS, VALUES, own_values
+from ...progress import ProgressCallback, silent, tracked
 from ...scene.scene import Scene
 from ..fitting.fit import Fit
 from ..likelihood.distributions import Distributions
@@ -84,6 +85,7 @@ def intervals(
     information: Information,
     freedom: float,
     distributions: Distributions | None = None,
+    progress: ProgressCallback = silent,
 ) -> dict[str, Interval]:
     """Marginal 95 % interval of each parameter in its own unit, within its limits.
 
@@ -93,7 +95,8 @@ def intervals(
     width = quantile(freedom)
     hanging = depend_on_ratio(scene, information)
     found = {}
-    for (name, prior), own in zip(fit.spec.fitted.items(), information.deviation, strict=True):
+    each = list(zip(fit.spec.fitted.items(), information.deviation, strict=True))
+    for (name, prior), own in tracked(each, "computing intervals", progress):
         value, deviation = fit.values[name], prior.deviation * float(own)
         if hanging and name == COMMON:
             found[name] = _series(scene, fit, information, width, distributions)[COMMON]

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...arrays import Complex, Real
+from ...models.reader_parameters import SOURCE
 from .sheet_intervals import MISMATCH
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ def explanations(calibration: Calibration) -> list[str]:
     lines += _widening(calibration.information)
     if spec.touch_count:
         lines.append(_strength_range(calibration))
+    lines += _source(calibration)
     lines += assumptions(calibration)
     lines += _strong_correlations(calibration)
     lines += calibration.remarks
@@ -79,6 +81,19 @@ def _strong_correlations(calibration: Calibration) -> list[str]:
         for i in range(len(names))
         for j in range(i)
         if abs(rows[i, j]) > TIED
+    ]
+
+
+def _source(calibration: Calibration) -> list[str]:
+    """A line on the voltage of the source of gains, where that is a parameter."""
+    if SOURCE not in calibration.intervals:
+        return []
+    value, error = calibration.values[SOURCE], calibration.standard_errors[SOURCE]
+    if calibration.identified[SOURCE]:
+        return [f"the source has {value:.4g} times the stated voltage, standard error {error:.2g}"]
+    return [
+        f"the voltage of the source is not identified by these gains ({value:.3g} times the "
+        f"stated one, standard error {error:.2g}); if it is known, use --fix {SOURCE}"
     ]
 
 

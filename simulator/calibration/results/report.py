@@ -32,7 +32,8 @@ WRITTEN = ("calibrated.toml", NUMBERS, "quantities.csv", "parameters.csv")
 WRITTEN += ("correlation.csv", "residuals-*")
 """Name patterns of the written files."""
 COLUMNS = ("quantity", "unit", "scene", "fitted", "low_95", "high_95", "told_by")
-PARAMETER_COLUMNS = ("parameter", "counted", "value", "low_95", "high_95", "told_by")
+PARAMETER_COLUMNS = ("parameter", "counted", "value", "standard_error")
+PARAMETER_COLUMNS += ("low_95", "high_95", "told_by")
 BY = {True: "data", False: "prior"}
 WIDEST = 1000
 """Widest console, in characters."""
@@ -119,6 +120,7 @@ def numbers(calibration: Calibration, source: str) -> dict[str, Any]:
         "scene": fit.spec.measurements.scene.name,
         "values": calibration.values,
         "intervals_95": calibration.intervals,
+        "standard_errors": calibration.standard_errors,
         "told": calibration.identified,
         "quantities": [_quantity_row(each) for each in calibration.quantities],
         "correlation": {
@@ -163,7 +165,8 @@ def _row(each: FittedQuantity) -> tuple[object, ...]:
 def _parameter_rows(calibration: Calibration) -> Iterable[tuple[object, ...]]:
     for name, (low, high) in calibration.intervals.items():
         counted = "logarithm of a factor" if name in FACTORS else "as it is"
-        yield name, counted, calibration.values[name], low, high, BY[calibration.identified[name]]
+        value, error = calibration.values[name], calibration.standard_errors[name]
+        yield name, counted, value, error, low, high, BY[calibration.identified[name]]
 
 
 def _correlation_rows(calibration: Calibration) -> list[tuple[Any, ...]]:

@@ -12,14 +12,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...models.line_slopes import LineModel
 from ...models.parameters import loss_of
 from ...progress import ProgressCallback, silent
 from ...sweeps.units import prefixed
 from ..fitting.fit import EXPLAINED, Fit, solve_from
-from ..fitting.fit_spec import FitSpec
 from ..fitting.prior import Noise, Prior, effect_prior
 from ..fitting.problem import LeastSquaresProblem
 from ..residual_correlation import neighbour_correlation
+from .linear_step import LinearSteps
 from .series_element import CAPACITANCE, RESISTANCE, Element, WithSeriesElement
 from .surroundings_trials import trial_remarks
 
@@ -27,8 +28,12 @@ STRUCTURED = 0.5
 """Correlation of residuals at neighbouring frequencies from which a fit leaves structure."""
 SLOPE = 0.1
 """Prior standard deviation of the change of the exponent in a decade."""
-SHARE = 0.3
-"""Initial resistance of an element in series, over the smallest |Z|."""
+SMALLEST = 1e-3
+"""Smallest initial resistance of an element in series, over the smallest |Z|."""
+CORNERS = 12
+"""Corner frequencies from which a trial of an element may begin."""
+STEPS, FEW = 16, 3
+"""Evaluations of a trial, which begins near its solution: of the exact line, of a reduced model."""
 ELEMENTS: Mapping[Element, str] = {
     "line": "a second line in series",
     "film": "a film in series",
@@ -57,7 +62,7 @@ def physics_remarks(fit: Fit, freedom: float, stated: bool) -> list[str]:
     trials = [*_losses(fit), *(_element(fit, each) for each in elements)]
     if not trials:
         return []
-    left = {text: trial.chi_squared / fit.chi_squared for text, trial in trials}
+    left = {text: min(1.0, each.chi_squared / fit.chi_squared) for text, each in trials}
     shares = (
         f"{text} leaves {100 * share:.0f} %" for text, share in sorted(left.items(), key=_share)
     )
@@ -88,26 +93,39 @@ def _losses(fit: Fit) -> list[tuple[str, Fit]]:
 def _solved(fit: Fit, priors: Mapping[str, Prior], at: Mapping[str, float]) -> Fit:
     fixed = {name: value for name, value in fit.spec.fixed.items() if name not in priors}
     spec = replace(fit.spec, fitted={**fit.spec.fitted, **priors}, fixed=fixed)
-    return solve_from(LeastSquaresProblem(spec, fit.problem.model), {**fit.values, **at})
+    return solve_from(
+        LeastSquaresProblem(spec, fit.problem.model), {**fit.values, **at}, steps=_steps(fit)
+    )
 
 
 def _element(fit: Fit, element: Element) -> tuple[str, Fit]:
-    """The best fit with an element in series, of several starts, and what was fitted."""
-    frequency, Z = fit.spec.measurements.first
+    """The fit with an element in series, from the best linear step, and what was fitted."""
     model = WithSeriesElement(fit.problem.model, element, loss_of(fit.values))
-    R = SHARE * float(np.abs(Z).min())
-    corners = np.exp(np.quantile(np.log(frequency), [0.25, 0.5, 0.75]))
-    fits = [_with_element(fit.spec, model, fit.values, R, float(f)) for f in corners]
-    best = min(fits, key=lambda each: each.cost)
+    R, C = _best_step(fit, model)
+    own = {RESISTANCE: math.log(R), CAPACITANCE: math.log(C)}
+    priors = {name: Prior(at, math.log(1e3)) for name, at in own.items()}
+    whole = replace(fit.spec, fitted={**fit.spec.fitted, **priors})
+    best = solve_from(LeastSquaresProblem(whole, model), {**fit.values, **own}, steps=_steps(fit))
     R, C = (math.exp(best.values[name]) for name in (RESISTANCE, CAPACITANCE))
     return f"{ELEMENTS[element]} of {prefixed(R, 'ohm')} and {prefixed(C, 'F')}", best
 
 
-def _with_element(
-    spec: FitSpec, model: WithSeriesElement, values: Mapping[str, float], R: float, f: float
-) -> Fit:
-    """Fit from an element of resistance R whose corner is at a frequency f."""
-    own = {RESISTANCE: math.log(R), CAPACITANCE: -math.log(2 * math.pi * f * R)}
-    priors = {name: Prior(at, math.log(1e3)) for name, at in own.items()}
-    whole = replace(spec, fitted={**spec.fitted, **priors})
-    return solve_from(LeastSquaresProblem(whole, model), {**values, **own})
+def _steps(fit: Fit) -> int:
+    return STEPS if isinstance(fit.problem.model.model, LineModel) else FEW
+
+
+def _best_step(fit: Fit, model: WithSeriesElement) -> tuple[float, float]:
+    """Resistance in ohm and capacitance in F of the element of the best Gauss-Newton step.
+
+    For each corner frequency of a grid over the band, all unknowns and the resistance follow from
+    one linear problem. The resistance is at least SMALLEST of |Z|.
+    """
+    frequency, Z = fit.spec.measurements.first
+    smallest = SMALLEST * float(np.abs(Z).min())
+    steps, fitted = LinearSteps(fit), fit.problem.fitted(fit.u)
+    found: list[tuple[float, float, float]] = []
+    for corner in np.geomspace(frequency[0], frequency[-1], CORNERS).tolist():
+        RC = 1 / (2 * math.pi * corner)
+        R, left = steps.step(model.added(1.0, RC) / fitted, smallest)
+        found.append((left, R, RC / R))
+    return min(found)[1:]

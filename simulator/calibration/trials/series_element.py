@@ -44,7 +44,8 @@ class WithSeriesElement(CenteredModel):
     ) -> Response:
         """See `CenteredModel.respond_together`."""
         response = super().respond_together(cells, rises, values)
-        Z, by_resistance, by_capacitance = self._added(values)
+        R, C = np.exp(values[RESISTANCE]), np.exp(values[CAPACITANCE])
+        Z, by_resistance, by_capacitance = self._with_slopes(R, C)
         slopes = {
             RESISTANCE: np.broadcast_to(by_resistance, response.Z.shape),
             CAPACITANCE: np.broadcast_to(by_capacitance, response.Z.shape),
@@ -52,9 +53,12 @@ class WithSeriesElement(CenteredModel):
         by_parameter = {**response.by_parameter, **slopes}
         return replace(response, Z=response.Z + Z, by_parameter=by_parameter)
 
-    def _added(self, values: Mapping[str, float]) -> tuple[Complex, ...]:
+    def added(self, R: float, C: float) -> Complex:
+        """Z of the element in ohm, shape (frequency,). R: ohm. C: F."""
+        return self._with_slopes(R, C)[0]
+
+    def _with_slopes(self, R: float, C: float) -> tuple[Complex, ...]:
         """Z of the element in ohm, and its derivatives by both parameters; (frequency,)."""
-        R, C = np.exp(values[RESISTANCE]), np.exp(values[CAPACITANCE])
         w = self._s * R * C
         if self._element == "film":
             Z = R / (1 + w)

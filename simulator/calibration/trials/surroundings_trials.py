@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
@@ -12,7 +13,9 @@ from ...arrays import Complex, Real
 from ...models.effects import EFFECTS, NEEDED, effects_of
 from ...models.parameters import scene_with
 from ...models.reader_parameters import READER
-from ...progress import ProgressCallback, silent
+from ...models.solver import Solver
+from ...press.press import Press
+from ...progress import ProgressCallback, silent, tracked
 from ...scene.extent import perimeter, surface
 from ...scene.foam.foam import VACUUM_PERMITTIVITY
 from ...scene.scene import Scene
@@ -20,10 +23,11 @@ from ...scene.surroundings import Body, Rim, Surroundings
 from ...surroundings.rim import rim_densities
 from ...sweeps import InputError, ToleranceError
 from ..fitting.centered_model import FAR, CenteredModel, centered_model
-from ..fitting.fit import EXPLAINED, Fit, certificate_limit, solve_from
+from ..fitting.fit import EXPLAINED, Fit, certificate_limit, fitted_scene, solve_from
 from ..fitting.fit_spec import FitSpec
 from ..fitting.prior import FINGER, Prior, effect_prior
 from ..fitting.problem import LeastSquaresProblem
+from .linear_step import LinearSteps, Step
 
 BODY = 8e-3
 """m: initial distance of an unknown body from the untouched sheet. A factor of 30 on its
@@ -37,6 +41,10 @@ ADDABLE = (*EFFECTS, "leak", *READER)
 WORTH = 0.1
 """Smallest share of chi-squared that an effect must remove to be reported."""
 NEITHER = "neither a body near the skin nor its rim nor a finger explains the remaining misfit"
+TRYING = "trying surroundings"
+MAX_PRESSES = 3
+SECANTS, CLOSE = 3, 0.05
+"""Largest number of solutions for an amplitude, and its relative change at which they end."""
 NONE = {"body": -10.0, "rim": -10.0, "finger": 0.0}
 """Parameter values at which an effect is negligible."""
 
@@ -118,21 +126,81 @@ def trial_remarks(fit: Fit, freedom: float, progress: ProgressCallback = silent)
     if _too_weak(fit):
         return [f"{NEITHER}: the strongest would change these readings by far less"]
     try:
-        trials = Trials(spec, fit.values, progress)
-        found = {name: trials.fit(name) for name in trials.names}
+        effects = PlainEffects(fit)
+        found = {name: effects.best(name) for name in tracked(effects.names, TRYING, progress)}
     except (InputError, ToleranceError) as error:
         return [f"surroundings of the skin were not tried: {error}"]
     lines = [
-        f"{trials.text_of(each, name)} in addition would reduce chi-squared per degree of freedom "
-        f"from {left:.3g} to {each.chi_squared / (freedom - 1):.3g}; fit it with --also {name}"
-        for name, each in sorted(found.items(), key=lambda pair: pair[1].chi_squared)
-        if each.chi_squared < (1 - WORTH) * fit.chi_squared
+        f"{effects.text_of(name, step.amplitude)} in addition would reduce chi-squared per degree "
+        f"of freedom from {left:.3g} to {step.left * fit.chi_squared / (freedom - 1):.3g}; fit it "
+        f"with --also {name}"
+        for name, step in sorted(found.items(), key=lambda pair: pair[1].left)
+        if step.left < 1 - WORTH
     ]
     return lines or [NEITHER]
 
 
+class PlainEffects:
+    """Effects of surroundings on the readings of a fit, by plain solutions of the fitted skin.
+
+    The readings are the fitted ones times (Z with / Z without) to the power of the amplitude. The
+    unpressed skin and MAX_PRESSES presses count. Amplitude 1 is that of BODY, RIM or FINGER.
+    """
+
+    def __init__(self, fit: Fit) -> None:
+        self._fit, self._measured = fit, fit.spec.measurements
+        self.names = addable_effects(self._measured.scene)
+        presses = [each.press for each in self._measured.sweeps]
+        self._presses = list(dict.fromkeys(presses))[: MAX_PRESSES + 1]
+        self._used = np.array([press in self._presses for press in presses])
+        self._without = self._solved(self._measured.scene, {}, 0.0)
+        self._steps = LinearSteps(fit, self._used)
+
+    def best(self, name: str) -> Step:
+        """The amplitude that fits best, by secants, and the share of chi-squared it leaves."""
+        amplitude = 1.0
+        for _ in range(SECANTS):
+            change = self._change(name, amplitude) / amplitude
+            step = self._steps.step(change, 1 / FAR, FAR)
+            if step.left > 1 - WORTH or abs(step.amplitude / amplitude - 1) < CLOSE:
+                break
+            amplitude = step.amplitude
+        return step
+
+    def text_of(self, name: str, amplitude: float) -> str:
+        """Text of an effect of this amplitude."""
+        value = FINGER * amplitude if name == "finger" else math.log(amplitude)
+        return effect_text(with_effects(self._measured.scene, [name]), name, value)
+
+    def _change(self, name: str, amplitude: float) -> Complex:
+        """ln Z with the effect over that without, shape (sweep, interface, frequency)."""
+        scene = with_effects(self._measured.scene, [name])
+        finger = FINGER * amplitude if name == "finger" else 0.0
+        values = {} if name == "finger" else {name: math.log(amplitude)}
+        there = self._solved(scene, values, finger)
+        found = np.zeros((len(self._used), *self._measured.sweeps[0].Z.shape), dtype=complex)
+        for k in np.flatnonzero(self._used):
+            press = self._measured.sweeps[k].press
+            found[k] = np.log(there[press] / self._without[press])
+        return found
+
+    def _solved(
+        self, scene: Scene, values: Mapping[str, float], finger: float
+    ) -> dict[Press, Complex]:
+        """Readings of the fitted skin in a scene, by press. values: of effects."""
+        skin = fitted_scene(scene, {**self._fit.values, **values})
+        solver = Solver(skin, certificate_limit(self._fit.spec))
+        return {each: solver.solve(_with_finger(each, finger)).Z for each in self._presses}
+
+
+def _with_finger(press: Press, finger: float) -> Press:
+    """The press by fingers of this much more capacitance to earth, F."""
+    touches = (replace(touch, finger=touch.finger + finger) for touch in press.touches)
+    return Press(tuple(touches))
+
+
 def _too_weak(fit: Fit) -> bool:
-    """True if no effect can remove WORTH of chi-squared, so that no model of them is trained.
+    """True if no effect can remove WORTH of chi-squared, so that none is tried.
 
     A change d of residuals r removes at most 2 |r| |d|. Gains are always tried.
     """
@@ -142,7 +210,8 @@ def _too_weak(fit: Fit) -> bool:
     scene, Z = scene_with(measured.scene, fit.values), fit.problem.fitted(fit.u)
     touches = [len(each.press.touches) for each in measured.sweeps]
     most = np.stack([largest_changes(scene, *each) for each in zip(Z, touches, strict=True)])
-    return 2 * fit.problem.size_of(most) < WORTH * np.sqrt(fit.chi_squared)
+    strongest = float(np.linalg.norm(fit.problem.whitened(most + 1j * most)))
+    return 2 * strongest < WORTH * np.sqrt(fit.chi_squared)
 
 
 def largest_changes(scene: Scene, Z: Complex, touches: int) -> Real:

@@ -31,8 +31,10 @@ from .readers import (
     ReaderName,
     SeriesResistance,
     Source,
+    SourceScale,
     check_reader,
     checked_sources,
+    is_default,
 )
 
 MAX_CONTACTS = 200
@@ -222,11 +224,12 @@ class Interface(Table):
     between high and low, as a meter reads it; "multisine", the same at all frequencies at once, by
     the electronics of readout.multisine; "gain", the complex gain V / V_s of the node that high is,
     with a source V_s behind a series resistor between it and low. The reader is the same at all
-    interfaces. series_resistance: for gains, that of the resistor behind the source. load: for
-    gains, the input of the amplifier that reads the node. magnitude_only: for gains, true if |V /
-    V_s| is read and no phase; the same at all interfaces. driven_with: for gains, names of the
-    other interfaces whose sources are on at the same time, or tables of sources whose nodes are not
-    read; all low foils of sources that are on are tied together.
+    interfaces. series_resistance: for gains, that of the resistor behind the source. source_scale:
+    for gains, the voltage of the source over the one that readings are divided by; `calibrate`
+    fits it. load: for gains, the input of the amplifier that reads the node. magnitude_only: for
+    gains, true if |V / V_s| is read and no phase; the same at all interfaces. driven_with: for
+    gains, names of the other interfaces whose sources are on at the same time, or tables of sources
+    whose nodes are not read; all low foils of sources that are on are tied together.
     """
 
     name: Name
@@ -237,6 +240,7 @@ class Interface(Table):
     ) = None
     reader: ReaderName = "impedance"
     series_resistance: SeriesResistance | None = None
+    source_scale: SourceScale = 1.0
     load: Load | None = None
     magnitude_only: Annotated[bool, Strict()] = False
     driven_with: Annotated[tuple[Name | Source, ...], BeforeValidator(checked_sources)] = ()
@@ -248,12 +252,8 @@ class Interface(Table):
 
     @model_serializer(mode="wrap")
     def _keys_of_its_reader(self, everything: SerializerFunctionWrapHandler) -> dict[str, object]:
-        unset = {key for key in ("reader", *GAIN_KEYS) if _is_default(self, key)}
+        unset = {key for key in ("reader", *GAIN_KEYS) if is_default(self, key)}
         return {key: value for key, value in everything(self).items() if key not in unset}
-
-
-def _is_default(interface: Interface, key: str) -> bool:
-    return getattr(interface, key) == Interface.model_fields[key].default
 
 
 def taken(interfaces: Sequence[Interface], frequency: Real) -> Mask | None:

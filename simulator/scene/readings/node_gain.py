@@ -1,11 +1,11 @@
 """Gain at nodes behind series resistors, from impedances of the skin, with its derivatives.
 
-All sources have the voltage V_s against low. At node m, (V_s - V_m) / R_m = V_m Y_m + I_m with the
-input Y_m and the current I_m into the skin's terminal, which is behind leads: U = V - z I with z =
-R + j omega L, and I = Y' U with the leads' stray capacitance in Y' = Y + j omega C. With g_m = 1 /
-R_m and D = diag(g + Y_m) this is
+Source m has the voltage a_m V_s against low, with its scale a_m. At node m, (a_m V_s - V_m) / R_m =
+V_m Y_m + I_m with the input Y_m and the current I_m into the skin's terminal, which is behind
+leads: U = V - z I with z = R + j omega L, and I = Y' U with the leads' stray capacitance in Y' = Y
++ j omega C. With g_m = 1 / R_m and D = diag(g + Y_m) this is
 
-    (Y' + D + z Y' D) V = (1 + z Y') g V_s.
+    (Y' + D + z Y' D) V = (1 + z Y') g a V_s.
 
 The skin's Y between nodes follows from impedances between two terminals: Y_aa from node a against
 low and all other nodes, Y_aa + Y_bb + 2 Y_ab from a and b tied together.
@@ -87,40 +87,43 @@ class Nodes:
         Y = np.einsum("...fk,kab->...fab", Q, self._from_forms) + omega * leads.unguarded * one
         z = leads.resistance + omega * leads.inductance
         g = np.array([1 / source.series_resistance for source in self.sources])
+        a = np.array([source.source_scale for source in self.sources])
         inputs = np.stack([source.load.admittance(frequency) for source in self.sources], axis=-1)
         D = one * (g + inputs)[:, None]
         A = Y + D + z * (Y @ D)
-        V = np.linalg.solve(A, (g + (z * Y) @ g)[..., None])[..., 0]
+        V = np.linalg.solve(A, (g * a + (z * Y) @ (g * a))[..., None])[..., 0]
         w = np.linalg.solve(np.swapaxes(A, -1, -2), np.broadcast_to(one[:, :1], (*V.shape, 1)))
-        w, into = w[..., 0], (D @ V[..., None])[..., 0] - g
+        w, into = w[..., 0], (D @ V[..., None])[..., 0] - g * a
         U = V + z[..., 0] * into
         by_Q = -np.einsum("...fa,kab,...fb->...kf", w, self._from_forms, U)
         by_z = -np.einsum("...fa,...fab,...fb->...f", w, Y, into)
         by_stray = -omega[:, 0, 0] * (w * U).sum(axis=-1)
         of_node = w + z[..., 0] * (Y @ w[..., None])[..., 0]
-        by_series = (of_node * g * (V - 1)).sum(axis=-1)
+        by_series = (of_node * g * (V - a)).sum(axis=-1)
         by_input = -(of_node * V).sum(axis=-1)
+        gain = V[..., 0]
         return NodeGain(
-            V[..., 0],
+            gain,
             (-by_Q / Z**2).astype(np.complex128),
             {
                 "lead_resistance": by_z,
                 "lead_inductance": omega[:, 0, 0] * by_z,
                 "stray_capacitance": by_stray,
-                **reader_slopes(by_series, by_input, frequency, self.sources[0]),
+                **reader_slopes(gain, by_series, by_input, frequency, self.sources[0]),
             },
         )
 
 
 def reader_slopes(
-    by_series: Complex, by_input: Complex, frequency: Real, first: Source
+    gain: Complex, by_series: Complex, by_input: Complex, frequency: Real, first: Source
 ) -> dict[str, Complex]:
     """Derivatives by the reader's parameters, which are those of the first interface.
 
-    by_series: by the logarithm of all series resistors. by_input: by the admittance of all inputs,
-    1/S, shape (..., frequency).
+    gain: V / V_s. by_series: by the logarithm of all series resistors. by_input: by the admittance
+    of all inputs, 1/S, shape (..., frequency).
     """
     return {
+        "source_scale": gain / first.source_scale,
         "series_resistance": by_series / first.series_resistance,
         "load_capacitance": 2j * np.pi * frequency * by_input,
         "load_conductance": by_input,
@@ -133,15 +136,16 @@ def single_gain(
     """Gain at nodes that are driven one at a time, and its derivatives by Z, 1/ohm, and by the
     reader's parameters.
 
-    Z / (R + Z (1 + R Y_m)). Z: ohm, behind the leads, shape (..., interface, frequency). each:
+    a Z / (R + Z (1 + R Y_m)). Z: ohm, behind the leads, shape (..., interface, frequency). each:
     source of each interface.
     """
     R = np.array([source.series_resistance for source in each])[:, None]
+    a = np.array([source.source_scale for source in each])[:, None]
     inputs = np.stack([source.load.admittance(frequency) for source in each])
     below = R + Z * (1 + R * inputs)
-    by_series = -R * Z * (1 + Z * inputs) / below**2
-    by_reader = reader_slopes(by_series, -R * (Z / below) ** 2, frequency, each[0])
-    return Z / below, R / below**2, by_reader
+    gain, by_series = a * Z / below, -a * R * Z * (1 + Z * inputs) / below**2
+    by_reader = reader_slopes(gain, by_series, -a * R * (Z / below) ** 2, frequency, each[0])
+    return gain, a * R / below**2, by_reader
 
 
 @dataclass(frozen=True)

@@ -17,11 +17,14 @@ if TYPE_CHECKING:
     from .contacts import Interface
 
 ReaderName = Literal["impedance", "multisine", "gain"]
-GAIN_KEYS = ("series_resistance", "load", "magnitude_only", "driven_with")
+GAIN_KEYS = ("series_resistance", "source_scale", "load", "magnitude_only", "driven_with")
 """Keys of an interface that only a reader of gains has."""
 
 SeriesResistance = Annotated[
     Number, within(1e-3, 1e12, "ohm", "a node without series resistor reads its own source")
+]
+SourceScale = Annotated[
+    Number, within(1e-6, 1e6, "(relative)", "beyond a millionth the source has another unit")
 ]
 LoadResistance = Annotated[
     Number, within(1e-3, 1e15, "ohm", "an input of 0 ohm shorts the node; leave it out for none")
@@ -47,12 +50,13 @@ class Load(Table):
 class Source(Table):
     """A source that is on while another node is read; its own node need not be an interface.
 
-    high, low: foils as of an interface. series_resistance, load: as of an interface.
+    high, low: foils as of an interface. series_resistance, source_scale, load: as of an interface.
     """
 
     high: Annotated[tuple[str, ...], Field(min_length=1)]
     low: tuple[str, ...] = ()
     series_resistance: SeriesResistance
+    source_scale: SourceScale = 1.0
     load: Load = Load()
 
 
@@ -73,8 +77,13 @@ def check_reader(interface: Interface) -> None:
             )
         return
     for key in GAIN_KEYS:
-        if getattr(interface, key):
+        if not is_default(interface, key):
             raise ValueError(f'takes {key} with reader = "gain" only')
+
+
+def is_default(interface: Interface, key: str) -> bool:
+    """True if a key of an interface has its default."""
+    return getattr(interface, key) == type(interface).model_fields[key].default
 
 
 def sources(interface: Interface, interfaces: Sequence[Interface]) -> list[Source]:
@@ -104,6 +113,7 @@ def own_source(interface: Interface) -> Source:
         high=interface.high,
         low=interface.low,
         series_resistance=interface.series_resistance,
+        source_scale=interface.source_scale,
         load=interface.load or Load(),
     )
 

@@ -53,21 +53,23 @@ def examine_gains(
     tolerance: float = TOLERANCE,
     *,
     single_source: bool = True,
+    source_scale: float = 1.0,
     profiles: Mapping[str, Real] = NO_PROFILES,
 ) -> list[Verdict]:
     """Checks every spectrum of gains; phases are checked only where they are known.
 
     single_source: True if one source is on at a time, and nothing but the skin and the input takes
-    its current; otherwise no law applies. The others: see `examine`. Raises InputError as it does.
+    its current; otherwise no law applies. source_scale: largest voltage of a source over V_s. The
+    others: see `examine`. Raises InputError as it does.
     """
     if kind_of(sweeps.variables) is not GAIN:
-        return list(_of_magnitudes(sweeps, noise, tolerance, single_source, profiles))
+        return list(_of_magnitudes(sweeps, noise, tolerance, single_source, source_scale, profiles))
     as_impedances = _as_impedances(sweeps)
     found = examine(as_impedances, noise, tolerance, two_terminal=single_source, profiles=profiles)
     if not single_source:
         return [replace(each, broken=()) for each in found]
     limit = _limit(sweeps, noise)
-    return [_with_gain_laws(each, limit) for each in found]
+    return [_with_gain_laws(each, limit, source_scale) for each in found]
 
 
 def _as_impedances(sweeps: xr.Dataset) -> xr.Dataset:
@@ -78,10 +80,10 @@ def _as_impedances(sweeps: xr.Dataset) -> xr.Dataset:
     return build(G, f, **labels, taken=taken_of(sweeps))
 
 
-def _with_gain_laws(verdict: Verdict, limit: float) -> Verdict:
+def _with_gain_laws(verdict: Verdict, limit: float, source_scale: float) -> Verdict:
     renamed = (replace(each, law=NAMES.get(each.law, each.law)) for each in verdict.broken)
     spectrum = verdict.spectrum
-    above = np.abs(spectrum.Z) > 1 + limit * verdict.noise
+    above = np.abs(spectrum.Z) > source_scale * (1 + limit * verdict.noise)
     own = _violations(verdict.sweep, verdict.interface, spectrum.frequency, {AT_MOST_ONE: above})
     return replace(verdict, broken=(*renamed, *own))
 
@@ -91,6 +93,7 @@ def _of_magnitudes(
     noise: float | None,
     tolerance: float,
     single_source: bool,
+    source_scale: float,
     profiles: Mapping[str, Real],
 ) -> Iterator[Verdict]:
     """Verdicts on magnitudes alone."""
@@ -110,7 +113,7 @@ def _of_magnitudes(
         allowed = limit * spread
         for sweep, own in enumerate(gains):
             laws = {
-                AT_MOST_ONE: own > 1 + allowed,
+                AT_MOST_ONE: own > source_scale * (1 + allowed),
                 NOT_INCREASING: deviates_from_decreasing(logarithms[sweep], allowed + 1e-12),
             }
             nothing = np.zeros(len(f), dtype=np.bool_)

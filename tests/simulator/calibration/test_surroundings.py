@@ -25,6 +25,7 @@ FEW = {"sweep.frequencies": np.geomspace(2e3, 2e5, 5).tolist()}
 TWINS = {
     "body": {"surroundings": {"body": {"distance": 6e-3}}},
     "finger": {"surroundings": {}, "press.finger": 5.3e-12},
+    "rim": {"surroundings": {"rim": dict.fromkeys(RIMS, 12e-12)}},
     "sheet": {"skin.top.sheet_resistance": 65e3},
     "body and rim": {
         "surroundings": {"body": {"distance": 6e-3}, "rim": dict.fromkeys(RIMS, 12e-12)}
@@ -121,12 +122,25 @@ def test_what_surrounds_a_skin_and_cannot_be_tried_is_a_remark(scene, twins, mon
     assert causes.together == () and len(causes.alone) > 3
 
 
-def test_a_calibration_says_what_an_effect_would_gain(scene, model, twins):
-    found = calibrate(scene, twins["body"], Options(fit=("stray_capacitance",)))
-    assert found.chi_squared > 10
+@pytest.mark.parametrize(
+    ("twin", "words", "truth"),
+    [
+        ("body", "a body at about ([0-9.]+) mm", 6.0),
+        ("rim", "a rim of about ([0-9.]+) pF/m", 12.0),
+        ("finger", "a finger of about ([0-9.]+) pF", 5.3),
+    ],
+)
+def test_a_calibration_says_what_surrounds_a_twin_without_a_trained_model(
+    scene, twins, monkeypatch, twin, words, truth
+):
+    monkeypatch.setattr(surroundings_trials, "centered_model", None)
+    found = calibrate(scene, twins[twin], Options(fit=("stray_capacitance",)))
+    assert found.chi_squared > 5
     (gained, *_) = [line for line in found.remarks if "--also" in line]
-    assert re.match(r"a body at about (5\.9|6|6\.1) mm in addition would reduce ", gained)
-    assert gained.endswith("; fit it with --also body")
+    told = re.match(words + " in addition would reduce chi-squared .* to ([0-9.]+); fit", gained)
+    assert float(told[1]) == pytest.approx(truth, rel=0.05)
+    assert float(told[2]) == pytest.approx(1, abs=0.7)
+    assert gained.endswith(f"; fit it with --also {twin}")
     assert found.scene.surroundings is None
 
 
@@ -161,7 +175,7 @@ def test_effects_under_the_noise_are_not_tried(scene, monkeypatch):
     )
     twin = heavy.with_({"skin.foam.phase_exponent": 0.9})
     sweeps = simulate(Solver(twin, 1e-4), [press_on(twin, press) for press in REST])
-    monkeypatch.setattr(surroundings_trials, "Trials", None)
+    monkeypatch.setattr(surroundings_trials, "PlainEffects", None)
     found = calibrate(heavy, sweeps, Options(fit=("capacitance",)))
     assert found.chi_squared > 2
     assert any("would change these readings by far less" in line for line in found.remarks)
@@ -232,7 +246,7 @@ def test_intervals_hold_the_truth(scene, model):
         (
             None,
             "bodies",
-            "`also` must be one of body, rim, finger, leak, series_resistance, .*'bodies'",
+            "`also` must be one of body, rim, finger, leak, source_scale, .*'bodies'",
         ),
         (
             None,
