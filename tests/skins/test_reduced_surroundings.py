@@ -152,7 +152,7 @@ def test_fingers_press_by_depth(deep):
     assert (off <= estimated + RTOL).all()
     assert estimated.max() <= ROUGH
     up, down = (1 / own.sweep(cells, rises + sign * 1e-14 * (cells > 1)) for sign in (1, -1))
-    by_finger = sensitivity(own, cells, rises, own.s).by_finger
+    by_finger = sensitivity(own, cells, rises, own.reduced.frequency).by_finger
     assert by_finger == pytest.approx((up - down) / 2e-14, rel=1e-5)
 
 
