@@ -23,6 +23,7 @@ SPREAD, MIN_REACH = 3.0, 0.03
 MAX_NODES = 24
 ROUGHEST = 1e-7
 """Largest error: slopes of the interpolation by the loss are then those of the skin."""
+ROUNDING = 1e-14
 NEAR = np.exp(1j * np.pi / 3)
 """Place x up to which an admittance is taken as analytic: beyond, its p has no positive real part.
 """
@@ -60,16 +61,37 @@ def air_factor(frequency: ArrayLike, loss: Loss) -> Complex:
     return (1j * omega / laplace_variable(frequency, loss)).astype(np.complex128)
 
 
-def air_nodes(frequency: Real, loss: Loss, rtol: float) -> AirNodes:
-    """Fewest nodes that interpolate Rs and Cp within rtol at frequencies in Hz.
+class Nodes(NamedTuple):
+    """Places x = (p - mean) / (p + mean) of real factors p, shape (node,), and their reach."""
 
-    With x = (p - m) / (p + m), m a mean of |p|, an admittance is analytic for |x| < 1. That bounds
-    the error of a polynomial in x. Rs may be all loss, so errors count over |x|.
-    Raises ToleranceError if MAX_NODES do not suffice, because the foam conducts too much.
-    """
+    places: Real
+    mean: float
+    reach: float
+
+    @property
+    def factors(self) -> Real:
+        """The factors p."""
+        return self.mean * (1 + self.places) / (1 - self.places)
+
+
+def air_nodes(frequency: Real, loss: Loss, rtol: float) -> AirNodes:
+    """Nodes that interpolate Rs and Cp within rtol at frequencies in Hz, see `nodes_of`."""
     if loss == LOSSLESS:
         return LOSSLESS_FOAM
     p = air_factor(frequency, loss)
+    nodes = nodes_of(p, rtol)
+    weights = _weights(nodes.places, (p - nodes.mean) / (p + nodes.mean))
+    precision = min(nodes.reach, 1.0) / float(np.abs(weights).sum(axis=0).max())
+    return AirNodes(nodes.factors, weights, precision)
+
+
+def nodes_of(p: Complex, rtol: float) -> Nodes:
+    """Fewest nodes that interpolate Rs and Cp within rtol, or ROUGHEST, at all factors p.
+
+    With x = (p - m) / (p + m), m a mean of |p|, an admittance is analytic for |x| < 1. That bounds
+    the error of a polynomial in x. Rs may be all loss, so errors count over |x|. Raises
+    ToleranceError if MAX_NODES do not suffice, because the foam conducts too much.
+    """
     mean = float(np.sqrt(np.abs(p).min() * np.abs(p).max()))
     x = (p - mean) / (p + mean)
     farthest = float(np.abs(x).max())
@@ -77,10 +99,8 @@ def air_nodes(frequency: Real, loss: Loss, rtol: float) -> AirNodes:
     for count in range(2, MAX_NODES + 1):
         nodes = reach * np.cos(np.pi * (np.arange(count) + 0.5) / count)
         left = np.abs(x[:, None] - nodes).prod(axis=1).max() / np.abs(NEAR - nodes).prod()
-        if left <= min(rtol, ROUGHEST) * farthest:
-            weights = _weights(nodes, x)
-            precision = min(reach, 1.0) / float(np.abs(weights).sum(axis=0).max())
-            return AirNodes(mean * (1 + nodes) / (1 - nodes), weights, precision)
+        if left <= min(rtol, ROUGHEST) * farthest + ROUNDING:
+            return Nodes(nodes, mean, reach)
     raise ToleranceError(
         "the foam conducts too much for a reduced model with [surroundings], whose air does not: "
         "give a smaller loss, or a phase_exponent nearer to 1"
