@@ -76,12 +76,11 @@ def images(
     layer below begins at z = 0, that above at the thickness of the foam. size: longest distance on
     the skin, m. Thickness and size count between two planes only.
     """
-    at_bottom = [(-1.0, -depth, weight) for depth, weight in _series(below)] if below else []
-    at_top = [(-1.0, 2 * thickness + c, weight) for c, weight in _series(above)] if above else []
-    if below is None or above is None:
-        return np.array([ITSELF, *at_bottom, *at_top])
-    once = [*_whole(at_bottom), *_whole(at_top)]
-    return np.array([ITSELF, *once, *_further(once, below, above, thickness, size)])
+    once = [(-1.0, -depth, weight) for depth, weight in _series(below)] if below else []
+    if above:
+        once += [(-1.0, 2 * thickness + depth, weight) for depth, weight in _series(above)]
+    further = _further(once, below, above, thickness, size) if below and above else []
+    return np.array([ITSELF, *once, *further])
 
 
 def _further(
@@ -116,21 +115,19 @@ def _behind(depth: float, weight: float, images: list[Image]) -> list[Image]:
     ]
 
 
-def _whole(images: list[Image]) -> list[Image]:
-    """Images by one plane whose weights sum up to -1, so that those by two have no charge."""
-    *others, (sign, shift, weight) = images
-    return [*others, (sign, shift, weight - 1 - sum(own for _, _, own in images))]
-
-
 def _series(layer: Layer) -> list[tuple[float, float]]:
-    """Depth in m behind a layer's begin, and weight, of each image by one plane."""
+    """Depth in m behind a layer's begin, and weight, of each image by one plane.
+
+    The last one has the weights of those that are left out: all have the charge -1.
+    """
     b = layer.step
     found = [(0.0, -b)] if b else []
     weight, depth = b * b - 1, 2 * layer.thickness
     while abs(weight) > MIN_IMAGE_WEIGHT:
         found.append((depth, weight))
         weight, depth = -b * weight, depth + 2 * layer.thickness
-    return found
+    depth, weight = found[-1]
+    return [*found[:-1], (depth, weight - 1 - sum(own for _, own in found))]
 
 
 def _fitted(below: Layer, above: Layer, thickness: float, step: float) -> list[tuple[float, float]]:
