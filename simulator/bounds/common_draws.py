@@ -17,7 +17,6 @@ from ..method_cache import cached_method
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.batch import NOTHING, PressBatch
 from ..scene.draws.draw_distributions import AnyDistribution
-from ..scene.frequency import laplace_variable
 from ..scene.readings.reading_setup import ReadingSetup
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -82,8 +81,7 @@ class CommonDraws:
         """Whitened readings of all hypotheses at all nodes, (hypothesis, combination, number)."""
 
         def impedances(batch: PressBatch) -> Complex:
-            Z = skin.sweeps(batch, laplace_variable(reading.frequency, skin.loss))
-            return reading.at_meter(Z)
+            return reading.at_meter(skin.sweeps(batch, reading.frequency))
 
         model = errors_of(
             self._scene,

@@ -27,7 +27,6 @@ from ..press.touch import Place, Rectangle, Touch
 from ..press.walls import require_no_walls
 from ..progress import ProgressCallback, silent, tracked
 from ..scene.draws.draw_distributions import AnyDistribution
-from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.free_space import check_memory
@@ -265,9 +264,7 @@ class TouchReadings:
 
     def _impedances(self, batch: PressBatch) -> Complex:
         """Readings of presses of the model's cells, shape (press, interface, frequency)."""
-        frequency = self.scene.frequencies
-        s = laplace_variable(frequency, self.scene.skin.foam.loss)
-        Z = self._reduced.skin(None).sweeps(batch, s)
+        Z = self._reduced.skin(None).sweeps(batch, self.scene.frequencies)
         return self.scene.reading.at_meter(Z)
 
     def _rasterized(self, batch: PressBatch) -> PressBatch:

@@ -12,7 +12,6 @@ from ..models.network.network_skin import NetworkSkin
 from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.batch import NOTHING, PressBatch
-from ..scene.frequency import laplace_variable
 from ..scene.readings.contacts import Interface
 from ..scene.readings.reading_setup import ReadingSetup
 from ..scene.scene import Scene
@@ -62,8 +61,7 @@ class SkinReadout:
 
     def _impedances(self, batch: PressBatch, frequency: Real) -> Complex:
         """Z in ohm at the meter, shape (press, reading, frequency)."""
-        s = laplace_variable(frequency, self.skin.loss)
-        network = NetworkSkin(self.skin, s)
+        network = NetworkSkin(self.skin, frequency)
         Y = network.admittances(batch)
         Z = network.impedances(network.wiring(self._readings), Y)
         return self.reading(frequency).at_meter(Z)

@@ -28,7 +28,14 @@ from ..scene.scene import Scene
 from ..sweeps import InputError
 from .admittance_forms import AdmittanceForms, AllowedPotentials, Terminals
 from .meter_tensors import at_meter, quantities
-from .skin_tensors import all_tensors, check_names, known_values, skin_of
+from .skin_tensors import (
+    SkinTensors,
+    air_weights,
+    all_tensors,
+    check_names,
+    known_values,
+    skin_of,
+)
 
 ROUNDING = 1e-5
 """Relative distance beyond the range of the training that is taken as rounding."""
@@ -138,10 +145,23 @@ class SkinModule(nn.Module):
         self._check_reach(values, f)
         change = skin.weights(self.reduced) - self.nominal_weights
         K = self.conductance + torch.tensordot(change, self.stiffness, dims=1)
-        M = torch.tensordot(skin.amounts(self.parts, rises), self.masses, dims=1)
-        Q = AdmittanceForms.apply(K, M, skin.s(f), self._terminals())
+        Q = self._forms(skin, K, skin.amounts(self.parts, rises), f)
         Z = 1 / torch.einsum("ie,pef->pif", self.combination.to(Q.dtype), Q)
         return at_meter(Z, f, self.scene.reading, values)
+
+    def _forms(self, skin: SkinTensors, K: Tensor, amounts: Tensor, f: Tensor) -> Tensor:
+        """Q of each excitation, (press, excitation, frequency); only the foam has its loss."""
+        s, in_air = skin.s(f), torch.as_tensor(self.parts.in_air, device=f.device)
+        if not self.parts.in_air.any():
+            M = torch.tensordot(amounts, self.masses, dims=1)
+            return AdmittanceForms.apply(K, M, s, self._terminals())
+        factors, weights = air_weights(s, f)
+        found = []
+        for factor, weight in zip(factors, weights, strict=True):
+            M = torch.tensordot(torch.where(in_air, factor * amounts, amounts), self.masses, dims=1)
+            Q = AdmittanceForms.apply(K, M, s, self._terminals())
+            found.append(weight[:, None] * Q)
+        return torch.stack(found).sum(dim=0)
 
     def quantities(self, reading: Tensor, frequency: Tensor | None = None) -> dict[str, Tensor]:
         """Rs in ohm, X in ohm and Cp in F of readings, or gain and gain_phase, by name.
@@ -173,12 +193,11 @@ class SkinModule(nn.Module):
         values = self._tensors(given or {}, len(rises), rises)
         skin = skin_of(self.reduced, values)
         self._check_reach(values, self.frequency)
-        s, found = skin.s(self.frequency), []
+        found = []
         for press, row in enumerate(rises.detach().cpu().double().numpy()):
             own = self.reduced.skin(skin.variation(self.reduced.scene, press))
             cells = np.flatnonzero(row)
-            each = s[min(press, len(s) - 1)].detach().cpu().to(torch.complex128).numpy()
-            bound = float(own.certificate(cells, row[cells], each).max())
+            bound = float(own.certificate(cells, row[cells], self.scene.frequencies).max())
             found.append(bound + self.reduced.mesh_error)
         return found
 

@@ -24,6 +24,7 @@ from ..models.parameters import (
 from ..models.reduced.families.family import resistive
 from ..models.reduced.reduced_model import Reduced
 from ..press.parts import Parts, foam_parts
+from ..scene.air_nodes import ROUGHEST, nodes_of
 from ..scene.frequency import REFERENCE, Loss
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -102,6 +103,23 @@ class SkinTensors:
             float(one(self.body)[0]),
             float(one(self.rim)[0]),
         )
+
+
+def air_weights(s: Tensor, frequency: Tensor) -> tuple[list[float], Tensor]:
+    """Factors on the capacitance in air, and weights of their answers, see `scene.air_nodes`.
+
+    The weights have the shape (node, skin, frequency) and gradients by the losses in s. Raises
+    ToleranceError as `air_nodes` does.
+    """
+    p = 2j * math.pi * frequency / s
+    nodes = nodes_of(p.detach().cpu().to(torch.complex128).numpy().ravel(), ROUGHEST)
+    x, weights = (p - nodes.mean) / (p + nodes.mean), []
+    for k, node in enumerate(nodes.places.tolist()):
+        weight = torch.ones_like(x)
+        for other in np.delete(nodes.places, k).tolist():
+            weight = weight * (x - other) / (node - other)
+        weights.append(weight)
+    return nodes.factors.tolist(), torch.stack(weights)
 
 
 def _joined(each: list[Tensor]) -> Tensor:

@@ -149,6 +149,11 @@ class Galerkin:
         mass = self.restricted(mass)
         return self.spread(potentials(self.driven(excitation), mass, self._shifted(s, mass), s))
 
+    def form(self, mass: Mass, excitation: Excitation, s: complex) -> complex:
+        """Q in S of an excitation at s in rad/s, real or complex. mass: M in F, real or complex."""
+        driven, u = self.driven(excitation), self.own(self.potentials(mass, excitation, s))
+        return driven.conductance + s * (self.restricted(mass) @ driven.potential) @ u
+
     def potentials_by(self, steps: Steps, mass: Mass, excitation: Excitation, s: Real) -> Real:
         """Potentials at real s >= 0 from the Lanczos steps of a sweep; shape (..., s)."""
         at_zero = Unshifted(self.driven(excitation), self.restricted(mass)).potential

@@ -25,7 +25,6 @@ from ..press.walls import require_no_walls
 from ..progress import ProgressCallback, silent, tracked
 from ..scene.draws.draw_distributions import AnyDistribution, truncated_normal
 from ..scene.draws.randomisation import CUT
-from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene
 from ..sweeps import InputError
 
@@ -112,9 +111,7 @@ class RandomPresses:
 
     def _impedances(self, batch: PressBatch) -> Complex:
         """Z in ohm at the meter, shape (press, interface, frequency)."""
-        frequency = self.scene.frequencies
-        s = laplace_variable(frequency, self.scene.skin.foam.loss)
-        return self.scene.reading.at_meter(self._skin.sweeps(batch, s))
+        return self.scene.reading.at_meter(self._skin.sweeps(batch, self.scene.frequencies))
 
     @cached_property
     def _model(self) -> ErrorModel:

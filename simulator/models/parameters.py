@@ -34,7 +34,7 @@ class Variation:
     (contact,); without effect at ideal contacts. capacitance: of the unpressed foam over nominal,
     shape (rows, columns). loss: the loss itself, not a factor. beyond_pixels: capacitance over
     nominal of foam beyond all pixels. body, rim: capacitance of all bodies and along the outline
-    over nominal.
+    over nominal. air: factor on these and on fingers, see `scene.air_nodes`.
     """
 
     top: Real
@@ -45,18 +45,21 @@ class Variation:
     beyond_pixels: float = 1.0
     body: float = 1.0
     rim: float = 1.0
+    air: float = 1.0
 
     def foam(self, scene: Scene) -> Real:
         """Factors on the capacitance of each part, shape (part,), see `foam_parts`."""
         return of_parts(scene, np.asarray(self.capacitance, dtype=np.float64), self.beyond_pixels)
 
     def factors(self, scene: Scene) -> Real:
-        """Factors on each part of M, shape (part,), see `Parts`; 1 for a finger."""
+        """Factors on each part of M, shape (part,), see `Parts`; `air` for a finger."""
         parts, foam = parts_of(scene), self.foam(scene)
         fixed = [1.0 if name == SOLVED else getattr(self, name) for name in parts.fixed]
         across = foam if parts.thickness else foam[:0]
         walls = foam[parts.walls.pairs].mean(axis=1)
-        return np.concatenate([foam, np.ones(parts.fingers), across, walls, fixed])
+        found = np.concatenate([foam, np.ones(parts.fingers), across, walls, fixed])
+        found[parts.in_air] *= self.air
+        return found
 
     @property
     def same_sheets(self) -> bool:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ..arrays import Complex, Integer, Real
 from ..press.press import Press, check_fingers
 from ..progress import ProgressCallback, silent
+from ..scene.air_nodes import air_factor
 from ..scene.frequency import laplace_variable
 from ..scene.scene import Scene, checked_interface, interface_names
 from .heterogeneous.coefficients import ELECTRODES, PressCoefficients
@@ -67,11 +68,11 @@ def fields(
     excitation = interface_names(scene).index(checked_interface(interface, scene))
     discretised, Z = _resolved(scene, press, frequency, rtol, progress)
     sampler = Sampler(scene, discretised)
-    s = laplace_variable(frequency, scene.skin.foam.loss)
-    found = []
-    for k, each in enumerate(s):
-        progress(f"fields, frequencies: {s.size}", k / s.size)
-        found.append(_at(discretised, sampler, excitation, complex(each)))
+    loss, found = scene.skin.foam.loss, []
+    s, air = laplace_variable(frequency, loss).tolist(), air_factor(frequency, loss).tolist()
+    for k, each in enumerate(zip(s, air, strict=True)):
+        progress(f"fields, frequencies: {len(s)}", k / len(s))
+        found.append(_at(discretised, sampler, excitation, *each))
     potential, current, power, rises = zip(*found, strict=True)
     by_rise = np.stack(rises)
     x, coefficients = sampler.surface.x, discretised.coefficients
@@ -118,18 +119,18 @@ def _resolved(
 
 
 def _at(
-    discretised: Discretised, sampler: Sampler, interface: int, s: complex
+    discretised: Discretised, sampler: Sampler, interface: int, s: complex, air: complex
 ) -> tuple[Complex, Complex, Real, Complex]:
     """Potential, current, power, and the change of Y in S per m² of doubled capacitance.
 
-    The excitations of an interface add up to high at 1 V, and the low terminal at 0 V.
+    The excitations of an interface add up to high at 1 V, and the low terminal at 0 V. air: factor
+    on the capacitance in air.
     """
     x, coefficients = sampler.surface.x, discretised.coefficients
     combined = discretised.circuit.combination
     group, weights = combined.groups[interface], combined.weights[interface]
-    sampled = [
-        map(coefficients.of_both_sheets, sampler.sampled(excitation, s)) for excitation in group
-    ]
+    each = (sampler.sampled(excitation, s, air) for excitation in group)
+    sampled = [map(coefficients.of_both_sheets, own) for own in each]
     potentials, slopes = (np.stack(each) for each in zip(*sampled, strict=True))
     potential, slope = potentials.sum(axis=0), slopes.sum(axis=0)
     across = potentials[:, 0] - potentials[:, 1]

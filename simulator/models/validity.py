@@ -13,7 +13,6 @@ import math
 
 from ..scene.extent import perimeter, surface
 from ..scene.foam.foam import ASSUMED_PERMITTIVITY, VACUUM_PERMITTIVITY
-from ..scene.frequency import LOSSLESS
 from ..scene.scene import Scene
 
 LATERAL_LIMIT, FRINGE_LIMIT = 0.01, 0.1
@@ -73,7 +72,6 @@ def warnings(scene: Scene) -> list[str]:
         None if around and around.thickness else _lateral(scene),
         None if around and (around.rim is not False or around.solved) else _fringe(scene),
         _pixels(scene),
-        _loss(scene),
     ]
     return [line for line in checks if line is not None]
 
@@ -124,16 +122,6 @@ def _pixels(scene: Scene) -> str | None:
     return (
         f"pixels of {1e3 * pixel:.2g} mm are less than {PIXEL_LIMIT:g} times the foam's "
         f"{describe_thickness(scene)}: the edge of a press is not as sharp as modelled"
-    )
-
-
-def _loss(scene: Scene) -> str | None:
-    """Warning that one s multiplies all capacitance: surroundings have the loss of the foam."""
-    if scene.surroundings is None or scene.skin.foam.loss == LOSSLESS:
-        return None
-    return (
-        "[surroundings] has the loss of the foam, too: air, bodies and fingers are assumed to be "
-        "as lossy as the foam"
     )
 
 

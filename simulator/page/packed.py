@@ -25,7 +25,6 @@ from ..press.finger import PERSON, touched_area
 from ..press.parts import Parts, parts_of
 from ..press.touch import Touch
 from ..progress import ProgressCallback, silent
-from ..scene.frequency import laplace_variable
 from ..scene.readout.meter import Readout
 from ..scene.scene import Scene
 from ..scene.scene_files import scene_text
@@ -181,7 +180,7 @@ def _readout(scene: Scene, skin: ReducedSkin) -> Readout:
     frequency = scene.frequencies
     if scene.readout.uniform:
         return scene.readout
-    Z = skin.sweeps(PressBatch.of([NOTHING]), laplace_variable(frequency, skin.loss))
+    Z = skin.sweeps(PressBatch.of([NOTHING]), frequency)
     return flattened(scene.readout, scene.leads.at_meter(Z, frequency), frequency)
 
 

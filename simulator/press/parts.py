@@ -67,6 +67,13 @@ class Parts:
         """True if there are parts other than the foam's."""
         return self.count > self.foam
 
+    @cached_property
+    def in_air(self) -> Mask:
+        """True for fingers, bodies and the rim, which lack the foam's loss, shape (part,)."""
+        found = np.zeros(self.count, dtype=bool)
+        found[self.kind[1]] = found[self.touched :] = True
+        return found
+
     def finger(self, pixel: Integer) -> Integer:
         """Part of a finger on a pixel, counted row by row from 0."""
         return self.foam + pixel

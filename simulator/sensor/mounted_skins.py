@@ -114,10 +114,14 @@ class MountedSkins:
         batch = PressBatch._make(map(np.ascontiguousarray, followed))
         s = np.ascontiguousarray(stack.s[:, frequencies])
         numbers = range(len(stack.excitations)) if chosen is None else chosen
+        entries, rows = stack.entries(skins)
         Y: list[Complex] = [
-            self._kernel(stack.mass, stack.excitations[k], skins, presses, batch, s)
+            self._kernel(stack.mass, stack.excitations[k], entries, presses[rows], batch, s)
             for k in numbers
         ]
+        if len(rows) > len(skins):
+            weights, first = stack.weights[entries][:, frequencies], np.unique(rows, True)[1]
+            Y = [np.add.reduceat(weights * own, first) for own in Y]
         if chosen is None:
             Y = [*self._skins[0].combination.admittance(np.stack(Y))]
         return 1 / (np.stack(Y, axis=1) if len(Y) > 1 else Y[0][:, None])

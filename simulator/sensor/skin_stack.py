@@ -7,7 +7,7 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from ..arrays import Complex, Real
+from ..arrays import Complex, Integer, Real
 from ..models.reduced.reduced_skin import ReducedSkin
 
 
@@ -36,20 +36,30 @@ class StackedExcitation(NamedTuple):
 
 
 class SkinStack(NamedTuple):
-    """Skins of a batch. s: rad/s, shape (skin, frequency)."""
+    """Skins of a batch, each with all its factors on air, see `ReducedSkin.with_air`.
+
+    s: rad/s, shape (entry, frequency). weights: of the answers of a skin's entries, shape (entry,
+    frequency). starts: first entry of each skin, then the number of entries.
+    """
 
     mass: StackedMass
     excitations: tuple[StackedExcitation, ...]
     s: Complex
+    weights: Complex
+    starts: Integer
 
     @classmethod
     def of(cls, skins: Sequence[ReducedSkin]) -> Self:
         """Arrays of some skins of one family."""
+        nodes = [skin.with_air(skin.reduced.frequency) for skin in skins]
+        starts = np.cumsum([0, *(len(own) for _, own in nodes)])
+        precision = np.repeat([air.precision for air, _ in nodes], np.diff(starts))
+        skins = [skin for _, own in nodes for skin in own]
         masses = [skin.aligned_mass for skin in skins]
         rows, diagonal, factors = (np.stack(each) for each in zip(*masses, strict=True))
         touched = skins[0].parts.touched
         own = np.stack([skin.unpressed_factors[:touched] for skin in skins])
-        rtol = np.array([skin.lanczos_rtol for skin in skins])
+        rtol = precision * [skin.lanczos_rtol for skin in skins]
         excitations = tuple(
             StackedExcitation(
                 np.array([one.conductance for one in each]),
@@ -61,4 +71,13 @@ class SkinStack(NamedTuple):
             for each in zip(*(skin.dense_excitations for skin in skins), strict=True)
         )
         s = np.stack([skin.s for skin in skins]).astype(np.complex128)
-        return cls(StackedMass(rows, diagonal, factors, own, rtol), excitations, s)
+        each = [np.broadcast_to(air.weights, (len(own), s.shape[1])) for air, own in nodes]
+        mass = StackedMass(rows, diagonal, factors, own, rtol)
+        return cls(mass, excitations, s, np.concatenate(each), starts)
+
+    def entries(self, skins: Integer) -> tuple[Integer, Integer]:
+        """Entries of some skins, and the row of each among them."""
+        counts = np.diff(self.starts)[skins]
+        rows = np.repeat(np.arange(len(skins)), counts)
+        first = np.cumsum(counts) - counts
+        return self.starts[skins][rows] + np.arange(len(rows)) - first[rows], rows

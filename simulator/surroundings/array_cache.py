@@ -16,7 +16,7 @@ import platformdirs
 
 from ..arrays import Real
 
-VERSION = 1
+VERSION = 2
 """Version of the computation: a higher one ignores everything cached before."""
 
 

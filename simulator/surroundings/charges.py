@@ -23,19 +23,24 @@ from scipy.linalg import solve
 
 from ..arrays import Real
 from ..scene.foam.foam import VACUUM_PERMITTIVITY
-from .influence_kernel import fill_influence
+from .influence_kernel import fill_far_influence, fill_influence
 from .panels import PanelBlock
 from .reflections import Layer, images
 
+FAR = 3.0
+"""Distance of far images between two planes over the widest panel."""
 
-def capacitances(block: PanelBlock, layer: Layer | None, permittivity: float) -> Real:
+
+def capacitances(
+    block: PanelBlock, below: Layer | None, permittivity: float, above: Layer | None = None
+) -> Real:
     """Charges of the sheets by their potentials, F, shape (2, 2), bottom sheet first.
 
-    layer: that towards a plane below. permittivity: relative, of the foam.
+    below, above: layers towards planes on either side. permittivity: relative, of the foam.
     """
     height = block.points[:, 2] / block.thickness
     psi = np.stack([1 - height, height], axis=1)
-    both_sheets = influence(block, layer).sum(axis=1)
+    both_sheets = influence(block, below, above).sum(axis=1)
     charge = block.areas[:, None] * sigma(block, both_sheets, permittivity, psi)
     local = block.area / block.thickness * np.array([[1.0, -1.0], [-1.0, 1.0]])
     whole = len(block.mirrors) * psi.T @ charge + (permittivity - 1) * local
@@ -57,7 +62,7 @@ def sigma(block: PanelBlock, influence: Real, permittivity: float, potentials: R
     return solve(system, driven, overwrite_a=True, overwrite_b=True)
 
 
-def influence(block: PanelBlock, layer: Layer | None) -> Real:
+def influence(block: PanelBlock, below: Layer | None, above: Layer | None = None) -> Real:
     """Potentials, m, and fields out of the foam by sigma of each panel.
 
     Shape (2, part, panel, panel): at the middles of the panels of the bottom sheet, of the top one
@@ -66,9 +71,14 @@ def influence(block: PanelBlock, layer: Layer | None) -> Real:
     """
     points = block.points
     found = np.zeros((2, len(block.mirrors), len(points), len(points)))  # by panel, then point
+    along_z = images(below, above, block.thickness, block.size)
+    far = np.abs(along_z[:, 1]) > FAR * np.ptp(block.corners, axis=1).max()
+    far &= below is not None and above is not None
     for part, (sx, sy, dx, dy) in enumerate(block.mirrors):
-        mirrored = np.array([(sx, sy, sz, dx, dy, dz, weight) for sz, dz, weight in images(layer)])
-        potential, slope = found[:, part].transpose(0, 2, 1)
-        fill_influence(points, block.normals, block.corners, mirrored, potential, slope)
+        mirrored = np.array([(sx, sy, sz, dx, dy, dz, weight) for sz, dz, weight in along_z])
+        given = points, block.normals
+        into = found[:, part].transpose(0, 2, 1)
+        fill_influence(*given, block.corners, mirrored[~far], *into)
+        fill_far_influence(*given, block.areas, block.moments, mirrored[far], *into)
     found *= np.array([1.0, -1.0])[:, None, None, None] / (4 * np.pi)
     return found.transpose(0, 1, 3, 2)

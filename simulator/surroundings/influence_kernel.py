@@ -49,6 +49,45 @@ def fill_influence(
 
 
 @compiled()
+def fill_far_influence(
+    points: NDArray,
+    normals: NDArray,
+    areas: NDArray,
+    moments: NDArray,
+    images: NDArray,
+    potential: NDArray,
+    slope: NDArray,
+) -> None:  # pragma: no cover
+    """Like `fill_influence` for images some times farther than panels are wide, by multipoles.
+
+    points: middles of the panels, shape (panel, 3). areas: m². moments: integrals of products of
+    distances from the middle, m⁴, shape (panel, 3, 3).
+    """
+    for panel in range(len(areas)):
+        a, b, c = points[panel, 0], points[panel, 1], points[panel, 2]
+        own = moments[panel]
+        trace = own[0, 0] + own[1, 1] + own[2, 2]
+        for image in images:
+            sx, sy, sz, weight = image[0], image[1], image[2], image[6]
+            for k in range(len(points)):
+                x = sx * points[k, 0] + image[3] - a
+                y = sy * points[k, 1] + image[4] - b
+                z = sz * points[k, 2] + image[5] - c
+                mx = own[0, 0] * x + own[0, 1] * y + own[0, 2] * z
+                my = own[1, 0] * x + own[1, 1] * y + own[1, 2] * z
+                mz = own[2, 0] * x + own[2, 1] * y + own[2, 2] * z
+                inverse = 1 / (x * x + y * y + z * z)
+                scale = weight * sqrt(inverse)
+                twice = 1.5 * inverse * inverse * (mx * x + my * y + mz * z)
+                spread = 0.5 * inverse * trace
+                potential[k, panel] += scale * (areas[panel] + twice - spread)
+                nx, ny, nz = sx * normals[k, 0], sy * normals[k, 1], sz * normals[k, 2]
+                along, turned = nx * x + ny * y + nz * z, nx * mx + ny * my + nz * mz
+                towards = (areas[panel] + 5 * twice - 3 * spread) * along - 3 * inverse * turned
+                slope[k, panel] -= scale * inverse * towards
+
+
+@compiled()
 def _edges(corners: NDArray) -> NDArray:  # pragma: no cover
     """Data of each edge, shape (4, 13).
 

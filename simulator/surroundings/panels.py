@@ -42,6 +42,13 @@ class PanelBlock:
         """Area of a whole sheet, m²."""
         return len(self.mirrors) * float(self.areas[: len(self.panels)].sum())
 
+    @property
+    def size(self) -> float:
+        """Diagonal of the box around a whole sheet, m."""
+        sx, sy, dx, dy = self.mirrors.T[:, :, None]
+        x, y = self.panels[..., 0].ravel(), self.panels[..., 1].ravel()
+        return float(np.hypot(np.ptp(sx * x + dx), np.ptp(sy * y + dy)))
+
     @cached_property
     def corners(self) -> Points:
         """Corners of the panels of bottom sheet, top sheet and side faces, (panel, 4, 3).
@@ -60,6 +67,14 @@ class PanelBlock:
         """Centroids of all panels, m, shape (panel, 3)."""
         areas, middles = self._halves
         return (areas[..., None] * middles).sum(axis=0) / self.areas[:, None]
+
+    @property
+    def moments(self) -> Real:
+        """Integrals of products of distances from the centroids, m⁴, shape (panel, 3, 3)."""
+        a, b, c, d = np.moveaxis(self.corners, 1, 0)
+        sides = np.array([[a + b, b + c, c + a], [a + c, c + d, d + a]]) / 2 - self.points
+        weights = self._halves[0] / 3
+        return np.einsum("hp,hspi,hspj->pij", weights, sides, sides)
 
     @property
     def middles(self) -> Points:

@@ -1,7 +1,7 @@
 """Capacitance along the outline of a skin, beyond the local one of its sheets.
 
 It follows from the charges of the two sheets, each at one potential, less those of straight fields:
-across the foam, and towards a plane in front of a sheet. The rest is spread uniformly along the
+across the foam, and towards planes in front of the sheets. The rest is spread uniformly along the
 outline.
 """
 
@@ -16,7 +16,6 @@ from ..arrays import Real
 from ..scene.foam.foam import VACUUM_PERMITTIVITY
 from ..scene.scene import Scene
 from ..scene.surroundings import Rim
-from ..sweeps import InputError
 from .blocks import Shape, blocks, shape_of
 from .charges import capacitances
 from .panels import PanelBlock
@@ -52,7 +51,7 @@ def rim_densities(scene: Scene) -> RimDensities:
     A bent skin is taken as flat, and a stretched one as it is stretched. A foam without thickness
     is as thick as one of ASSUMED_PERMITTIVITY. Without a body, and with a low terminal that floats,
     earth takes no part: both sheets' capacitance to it is in `mutual`, in series. Raises InputError
-    for two bodies, and for a mesh that is not flat.
+    for a mesh that is not flat.
     """
     around = scene.surroundings
     if around is None or around.rim is False:
@@ -65,32 +64,31 @@ def rim_densities(scene: Scene) -> RimDensities:
 def computed(scene: Scene) -> RimDensities:
     """Computed densities of a scene, even if it gives its rim."""
     around, key = scene.surroundings, "surroundings.rim = true"
-    bodies = around.body if around else ()
-    if len(bodies) > 1:
-        raise InputError(
-            f"{scene.name}: `{key}` is computed with one body at most; give the rim in F/m"
-        )
     shape = shape_of(scene, key)
-    if bodies:
-        mutual, away, towards, error = _solved(shape, layer(bodies[0]))
-        top, bottom = (away, towards) if bodies[0].side == "bottom" else (towards, away)
+    above, below = (around.in_front_of(side) if around else None for side in ("top", "bottom"))
+    if below is None and above is not None:
+        mutual, bottom, top, error = _solved(shape, layer(above))
         return RimDensities(mutual, top, bottom, error)
-    mutual, top, bottom, error = _solved(shape, None)
+    mutual, top, bottom, error = _solved(shape, below and layer(below), above and layer(above))
+    if above or below:
+        return RimDensities(mutual, top, bottom, error)
     if around is not None and around.low == "floating":
         return RimDensities(mutual + top * bottom / (top + bottom), error=error)
     return RimDensities(mutual, top, bottom, error)
 
 
 @lru_cache(maxsize=CACHED)
-def _solved(shape: Shape, plane: Layer | None) -> tuple[float, float, float, float]:
-    """Mutual density, of the sheet away from the plane and of the facing one; error.
+def _solved(
+    shape: Shape, below: Layer | None, above: Layer | None = None
+) -> tuple[float, float, float, float]:
+    """Mutual density, of the top sheet and of the bottom one; error.
 
-    All are in F/m. Errors are proportional to the square of the panels' size. No density is below
-    0: within the thickness of an edge a cover as thin as that takes more from the foam than fringes
-    add.
+    below, above: layers towards planes on either side; one alone is below. All are in F/m. Errors
+    are proportional to the square of the panels' size. No density is below 0: within the thickness
+    of an edge a cover as thin as that takes more from the foam than fringes add.
     """
     (coarse, size), (fine, half) = (
-        (_densities(block, plane, shape.permittivity), size) for block, size in blocks(shape)
+        (_densities(block, below, above, shape.permittivity), size) for block, size in blocks(shape)
     )
     found = fine + (fine - coarse) / ((size / half) ** 2 - 1)
     kept = np.maximum(found, 0.0)
@@ -98,13 +96,12 @@ def _solved(shape: Shape, plane: Layer | None) -> tuple[float, float, float, flo
     return *kept.tolist(), float(error.max())
 
 
-def _densities(block: PanelBlock, plane: Layer | None, permittivity: float) -> Real:
-    """Mutual density, of the sheet away from the plane and of the facing one, F/m.
-
-    Shape (3,).
-    """
-    C = capacitances(block, plane, permittivity)
+def _densities(
+    block: PanelBlock, below: Layer | None, above: Layer | None, permittivity: float
+) -> Real:
+    """Mutual density, of the top sheet and of the bottom one, F/m, shape (3,)."""
+    C = capacitances(block, below, permittivity, above)
     foam = VACUUM_PERMITTIVITY * permittivity / block.thickness * block.area
-    straight = plane.per_area * block.area if plane else 0.0
-    whole = np.array([-C[0, 1] - foam, C[:, 1].sum(), C[:, 0].sum() - straight])
+    top, bottom = (each.per_area * block.area if each else 0.0 for each in (above, below))
+    whole = np.array([-C[0, 1] - foam, C[:, 1].sum() - top, C[:, 0].sum() - bottom])
     return whole / block.perimeter

@@ -7,7 +7,6 @@ import rcskin
 import torch
 from rcskin.benchmarks.bench import best_time
 from rcskin.simulator.press.batch import PressBatch
-from rcskin.simulator.scene.frequency import laplace_variable
 from rcskin.simulator.scene.scene import Scene
 
 REPETITIONS = 15
@@ -22,12 +21,11 @@ def rates(scene: Scene, presses: int, rtol: float, repetitions: int = REPETITION
     cells = random.integers(module.parts.foam, size=(presses, 1))
     rises = random.uniform(0.3, 2.0, (presses, 1))
     batch = PressBatch.even(cells, rises)
-    s = laplace_variable(scene.frequencies, skin.loss)
     dense = torch.zeros(presses, module.parts.foam, dtype=torch.float64)
     dense[torch.arange(presses), torch.as_tensor(cells[:, 0])] = torch.as_tensor(rises[:, 0])
-    off = np.abs(module(dense).detach().numpy() / skin.sweeps(batch, s) - 1).max()
+    off = np.abs(module(dense).detach().numpy() / skin.sweeps(batch, scene.frequencies) - 1).max()
     assert off < CLOSE, f"the two differ by {off:.1e}"
-    kernel = best_time(lambda: skin.sweeps(batch, s), repetitions)
+    kernel = best_time(lambda: skin.sweeps(batch, scene.frequencies), repetitions)
     rows = [_row("kernel of rcskin, double", presses, kernel, kernel)]
     for kind, name in ((torch.float64, "double"), (torch.float32, "single")):
         module.to(kind)

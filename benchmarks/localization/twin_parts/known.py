@@ -20,7 +20,6 @@ from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.draws.draw_distributions import truncated_normal
 from rcskin.simulator.scene.draws.randomisation import CUT
-from rcskin.simulator.scene.frequency import laplace_variable
 from rcskin.simulator.scene.scene import Scene
 
 
@@ -67,8 +66,7 @@ class TwinsHand(RandomPresses):
 
     def _seen(self, batch: PressBatch) -> NDArray:
         twin, frequencies = self._twin, self.scene.frequencies
-        s = laplace_variable(frequencies, twin.drawn.variation.loss)
-        Z = self._own.sweeps(batch, s)
+        Z = self._own.sweeps(batch, frequencies)
         seen = twin.drawn.leads.at_meter(Z, frequencies)
         return self._errors.whitened(observed(seen))
 

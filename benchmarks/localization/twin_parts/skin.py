@@ -19,7 +19,6 @@ from rcskin.simulator.models.reduced.reduced_skin import ReducedSkin
 from rcskin.simulator.press.capacitance import touched_box, touched_cells
 from rcskin.simulator.press.press import Press, check_press, parse_press
 from rcskin.simulator.press.touch import AnyTouch, Rectangle
-from rcskin.simulator.scene.frequency import laplace_variable
 from rcskin.simulator.scene.scene import Scene, checked_interface, interface_names
 
 HAND, DRIFT = 101, 102
@@ -95,8 +94,7 @@ class Twin:
     def impedances(self, asked: Press, event: int) -> NDArray[np.complex128]:
         """Z in ohm behind the leads, shape (interface, frequency), at the hand's event-th press."""
         touched = touched_cells(self.family.scene, self.pressed(asked, event))
-        s = laplace_variable(self.scene.frequencies, self.drawn.variation.loss)
-        Z = self.skin(event).sweep(*touched, s)
+        Z = self.skin(event).sweep(*touched, self.scene.frequencies)
         return self.drawn.leads.at_meter(Z, self.scene.frequencies)
 
     def at(self, interface: str) -> Bench:
@@ -175,6 +173,5 @@ class Bench(WithoutCreep):
     def _impedances(self, press: str, f: NDArray[np.float64]) -> NDArray[np.complex128]:
         family, drawn = self._twin.family, self._twin.drawn
         cells, rises = touched_cells(family.scene, parse_press(press, 1.0))
-        s = laplace_variable(f, drawn.variation.loss)
-        Z = self._skin.sweep(cells, rises, s)
+        Z = self._skin.sweep(cells, rises, f)
         return drawn.leads.at_meter(Z, f)[self._number]

@@ -28,6 +28,7 @@ from ...models.parameters import by_sheets
 from ...models.reduced.families.family import Weights, weights_under
 from ...models.reduced.families.family_meshes import unreduced
 from ...models.response import Response, at_meter
+from ...scene.air_nodes import LOSSLESS_FOAM, air_nodes
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.scene import Scene
 from ...sweeps import InputError
@@ -43,15 +44,18 @@ KRYLOV_RTOL = 1e-6
 class _Pressed(NamedTuple):
     """Space of a press, its M in F, and the changes of M and of sheet weights by each direction.
 
-    mass: in the pattern of the system. masses: for the unknowns of the space.
+    mass: in the pattern of the system. foam: share of the foam, and masses: changes, both for the
+    unknowns of the space. rtol: of Lanczos' method.
     """
 
     space: Galerkin
     weights: Weights
     mass: Mass
+    foam: csc_matrix
     masses: Mapping[str, csc_matrix]
     gauges: Mapping[str, Real | None]
     skin_unknown: bool
+    rtol: float
 
 
 class FullFields:
@@ -80,20 +84,42 @@ class FullFields:
         pressed = of_maps.pressed(factors, edges)
         foam = pressed[of_maps.foam]
         weights = weights_under(None, self._family.scene, self._circuit, 1, foam)
-        masses = {
+        maps = {
             name: of_maps.by_press(name, each, foam, edges) for name, each in directions.items()
         }
         if of_foam is not None:
-            masses |= {name: of_maps.by_foam(each, foam, edges) for name, each in of_foam.items()}
-            masses |= of_maps.by_skin(pressed)
-        on = _Pressed(
-            self._family.skin(weights),
-            weights,
-            self._family.mass(pressed),
-            {name: self._own(self._family.masses.mass(m)) for name, m in masses.items()},
-            {name: self._gauged(foam, change) for name, change in directions.items()},
-            of_foam is not None,
-        )
+            maps |= {name: of_maps.by_foam(each, foam, edges) for name, each in of_foam.items()}
+            maps |= of_maps.by_skin(pressed)
+        space, in_air = self._family.skin(weights), of_maps.parts.in_air
+        gauges = {name: self._gauged(foam, change) for name, change in directions.items()}
+        air = LOSSLESS_FOAM
+        if pressed[in_air].any():
+            air = air_nodes(frequency, self.scene.skin.foam.loss, KRYLOV_RTOL)
+
+        def with_air(factor: float) -> tuple[Complex, dict[str, Complex]]:
+            parts = np.where(in_air, factor, 1.0)
+            masses = {name: self._family.masses.mass(parts * each) for name, each in maps.items()}
+            return self._solved(
+                _Pressed(
+                    space,
+                    weights,
+                    self._family.mass(parts * pressed),
+                    self._own(self._family.masses.mass(np.where(in_air, 0.0, pressed))),
+                    {name: self._own(mass) for name, mass in masses.items()},
+                    gauges,
+                    of_foam is not None,
+                    KRYLOV_RTOL * air.precision,
+                ),
+                frequency,
+            )
+
+        Y, by = map(list, zip(*(with_air(factor) for factor in air.factors.tolist()), strict=True))
+        Z = (1 / air.mean(Y)).astype(np.complex128)
+        found = {name: air.mean(each[name] for each in by) for name in by[0]}
+        return at_meter(Z, found, self.scene.reading.at(frequency))
+
+    def _solved(self, on: _Pressed, frequency: Real) -> tuple[Complex, dict[str, Complex]]:
+        """Y of the interfaces and its derivatives, with one s for all capacitance."""
         s, combined = laplace_variable(frequency, self.scene.skin.foam.loss), self._combined
         with one_blas_thread():
             found = [
@@ -102,9 +128,7 @@ class FullFields:
             ]
         Y = combined.admittance(np.stack([own for own, _ in found])).astype(np.complex128)
         by = {name: np.stack([each[name] for _, each in found]) for name in found[0][1]}
-        by = {name: combined.admittance(each) for name, each in by.items()}
-        Z = (1 / Y).astype(np.complex128)
-        return at_meter(Z, by, self.scene.reading.at(frequency))
+        return Y, {name: combined.admittance(each) for name, each in by.items()}
 
     @cached_property
     def _combined(self) -> Combination:
@@ -137,7 +161,7 @@ class FullFields:
         self, excitation: Excitation, on: _Pressed, s: Complex, frequency: Real
     ) -> tuple[Complex, dict[str, Complex]]:
         pencil = on.space.pencil(on.mass, excitation, 0.0)
-        Y, _ = respond(pencil, s, KRYLOV_RTOL)
+        Y, _ = respond(pencil, s, on.rtol)
         u = self._potentials(excitation, pencil, on, s, Y)
         parts = np.hstack([u.real, u.imag])
         by = {name: s * _energy(parts, each) for name, each in on.masses.items()}
@@ -148,7 +172,7 @@ class FullFields:
         by |= {name: by[name] + each @ sheets for name, each in gauges.items()}
         if not on.skin_unknown:
             return Y, by
-        by_s = _energy(parts, on.space.restricted(on.mass))
+        by_s = _energy(parts, on.foam)
         of_s = slopes_of_s(frequency, self.scene.skin.foam.loss)
         by = {name: by_s * of_s[name] for name in ("capacitance", "loss_tangent")} | by
         if on.weights is not None:
@@ -172,7 +196,7 @@ class FullFields:
         if sheets.size:
             charge = space.restricted(on.mass) @ sheets
             g = g - sheets @ np.linalg.solve(sheets.T @ charge, charge.T @ g)
-        u = g[:, None] + potentials(pencil, s, KRYLOV_RTOL)  # pyright: ignore[reportArgumentType]
+        u = g[:, None] + potentials(pencil, s, on.rtol)  # pyright: ignore[reportArgumentType]
         found = pencil.admittance + s * (pencil.start @ u)
         if not (np.abs(found - Y) <= RTOL * np.abs(Y) + lost).all():
             highest = np.abs(s).max() / (2 * np.pi)

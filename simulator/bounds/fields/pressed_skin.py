@@ -53,6 +53,12 @@ class PressedSkin:
         """M of the unpressed skin in F, shape (N + n, N + n)."""
         return mass_of(self._skin.unpressed_mass, np.zeros(0, dtype=np.int64), np.zeros(0))
 
+    @cached_property
+    def stiffness(self) -> Real:
+        """K of each sheet, then of each film, in S, shape (term, N + n, N + n)."""
+        turn = self._skin.turn
+        return turn.T @ self._skin.reduced.stiffness @ turn
+
     def mass(self, change: Real) -> Real:
         """Change of M in F by changes of the parts over the scene's own, shape (part,)."""
         skin, weights = self._skin, change * self._skin.unpressed_factors

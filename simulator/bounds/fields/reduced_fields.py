@@ -5,19 +5,20 @@ As in `full_fields`, dY = u'(dK + s dM + ds M) u with the potentials u of 1 V.
 
 from __future__ import annotations
 
-from functools import cached_property
+from collections.abc import Mapping
 
 import numpy as np
 
 from ...arrays import Complex, Real
 from ...fem.matrices.factors import one_blas_thread
 from ...fem.terminals.circuit import two_fields
+from ...method_cache import cached_method
 from ...models.network.terminals import chain, read
 from ...models.parameters import by_sheets
 from ...models.reduced.cases import Case
 from ...models.reduced.families.family_meshes import unreduced
 from ...models.reduced.greedy import GreedyBasis
-from ...models.reduced.reduced_skin import ReducedSkin
+from ...models.reduced.reduced_skin import MAX_SKINS, ReducedSkin
 from ...models.response import Response, at_meter
 from ...models.uniform import equivalent_scene
 from ...progress import silent
@@ -28,7 +29,7 @@ from ..touches.area_rasterizer import AreaRasterizer, TouchSize
 from .full_fields import CELLS_PER_PIXEL, Maps
 from .full_fields import RTOL as MESH_RTOL
 from .part_maps import PartMaps
-from .pressed_skin import Potentials, PressedSkin
+from .pressed_skin import PressedSkin
 
 RTOL = 4e-4
 
@@ -43,14 +44,14 @@ class ReducedFields:
         default the scene's."""
         self.scene, self.cells, self._reading = scene, cells, reading or scene.reading
         self.grid = scene.divided(cells).pixels.shape
-        self._skin, self._pressed = skin, PressedSkin(skin)
+        self._skin = skin
         self._maps = PartMaps(skin.reduced.scene)
 
     def respond(
         self, factors: Real, directions: Maps, frequency: Real, of_foam: Maps | None = None
     ) -> Response:
         """Response of one map of c; see `FullFields.respond`."""
-        s, maps_of, skin = laplace_variable(frequency, self._skin.loss), self._maps, self._pressed
+        maps_of = self._maps
         edges = maps_of.edges(factors, directions)
         pressed = maps_of.pressed(factors, edges)
         foam = pressed[maps_of.foam]
@@ -60,27 +61,42 @@ class ReducedFields:
         if of_foam is not None:
             maps |= {name: maps_of.by_foam(change, foam, edges) for name, change in of_foam.items()}
             maps |= maps_of.by_skin(pressed)
+        air, skins = self._skin.with_air(frequency)
         with one_blas_thread():
-            M = skin.unpressed + skin.mass(pressed - maps_of.parts.resting)
-            u = skin.solved(M, s)
-            by = {name: s * u.energy(skin.mass(change)) for name, change in maps.items()}
-            if of_foam is not None:
-                by = self._by_skin(u, M, frequency) | by
-        return at_meter(1 / u.Y, by, self._reading.at(frequency))
+            each = [
+                self._solved(skin, pressed, maps, frequency, of_foam is not None) for skin in skins
+            ]
+        Y, by = map(list, zip(*each, strict=True))
+        found = {name: air.mean(own[name] for own in by) for name in by[0]}
+        return at_meter(1 / air.mean(Y), found, self._reading.at(frequency))
 
-    def _by_skin(self, u: Potentials, M: Real, frequency: Real) -> dict[str, Complex]:
-        skin = self.scene.skin
-        by_s, of_s = u.energy(M), slopes_of_s(frequency, self._skin.loss)
-        by_K = np.stack([u.energy(term) for term in self._stiffness])
+    def _solved(
+        self,
+        own: ReducedSkin,
+        pressed: Real,
+        maps: Mapping[str, Real],
+        frequency: Real,
+        skin_unknown: bool,
+    ) -> tuple[Complex, dict[str, Complex]]:
+        """Y of the interfaces and its derivatives, with one s for all capacitance."""
+        skin, parts, s = self._pressed(own), self._maps.parts, laplace_variable(frequency, own.loss)
+        u = skin.solved(skin.unpressed + skin.mass(pressed - parts.resting), s)
+        by = {name: s * u.energy(skin.mass(change)) for name, change in maps.items()}
+        if skin_unknown:
+            foam = skin.mass(np.where(parts.in_air, 0.0, pressed))
+            by_K = np.stack([u.energy(term) for term in skin.stiffness])
+            by = self._by_skin(by_K, u.energy(foam), frequency) | by
+        return u.Y, by
+
+    @cached_method(MAX_SKINS)
+    def _pressed(self, skin: ReducedSkin) -> PressedSkin:
+        return PressedSkin(skin)
+
+    def _by_skin(self, by_K: Complex, by_s: Complex, frequency: Real) -> dict[str, Complex]:
+        skin, of_s = self.scene.skin, slopes_of_s(frequency, self._skin.loss)
         by = {name: by_s * of_s[name] for name in ("capacitance", "loss_tangent")}
         by |= by_sheets(by_K[:2], *skin.sheet_resistances)
         return by | ({"contact_resistance": -by_K[2:].sum(axis=0)} if len(by_K) > 2 else {})
-
-    @cached_property
-    def _stiffness(self) -> Real:
-        """K of each sheet, then of each film, in S."""
-        turn = self._skin.turn
-        return turn.T @ self._skin.reduced.stiffness @ turn
 
 
 def trained(

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from ...arrays import Complex, Real
+from ...scene.air_nodes import LOSSLESS_FOAM, AirNodes, air_factor, air_nodes
+from ...scene.frequency import Loss, laplace_variable
+from ...sweeps import ToleranceError
 from ..error_estimate import Swept
 from ..galerkin import Galerkin
 from ..matrices.low_rank import Mass
@@ -39,6 +42,60 @@ def swept(
         Q[group], of_interface = _interface(space, mass, some, weights[group], s, rtol, own)
         error.append(of_interface)
     return Q, np.stack(error)
+
+
+def swept_with_air(
+    space: Galerkin,
+    mass_with: Callable[[complex], Mass],
+    excitations: Sequence[Excitation],
+    frequency: Real,
+    loss: Loss,
+    any_air: bool,
+    rtol: float,
+    kept: CachedSteps | None = None,
+) -> Swept:
+    """Like `swept` at frequencies in Hz, where only the foam has the loss.
+
+    mass_with: M in F with a factor on the capacitance in air. If the foam conducts too much for
+    `air_nodes`, each frequency is solved by itself.
+    """
+    s = laplace_variable(frequency, loss)
+    try:
+        air = air_nodes(frequency, loss, rtol) if any_air else LOSSLESS_FOAM
+    except ToleranceError:
+        return _one_by_one(space, mass_with, excitations, s, air_factor(frequency, loss))
+    if air.single:
+        return swept(space, mass_with(1.0), excitations, s, rtol, kept)
+    return _at_nodes(space, mass_with, excitations, s, rtol, air)
+
+
+def _at_nodes(
+    space: Galerkin,
+    mass_with: Callable[[complex], Mass],
+    excitations: Sequence[Excitation],
+    s: Complex,
+    rtol: float,
+    air: AirNodes,
+) -> Swept:
+    masses = [mass_with(factor) for factor in air.factors.tolist()]
+    each = [swept(space, mass, excitations, s, rtol * air.precision) for mass in masses]
+    Q, errors = zip(*each, strict=True)
+    return air.mean(Q), np.max(errors, axis=0) / air.precision
+
+
+def _one_by_one(
+    space: Galerkin,
+    mass_with: Callable[[complex], Mass],
+    excitations: Sequence[Excitation],
+    s: Complex,
+    factors: Complex,
+) -> Swept:
+    masses = [mass_with(factor) for factor in factors.tolist()]
+    Q = [
+        [space.form(mass, excitation, each) for mass, each in zip(masses, s.tolist(), strict=True)]
+        for excitation in excitations
+    ]
+    return np.array(Q), np.zeros((len(combination(excitations).weights), len(s)))
 
 
 def _interface(

@@ -20,22 +20,23 @@ from ...fem.error_estimate import (
     frequencies_around,
 )
 from ...fem.galerkin import Galerkin
-from ...fem.lanczos.interface_sweep import swept
+from ...fem.lanczos.interface_sweep import swept_with_air
 from ...fem.lanczos.lanczos import CachedSteps
 from ...fem.matrices.factors import one_blas_thread
 from ...fem.matrices.quadrature import interpolated
 from ...fem.safety_factors import VARIED
 from ...fem.terminals.circuit import Circuit
+from ...fem.terminals.excitation import Excitation
 from ...fem.unknowns import on_cells
 from ...mesh.refining.graded import fewest
-from ...scene.frequency import Loss, laplace_variable
+from ...scene.frequency import Loss
 from ..solution import ModelResult
 from .coefficients import PressCoefficients
 from .deflection_error import NEGLIGIBLE, Raised, missed, raised_by_rule
 from .elements import Elements, raising
 from .error_history import ErrorHistory, by_orders, smoothed
 from .low_rank_terms import describe_accuracy
-from .pressed_system import PressedSystem, mass_of, pressed_system
+from .pressed_system import PressedSystem, masses_of, pressed_system
 from .surroundings_terms import energy_to_earth
 
 
@@ -55,8 +56,17 @@ class SolvedLevel:
             system = pressed_system(circuit, self.elements, coefficients, self.system.unknowns)
             space = Galerkin(system, circuit, self.elements.order)
             return SolvedLevel(space, system, self.elements)
-        mass = mass_of(circuit, self.elements, coefficients, self.system.unknowns, self.system.far)
-        return replace(self, system=replace(self.system, mass=mass), kept=CachedSteps())
+        foam, air = masses_of(circuit, self.elements, coefficients, self.system.unknowns)
+        system = replace(self.system, foam=foam, air=air)
+        return replace(self, system=system, kept=CachedSteps())
+
+    def swept(
+        self, excitations: Sequence[Excitation], frequency: Real, loss: Loss, rtol: float
+    ) -> Swept:
+        """Forms of excitations at frequencies in Hz, see `interface_sweep.swept`."""
+        system = self.system
+        given = excitations, frequency, loss, system.any_air, rtol
+        return swept_with_air(self.space, system.mass_with, *given, self.kept)
 
 
 @dataclass(frozen=True)
@@ -106,23 +116,16 @@ class Discretised:
         )
 
     def _swept(self, frequency: Real, rtol: float) -> list[Swept]:
-        s, excitations = laplace_variable(frequency, self.loss), self.circuit.excitations
+        given = self.circuit.excitations, frequency, self.loss, rtol
         with one_blas_thread():
-            return [
-                swept(each.space, each.system.mass, excitations, s, rtol, each.kept)
-                for each in (self.coarse, self.fine, *self.lower)
-            ]
+            return [each.swept(*given) for each in (self.coarse, self.fine, *self.lower)]
 
     def changes(self, raised: Raised, frequency: Real, rtol: float) -> Real:
         """Relative changes of Rs and Cp by raised coefficients, shape (2, interface, frequency)."""
-        own = self.coarse
-        s, excitations = laplace_variable(frequency, self.loss), self.circuit.excitations
+        own, given = self.coarse, (self.circuit.excitations, frequency, self.loss)
         other = own.under(self.circuit, raised)
         with one_blas_thread():
-            Q, moved = (
-                swept(each.space, each.system.mass, excitations, s, KRYLOV_SHARE * rtol)[0]
-                for each in (own, other)
-            )
+            Q, moved = (each.swept(*given, KRYLOV_SHARE * rtol)[0] for each in (own, other))
         return both(self.circuit.combination.relative_change(Q, moved))
 
     @cached_property
@@ -130,11 +133,17 @@ class Discretised:
         """Relative error of each cell's capacitance by the quadrature rule, shape (cell,)."""
         return missed(self.coarse.elements, self.coefficients)
 
-    def coefficients_of(self, solved: SolvedLevel, excitation: int, s: complex) -> NDArray:
+    def coefficients_of(
+        self, solved: SolvedLevel, excitation: int, s: complex, air: complex = 1.0
+    ) -> NDArray:
         """Potentials of an excitation at s in rad/s, real or complex, shape (field, function,
-        cell)."""
+        cell).
+
+        air: factor on the capacitance in air, see `scene.air_nodes`.
+        """
+        mass = solved.system.mass_with(air)
         with one_blas_thread():
-            v = solved.space.potentials(solved.system.mass, self.circuit.excitations[excitation], s)
+            v = solved.space.potentials(mass, self.circuit.excitations[excitation], s)
         return on_cells(solved.system.unknowns, solved.elements.trial, v)
 
     def coefficients_at(self, solved: SolvedLevel, excitation: int, s: Real) -> list[Real]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
 from typing import ClassVar
 
 import numpy as np
@@ -20,19 +20,36 @@ from .coefficients import PressCoefficients
 from .elements import Elements
 from .forms import add_along, add_foam, add_sheet
 from .low_rank_terms import low_rank_charges
-from .surroundings_terms import add_surroundings
+from .surroundings_terms import add_in_air, add_within_foam
 
 
 @dataclass(frozen=True)
 class PressedSystem(System):
-    """System with the capacitance of one press: mass is M in F.
+    """System with the capacitance of one press.
 
-    far: see `low_rank_charges`, equal for all presses; None if surroundings are not solved.
+    foam, air: shares of the foam, and of all that is in air, in M, F. far: see `low_rank_charges`,
+    equal for all presses; None if surroundings are not solved.
     """
 
     fields_decoupled: ClassVar[bool] = True
-    mass: Mass
+    foam: csc_matrix
+    air: csc_matrix
     far: Real | None
+
+    @cached_property
+    def mass(self) -> Mass:
+        """M in F."""
+        return self.mass_with(1.0)
+
+    @property
+    def any_air(self) -> bool:
+        """True if anything is charged through air."""
+        return self.far is not None or bool(self.air.data.any())
+
+    def mass_with(self, factor: complex) -> Mass:
+        """M in F with a factor on the capacitance in air."""
+        near = self.pattern.matrix(self.foam.data + factor * self.air.data)
+        return near if self.far is None else LowRankMass(near, factor**0.5 * self.far)
 
 
 def pressed_system(
@@ -43,13 +60,14 @@ def pressed_system(
 ) -> PressedSystem:
     """Matrices of one press on one mesh. known: its unknowns, if they are numbered already."""
     unknowns = known or number_unknowns(circuit, elements.trial, elements.facets, elements.inside)
-    far = low_rank_charges(elements, coefficients.materials, unknowns)
+    foam, air = masses_of(circuit, elements, coefficients, unknowns)
     return PressedSystem(
         unknowns=unknowns,
         sheets=_sheets(circuit, elements, coefficients, unknowns),
         films=films(circuit, unknowns, film_of(circuit, elements, coefficients, unknowns)),
-        mass=mass_of(circuit, elements, coefficients, unknowns, far),
-        far=far,
+        foam=foam,
+        air=air,
+        far=low_rank_charges(elements, coefficients.materials, unknowns),
     )
 
 
@@ -63,20 +81,16 @@ def _sheets(
     return unknowns.pattern.matrix(values)
 
 
-def mass_of(
-    circuit: Circuit,
-    elements: Elements,
-    coefficients: PressCoefficients,
-    unknowns: Unknowns,
-    far: Real | None,
-) -> Mass:
-    """M in F of one press and of the surroundings. far: see `PressedSystem`."""
-    values = np.zeros(len(unknowns.pattern.indices))
+def masses_of(
+    circuit: Circuit, elements: Elements, coefficients: PressCoefficients, unknowns: Unknowns
+) -> tuple[csc_matrix, csc_matrix]:
+    """Shares of the foam under one press, and of all that is in air, in M, F."""
+    foam, air = np.zeros((2, len(unknowns.pattern.indices)))
     c = coefficients.capacitance(elements.surface.x)
-    add_foam(values, circuit.coupling, elements, unknowns, c)
-    add_surroundings(values, circuit, elements, coefficients, unknowns)
-    near = unknowns.pattern.matrix(values)
-    return near if far is None else LowRankMass(near, far)
+    add_foam(foam, circuit.coupling, elements, unknowns, c)
+    add_within_foam(foam, elements, coefficients, unknowns)
+    add_in_air(air, circuit, elements, coefficients, unknowns)
+    return unknowns.pattern.matrix(foam), unknowns.pattern.matrix(air)
 
 
 def film_of(

@@ -64,13 +64,13 @@ class Sampler:
         projected = np.stack(edges)[:, :2].transpose(2, 3, 1, 0)
         return np.einsum("cpij,...jcp->...icp", projected @ np.linalg.inv(own), vectors)
 
-    def sampled(self, excitation: int, s: complex) -> tuple[NDArray, NDArray]:
+    def sampled(self, excitation: int, s: complex, air: complex) -> tuple[NDArray, NDArray]:
         """Potential in V, shape (field, cell, corner), and gradient in V/m, (field, 2, cell,
         corner).
 
-        For one excitation. s: rad/s.
+        For one excitation. s: rad/s. air: factor on the capacitance in air.
         """
-        fields = self._discretised.coefficients_of(self._discretised.fine, excitation, s)
+        fields = self._discretised.coefficients_of(self._discretised.fine, excitation, s, air)
         inner = self._elements.surface_at(self._within, slice(None))
         slopes = [interpolated(self._within, inner, u)[1] for u in fields]
         return np.stack([u.T @ self._at.values for u in fields]), np.stack(slopes)

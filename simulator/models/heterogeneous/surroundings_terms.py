@@ -1,7 +1,8 @@
 """Surroundings of the sheets as terms of M in K + s M: bodies, fingers, rim, thickness of the foam.
 
-Earth is the reference, 0 V. All terms are real, symmetric and positive semidefinite. With sheets at
-u_t and u_b:
+Earth is the reference, 0 V. All terms are real, symmetric and positive semidefinite. Bodies,
+fingers and the rim are in air, which has no loss; thickness and edges are in the foam, see
+`scene.air_nodes`. With sheets at u_t and u_b:
 
     body       c_e (u - U)², u of the sheet that faces it, U its potential
     finger     (C / A) u² of the touched sheet, over the patch of area A
@@ -70,14 +71,14 @@ def energy_to_earth(coefficients: PressCoefficients, x: Real, u: Real) -> Real |
     return sum(b.per_area * materials.area(x) * u[ELECTRODES.index(b.side)] ** 2 for b in earthed)
 
 
-def add_surroundings(
+def add_in_air(
     values: Real,
     circuit: Circuit,
     elements: Elements,
     coefficients: PressCoefficients,
     unknowns: Unknowns,
 ) -> None:
-    """Add all these terms of one press to the values of the pattern."""
+    """Add bodies, fingers and the rim under one press to the values of the pattern."""
     materials = coefficients.materials
     around = materials.scene.surroundings
     if around is None:
@@ -90,6 +91,19 @@ def add_surroundings(
         add_finger(values, circuit.field_alone(touched), farads, share, *where)
     if around.rim is not False:
         add_rim(values, rim_densities(materials.scene), *where)
+
+
+def add_within_foam(
+    values: Real,
+    elements: Elements,
+    coefficients: PressCoefficients,
+    unknowns: Unknowns,
+) -> None:
+    """Add thickness and edges under one press to the values of the pattern."""
+    materials = coefficients.materials
+    around, where = materials.scene.surroundings, (elements, unknowns, materials)
+    if around is None:
+        return
     if around.thickness or around.solved:
         add_thickness(values, coefficients.along(elements.surface.x), *where)
     if around.edges:

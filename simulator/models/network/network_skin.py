@@ -11,6 +11,7 @@ from ...arrays import Complex, Integer, Real
 from ...fem.terminals.excitation import Combination, Excitation, combination
 from ...fem.terminals.terminal_network import allowed_potentials
 from ...press.batch import PressBatch
+from ...scene.frequency import laplace_variable
 from ...scene.readings.contacts import Interface
 from ...sweeps import InputError
 from ..heterogeneous.materials import gauged
@@ -26,9 +27,9 @@ class NetworkSkin:
     Takes tens of microseconds for one press and all its interfaces.
     """
 
-    def __init__(self, skin: ReducedSkin, s: Complex | None = None) -> None:
-        """skin: of a model that was `trained` for all terminals. s: rad/s, by default those of its
-        scene.
+    def __init__(self, skin: ReducedSkin, frequency: Real | None = None) -> None:
+        """skin: of a model that was `trained` for all terminals. frequency: Hz, by default those of
+        its model.
 
         Raises InputError for sheets that touches change: their skins are solved interface by
         interface.
@@ -37,16 +38,21 @@ class NetworkSkin:
             raise InputError(
                 "a network of terminals cannot have sheets whose resistance a touch changes"
             )
-        self.skin, self.s = skin, skin.s if s is None else s
+        self.skin, f = skin, skin.reduced.frequency if frequency is None else frequency
+        self.s, (self._air, self._skins) = laplace_variable(f, skin.loss), skin.with_air(f)
 
     @cached_property
-    def _unpressed(self) -> UnpressedNetwork:
-        return unpressed_network(self.skin.unpressed_mass, self.s)
+    def _unpressed(self) -> list[UnpressedNetwork]:
+        return [unpressed_network(skin.unpressed_mass, self.s) for skin in self._skins]
 
     def admittances(self, batch: PressBatch) -> Complex:
         """Y in S beyond `conductance` for presses on pixels, shape (press, s, N, N)."""
-        weighted = self.skin.parts.followed(batch).weighted(self.skin.unpressed_factors)
-        return admittances(self.skin.unpressed_mass, self._unpressed, weighted, self.s)
+        followed = self.skin.parts.followed(batch)
+        each = (
+            admittances(skin.unpressed_mass, own, followed.weighted(skin.unpressed_factors), self.s)
+            for skin, own in zip(self._skins, self._unpressed, strict=True)
+        )
+        return next(each) if self._air.single else self._air.mean(each, axis=-3)
 
     @property
     def conductance(self) -> Real:

@@ -9,6 +9,7 @@ are sums of excitations, and bounds add.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,6 +23,13 @@ from ...sweeps import InputError
 from .families.family import Weights
 
 
+class AirCharges(NamedTuple):
+    """Share of air in M of each press in the space, F, and its factor at each s less 1."""
+
+    masses: Sequence[Mass]
+    more: Complex
+
+
 def certificate(
     space: Galerkin,
     masses: Sequence[Mass],
@@ -31,15 +39,20 @@ def certificate(
     s: Complex,
     least: float,
     combination: Combination,
+    in_air: AirCharges | None = None,
 ) -> Real:
     """Bounds on the relative errors of Rs and Cp by the reduction.
 
     Shape (2, press, interface, s). masses: M of each press in the space, F. potential: potentials
     of each excitation in the full space, real parts before imaginary ones, V, shape (unknown, 2 *
     press * excitation * s). current: K of the skin times these potentials at the inner unknowns, A.
-    Q: S, shape (press, excitation, s). s: rad/s. least: see `min_conductance_factor`.
+    Q: S, shape (press, excitation, s). s: rad/s. least: see `min_conductance_factor`. in_air: where
+    air lacks the loss of s.
     """
     charge = _charges(masses, potential)[: space.inner]
+    if in_air is not None:
+        beyond = _charges(in_air.masses, potential)[: space.inner]
+        charge += _times(np.tile(in_air.more, Q.size // len(s)), beyond)
     power = residual_power(space, current, charge, np.tile(s, Q.size // len(s)))
     power = power.reshape(Q.shape) / least
     if combination.one_to_one:
@@ -63,10 +76,16 @@ def residual_power(space: Galerkin, current: Real, charge: Real, s: Complex) -> 
     current, charge: K u and M u at the inner unknowns, real parts before imaginary ones, shape
     (inner, 2 s).
     """
-    real, imag = np.split(charge, 2, axis=1)
-    turned = np.hstack([s.real * real - s.imag * imag, s.real * imag + s.imag * real])
-    residual = current + turned
+    residual = current + _times(s, charge)
     return (residual * space.solve(residual)).sum(axis=0).reshape(2, -1).sum(axis=0)
+
+
+def _times(factor: Complex, parts: Real) -> Real:
+    """Factor of each column times complex values, real parts before imaginary ones."""
+    real, imag = np.split(parts, 2, axis=1)
+    return np.hstack(
+        [factor.real * real - factor.imag * imag, factor.real * imag + factor.imag * real]
+    )
 
 
 def min_conductance_factor(

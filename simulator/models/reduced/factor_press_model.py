@@ -8,7 +8,6 @@ from ...arrays import Integer, Real
 from ...press.capacitance import touched_cells
 from ...press.press import Press
 from ...press.touch import AnyTouch, Touch
-from ...scene.frequency import laplace_variable
 from ...scene.scene import Scene
 from ...sweeps import InputError
 from ..solution import ModelResult
@@ -50,10 +49,12 @@ def certified_result(
     skin: ReducedSkin, cells: Integer, rises: Real, frequency: Real
 ) -> ModelResult:
     """Result of a reduced skin for one press; its error is certified, and includes the mesh."""
-    model, s = skin.reduced, laplace_variable(frequency, skin.loss)
-    at_most = skin.certificate(cells, rises, s) + KRYLOV_SHARE * model.rtol
+    model = skin.reduced
+    at_most = skin.certificate(cells, rises, frequency) + KRYLOV_SHARE * model.rtol
     name = f"reduced to {model.size} vectors, {model.circuit.description}"
-    return ModelResult(name, model.size, skin.sweep(cells, rises, s), at_most + model.mesh_error)
+    return ModelResult(
+        name, model.size, skin.sweep(cells, rises, frequency), at_most + model.mesh_error
+    )
 
 
 def _check_trained(press: Press, scene: Scene) -> None:

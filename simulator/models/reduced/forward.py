@@ -88,14 +88,14 @@ class Forward:
         """
         values = all_values(self.scene, given)
         cells, rises = self._with_finger(cells, rises, values)
-        s, skin = self._s(values), self._skin(values).under(cells, rises)
+        f, skin = self.scene.frequencies, self._skin(values).under(cells, rises)
         further = [np.empty((0, *skin.stiffness.shape)) if further_terms is None else further_terms]
         if _has_foam_modes(values):
             further.append(
                 self._foam_mode_terms.masses(float(skin.unpressed_factors[0]), cells, rises)
             )
         with one_blas_thread():
-            found = sensitivity(skin, cells, rises, s, np.concatenate(further))
+            found = sensitivity(skin, cells, rises, f, np.concatenate(further))
         by_gauge: Complex | float = 0.0
         if gauged(self.scene.skin):
             assert skin.weights is not None
@@ -123,7 +123,7 @@ class Forward:
         values, count = all_values(self.scene, given), cells.shape[1]
         skin, touched = self._skin(values), self._with_finger(cells, rises, values)
         with one_blas_thread():
-            found = sensitivities(skin, *touched, self._s(values))
+            found = sensitivities(skin, *touched, self.scene.frequencies)
         if touched[0].shape[1] > count:
             found = replace(found, by_cell=found.by_cell[..., :count])
         return self._at_meter(found, skin, values)
@@ -140,8 +140,7 @@ class Forward:
         ends = np.cumsum([len(self.reduced.stiffness), further])
         by_weight, by_term, by_mode = np.split(found.by_weight, ends, axis=-1)
         of_s = slopes_of_s(self.scene.frequencies, loss_of(values))
-        by_name = {name: found.by_s * slope for name, slope in of_s.items()}
-        by_name["capacitance"] = found.of_foam * of_s["capacitance"]
+        by_name = {name: found.of_foam * slope for name, slope in of_s.items()}
         by_name |= self._by_surroundings(found, skin, values)
         assert skin.variation is not None and skin.weights is not None
         by_name |= self._by_weights(by_weight * skin.weights, skin.variation)
@@ -157,7 +156,7 @@ class Forward:
         values = all_values(self.scene, given)
         if values.get("finger"):
             batch = PressBatch.of(self._with_finger(*own, values) for own in batch.each())
-        Z = self._skin(values).sweeps(batch, self._s(values))
+        Z = self._skin(values).sweeps(batch, self.scene.frequencies)
         return reading_of(self.scene, values).at_meter(Z)
 
     def certificate(
@@ -167,7 +166,7 @@ class Forward:
         included."""
         values = all_values(self.scene, given)
         touched = self._with_finger(cells, rises, values)
-        bound = self._skin(values).certificate(*touched, self._s(values))
+        bound = self._skin(values).certificate(*touched, self.scene.frequencies)
         return float(bound.max()) + self.reduced.mesh_error
 
     @cached_property

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.linalg import block_diag
 from scipy.sparse import csc_matrix
 
-from ...arrays import Complex, Real
+from ...arrays import Real
 from ...fem.galerkin import Galerkin
 from ...fem.lanczos.lanczos import potentials_of_all
 from ...fem.matrices.factors import one_blas_thread, without_zeros
@@ -129,7 +129,7 @@ class GreedyBasis:
         low, high = float(frequency[0]), float(frequency[-1])
         decades = max(4, math.ceil(math.log10(high / low)) + 1)
         self._shifts = np.abs(laplace_variable(np.geomspace(low, high, decades), loss))
-        self._s = laplace_variable(np.geomspace(low, high, FREQUENCIES), loss)
+        self._certified = np.geomspace(low, high, FREQUENCIES)
         self._most, self._K = 0.0, without_zeros(family.space.K)
 
     def grow(
@@ -154,7 +154,7 @@ class GreedyBasis:
             cases = [draw(random) for _ in range(BATCH)]
             roughly = roughly and any(case.variation is not None for case in cases)
             cases = sharing_skins(cases, PRESSES_ON_SKIN) if roughly else cases
-            found = bounds(reduced, cases, self._s)
+            found = bounds(reduced, cases, self._certified)
             begun = max(begun, float(np.nan_to_num(found).max()), 2 * limit)
             progress(TRAINING, _done(found.max(), begun, limit))
             if found.max() <= limit:
@@ -274,15 +274,18 @@ class GreedyBasis:
         return with_applicator_tables(reduced) if isinstance(family, IndentationFamily) else reduced
 
 
-def bounds(reduced: Reduced, cases: list[Case], s: Complex) -> Real:
-    """Largest bound on the relative errors of Rs and Cp in each case, shape (case,). s: rad/s."""
+def bounds(reduced: Reduced, cases: list[Case], frequency: Real) -> Real:
+    """Largest bound on the relative errors of Rs and Cp in each case, shape (case,).
+
+    frequency: Hz.
+    """
     found = np.empty(len(cases))
     for group in by_skin(cases, reduced.scene):
         own = [cases[k] for k in group]
         presses = [(case.cells, case.rises) for case in own]
         foams = [reduced.family.foam_of(case) for case in own]
         skin = reduced.skin(own[0].variation, touched(reduced.scene, *presses[0]))
-        found[group] = skin.certificates(presses, foams, s).max(axis=(0, 2, 3))
+        found[group] = skin.certificates(presses, foams, frequency).max(axis=(0, 2, 3))
     return found
 
 

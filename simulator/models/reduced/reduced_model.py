@@ -8,7 +8,6 @@ from ...arrays import Complex, Real
 from ...notebook_display import SmallChart, Tabular
 from ...press.capacitance import touched_cells
 from ...press.press import Press, press_on
-from ...scene.frequency import laplace_variable
 from ..parameters import Variation
 from .projection import Projection
 from .reduced_skin import ReducedSkin
@@ -26,8 +25,7 @@ class Reduced(Projection, Tabular):
         a text that is no press on the scene.
         """
         pressed = press_on(self.scene, press) if isinstance(press, str) else press
-        s = laplace_variable(frequency, self.scene.skin.foam.loss)
-        return self.skin(None).sweep(*touched_cells(self.scene, pressed), s)
+        return self.skin(None).sweep(*touched_cells(self.scene, pressed), frequency)
 
     def _table(self) -> tuple[str, list[tuple[str, ...]]]:
         rows, columns = self.grid

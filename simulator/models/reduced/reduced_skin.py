@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -11,20 +12,24 @@ from ...arrays import Complex, Integer, Real
 from ...fem.error_estimate import reference_susceptance
 from ...fem.matrices.factors import one_blas_thread
 from ...fem.terminals.excited_terminals import excited_terminals
+from ...method_cache import cached_method
 from ...press.batch import NOTHING, PressBatch
 from ...press.parts import parts_of
+from ...scene.air_nodes import LOSSLESS_FOAM, AirNodes, air_factor, air_nodes
 from ...scene.frequency import laplace_variable
 from ...sweeps import ToleranceError
 from ..heterogeneous.materials import gauged
 from ..parameters import Variation, foam_parts, nominal
 from .cases import Case, touched
-from .certificate import certificate, min_conductance_factor
+from .certificate import AirCharges, certificate, min_conductance_factor
 from .dense import UnpressedMass, aligned, dense_excitation, own_coordinates, solved, with_terms
 from .families.family import Family, changes, weights_under
 from .families.family_meshes import finer_families
 from .projection import Projection
 
 KRYLOV_SHARE = 0.03
+MAX_SKINS = 64
+"""Number of cached skins with other factors on air."""
 CANCELLED_UNDER_PRESS, MAX_CANCELLATION = 3.0, 1e6
 """Cancellation between excitations under a press over that of the unpressed skin, which strong
 presses change two- or threefold. Largest cancellation that the tolerance of Lanczos' method
@@ -44,13 +49,14 @@ class ReducedSkin:
         self, reduced: Projection, variation: Variation | None, pressed: Real | None = None
     ) -> None:
         """pressed: factors on c by touches, shape (part,); only piezoresistive sheets use them."""
-        self.reduced, self.variation = reduced, variation
+        self.reduced, self.variation, self._pressed = reduced, variation, pressed
         factors = np.ones(foam_parts(reduced.scene)) if pressed is None else pressed
         given = reduced.scene, reduced.circuit, reduced.modes
         self.weights = weights_under(variation, *given, factors)
         own = nominal(reduced.scene, reduced.modes) if variation is None else variation
-        self.loss, self.unpressed_factors = own.loss, own.factors(reduced.scene)
-        self.s, self.parts = laplace_variable(reduced.frequency, own.loss), parts_of(reduced.scene)
+        self.loss, self.air = own.loss, own.air
+        self.unpressed_factors, self.parts = own.factors(reduced.scene), parts_of(reduced.scene)
+        self.s = laplace_variable(reduced.frequency, own.loss)
         K = self.stiffness
         unpressed = (self.unpressed_factors * self.parts.resting)[
             : len(reduced.factors), None, None
@@ -93,19 +99,44 @@ class ReducedSkin:
         """Unpressed M, and the factors of touches, shape (touch, rank, N + n)."""
         return UnpressedMass(*self._own, np.ascontiguousarray(factors))
 
-    def sweeps(self, batch: PressBatch, s: Complex | None = None) -> Complex:
-        """Z in ohm of many presses of pixels, shape (press, interface, s).
+    def sweeps(self, batch: PressBatch, frequency: Real | None = None) -> Complex:
+        """Z in ohm of many presses of pixels, shape (press, interface, frequency).
 
-        s: rad/s, by default those of the model's frequencies.
+        frequency: Hz, by default those of the model.
         """
-        s = self.s if s is None else s
-        if gauged(self.reduced.scene.skin):
-            return self._one_by_one(batch, s)
-        return self._swept(batch, s)
+        f = self.reduced.frequency if frequency is None else frequency
+        s, (air, skins) = laplace_variable(f, self.loss), self.with_air(f)
+        if air.single:
+            return self._at_own_air(batch, s, 1.0)
+        return 1 / air.mean(1 / skin._at_own_air(batch, s, air.precision) for skin in skins)
 
-    def sweep(self, cells: Integer, rises: Real, s: Complex | None = None) -> Complex:
-        """Z in ohm of one press, shape (interface, s), see `sweeps`."""
-        return self.sweeps(PressBatch.of([(cells, rises)]), s)[0]
+    def sweep(self, cells: Integer, rises: Real, frequency: Real | None = None) -> Complex:
+        """Z in ohm of one press, shape (interface, frequency), see `sweeps`."""
+        return self.sweeps(PressBatch.of([(cells, rises)]), frequency)[0]
+
+    def with_air(self, frequency: Real) -> tuple[AirNodes, list[ReducedSkin]]:
+        """Nodes at frequencies in Hz, and this skin with each of their factors on air.
+
+        Raises ToleranceError as `air_nodes` does.
+        """
+        if not self.parts.in_air.any():
+            return LOSSLESS_FOAM, [self]
+        air = air_nodes(frequency, self.loss, KRYLOV_SHARE * self.reduced.rtol)
+        if air.single:
+            return air, [self]
+        return air, [self._with_air_of(factor) for factor in air.factors.tolist()]
+
+    @cached_method(MAX_SKINS)
+    def _with_air_of(self, factor: float) -> ReducedSkin:
+        own = self.variation or nominal(self.reduced.scene, self.reduced.modes)
+        return type(self)(self.reduced, replace(own, air=factor), self._pressed)
+
+    def _at_own_air(self, batch: PressBatch, s: Complex, precision: float) -> Complex:
+        """Sweeps with one s for all capacitance. precision: share of the tolerance of Lanczos'
+        method."""
+        if gauged(self.reduced.scene.skin):
+            return self._one_by_one(batch, s, precision)
+        return self._swept(batch, s, precision)
 
     def under(self, cells: Integer, rises: Real) -> ReducedSkin:
         """Skin whose sheets are those under these touches; itself if touches change no sheet."""
@@ -113,16 +144,16 @@ class ReducedSkin:
             return self
         return type(self)(self.reduced, self.variation, touched(self.reduced.scene, cells, rises))
 
-    def _one_by_one(self, batch: PressBatch, s: Complex) -> Complex:
+    def _one_by_one(self, batch: PressBatch, s: Complex, precision: float) -> Complex:
         """Sweeps with a K of its own for each press, see `sweeps`."""
         interfaces = len(self.combination.weights)
         found = np.empty((batch.count, interfaces, len(s)), dtype=np.complex128)
         with one_blas_thread():
             for press, own in enumerate(batch.each()):
-                found[[press]] = self.under(*own)._swept(PressBatch.of([own]), s)
+                found[[press]] = self.under(*own)._swept(PressBatch.of([own]), s, precision)
         return found
 
-    def _swept(self, batch: PressBatch, s: Complex) -> Complex:
+    def _swept(self, batch: PressBatch, s: Complex, precision: float) -> Complex:
         from .kernel import impedances
 
         weighted = self.parts.followed(batch).weighted(self.unpressed_factors)
@@ -132,7 +163,7 @@ class ReducedSkin:
             self.combination,
             weighted,
             s,
-            self.lanczos_rtol,
+            precision * self.lanczos_rtol,
         )
 
     @cached_property
@@ -151,40 +182,63 @@ class ReducedSkin:
             np.clip([1 / of_Rs, of_B], 1.0, MAX_CANCELLATION).max()
         )
 
-    def certificate(self, cells: Integer, rises: Real, s: Complex | None = None) -> Real:
+    def certificate(self, cells: Integer, rises: Real, frequency: Real | None = None) -> Real:
         """Bound on the relative errors of Rs and Cp of one press by the reduction, with its foam.
 
-        Shape (2, interface, s). s: rad/s, by default those of the model's frequencies.
+        Shape (2, interface, frequency). frequency: Hz, by default those of the model.
         """
-        s, own = self.s if s is None else s, self.under(cells, rises)
+        f, own = (
+            self.reduced.frequency if frequency is None else frequency,
+            self.under(cells, rises),
+        )
         with one_blas_thread():
-            reduction = own.certificates([(cells, rises)], [self.map_of(cells, rises)], s)[:, 0]
-        return reduction + self.uncertainty_error(cells, rises, s)
+            reduction = own.certificates([(cells, rises)], [self.map_of(cells, rises)], f)[:, 0]
+        return reduction + self.uncertainty_error(cells, rises, laplace_variable(f, self.loss))
 
     def uncertainty_error(self, cells: Integer, rises: Real, s: Complex) -> Real | float:
         """Relative errors of Rs and Cp of one press by the uncertainty of its foam. s: rad/s."""
         return 0.0
 
     def certificates(
-        self, presses: Sequence[tuple[Integer, Real]], foams: Sequence[Real], s: Complex
+        self, presses: Sequence[tuple[Integer, Real]], foams: Sequence[Real], frequency: Real
     ) -> Real:
         """Bounds by the reduction alone, for presses under which the sheets do not change.
 
-        Shape (2, press, interface, s). foams: factors of each pressed skin, as the family's `mass`
-        takes them.
+        Shape (2, press, interface, frequency). foams: factors of each pressed skin, as the family's
+        `mass` takes them. Where the foam conducts too much for `air_nodes`, air has its loss here.
         """
-        from .lanczos_potentials import spanned_by_all
-
-        family, W = self.reduced.family, self.reduced.coordinates
-        u, Q = spanned_by_all(
-            self.dense_excitations, [self.touched(*press) for press in presses], s
-        )
-        u = self.turn @ u[: len(self.turn)]
-        potential = W @ np.hstack([u.real, u.imag])
+        family, s = self.reduced.family, laplace_variable(frequency, self.loss)
+        try:
+            air, skins = self.with_air(frequency)
+        except ToleranceError:
+            air, skins = LOSSLESS_FOAM, [self]
+        each = [skin._spanned(presses, s) for skin in skins]
+        u, Q = (air.mean(own) for own in zip(*each, strict=True))
+        u = u.reshape(len(u), -1)
+        potential = self.reduced.coordinates @ np.hstack([u.real, u.imag])
         current = family.currents(self.weights, potential)
         masses = [family.mass_inside(foam) for foam in foams]
+        beyond = None if air.single else self._in_air(foams, air_factor(frequency, self.loss))
         solved = potential, current, Q, s, self.min_conductance, self.combination
-        return certificate(family.space, masses, *solved)
+        return certificate(family.space, masses, *solved, beyond)
+
+    def _spanned(
+        self, presses: Sequence[tuple[Integer, Real]], s: Complex
+    ) -> tuple[Complex, Complex]:
+        """Potentials in the model's coordinates, (N + n, press * excitation, s), and Q in S."""
+        from .lanczos_potentials import spanned_by_all
+
+        touched = [self.touched(*press) for press in presses]
+        u, Q = spanned_by_all(self.dense_excitations, touched, s)
+        u = self.turn @ u[: len(self.turn)]
+        return u.reshape(len(u), -1, len(s)), Q
+
+    def _in_air(self, foams: Sequence[Real], factor: Complex) -> AirCharges:
+        """Share of air in M of each press; foams: see `certificates`."""
+        alone = np.zeros(len(foams[0]))
+        alone[np.flatnonzero(self.parts.in_air)] = 1.0
+        family = self.reduced.family
+        return AirCharges([family.mass_inside(alone * foam) for foam in foams], factor - 1)
 
     def by_mesh(self, cells: Integer, rises: Real) -> float:
         """Estimated relative error of Rs and Cp of one press by the mesh; 0 for uniform scenes."""

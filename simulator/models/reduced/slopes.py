@@ -7,13 +7,14 @@ nothing. Interfaces are sums of excitations, and so are their derivatives.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, fields
 
 import numpy as np
 
 from ...arrays import Complex, Integer, Real
 from ...press.parts import Parts
+from ...scene.frequency import laplace_variable
 from .dense import UnpressedMass, solved
 from .reduced_skin import ReducedSkin
 from .touched_walls import TouchedWalls, by_walls, walls_around, with_walls
@@ -25,8 +26,8 @@ class Sensitivity:
 
     Y: S, shape (interface, s). by_cell: S, by c of each pixel over the scene's unpressed c, shape
     (interface, s, pixel). by_weight: S, by the weight of each term of K (see `family.weights_of`)
-    and of further terms, shape (interface, s, term). by_s: F, by s, shape (interface, s). of_foam:
-    F, the foam's share of by_s. by_finger: S/F, by a finger on every touched pixel, shape
+    and of further terms, shape (interface, s, term). of_foam: F, by s, which is that of the foam
+    alone, shape (interface, s). by_finger: S/F, by a finger on every touched pixel, shape
     (interface, s). by_fixed: S, by each part that no press changes over the scene's own, shape
     (interface, s, part).
     """
@@ -34,26 +35,52 @@ class Sensitivity:
     Y: Complex
     by_cell: Complex
     by_weight: Complex
-    by_s: Complex
     of_foam: Complex
     by_finger: Complex
     by_fixed: Complex
 
 
+AXES = -1, -2, -2, -1, -1, -2
+"""Axis of s in each field of `Sensitivity`, from the end."""
+
+
 def sensitivity(
-    skin: ReducedSkin, cells: Integer, rises: Real, s: Complex, further_terms: Real | None = None
+    skin: ReducedSkin,
+    cells: Integer,
+    rises: Real,
+    frequency: Real,
+    further_terms: Real | None = None,
 ) -> Sensitivity:
     """Y of one press on one skin, with its derivatives.
 
-    cells, rises: see `ReducedSkin.sweeps`. s: rad/s. further_terms: further terms of K, in the
+    cells, rises: see `ReducedSkin.sweeps`. frequency: Hz. further_terms: further terms of K, in the
     model's coordinates, S, shape (term, N + n, N + n).
     """
-    own = skin.reduced.stiffness
+    own, s = skin.reduced.stiffness, laplace_variable(frequency, skin.loss)
     stiffness = own if further_terms is None else np.concatenate([own, further_terms])
-    found = [
-        _alone(skin, cells, rises, stiffness, u, s, Y) for u, Y in skin.solved(cells, rises, s)
-    ]
-    return _of_interfaces(skin, found, axis=0)
+
+    def with_air(skin: ReducedSkin) -> Sensitivity:
+        found = [
+            _alone(skin, cells, rises, stiffness, u, s, Y) for u, Y in skin.solved(cells, rises, s)
+        ]
+        return _of_interfaces(skin, found, axis=0)
+
+    return _mean(skin, frequency, with_air)
+
+
+def _mean(
+    skin: ReducedSkin, frequency: Real, with_air: Callable[[ReducedSkin], Sensitivity]
+) -> Sensitivity:
+    """Sensitivity in air without the loss of the foam."""
+    air, skins = skin.with_air(frequency)
+    if air.single:
+        return with_air(skin)
+    each = zip(*(_values(with_air(own)) for own in skins), strict=True)
+    return Sensitivity(*(air.mean(own, axis) for own, axis in zip(each, AXES, strict=True)))
+
+
+def _values(found: Sensitivity) -> list[Complex]:
+    return [getattr(found, field.name) for field in fields(found)]
 
 
 def _of_interfaces(
@@ -86,7 +113,9 @@ def _alone(
     if parts.around:
         beyond_foam = cells >= parts.foam
         of_foam = (
-            whole - squares[:, cells[beyond_foam]] @ rises[beyond_foam] - fixed @ skin.fixed_factors
+            whole
+            - skin.air * (squares[:, cells[beyond_foam]] @ rises[beyond_foam])
+            - fixed @ skin.fixed_factors
         )
     pressed = parts.pressed(cells, rises)[parts.kind[0]]
     if parts.thickness:
@@ -94,16 +123,23 @@ def _alone(
     if parts.walls.count:
         foam = foam + by_walls(skin, pressed, walls)
     pixels, first = parts.pixels(cells[None])
-    by_finger = s * fingers[:, pixels[first] if parts.fingers else []].sum(axis=1)
-    return Y, each * foam, by_weight, whole, of_foam, by_finger, each * fixed
+    by_finger = fingers[:, pixels[first] if parts.fingers else []].sum(axis=1)
+    in_air = skin.air * s
+    return Y, each * foam, by_weight, of_foam, in_air * by_finger, in_air[:, None] * fixed
 
 
-def sensitivities(skin: ReducedSkin, cells: Integer, rises: Real, s: Complex) -> Sensitivity:
+def sensitivities(skin: ReducedSkin, cells: Integer, rises: Real, frequency: Real) -> Sensitivity:
     """Y of presses with equally many touches, with its derivatives, for unchanged sheets.
 
-    cells, rises: shape (press, touch). Shapes are those of `Sensitivity` with a first axis
-    (press,); by_cell is by the touched cells alone, shape (press, interface, s, touch).
+    cells, rises: shape (press, touch). frequency: Hz. Shapes are those of `Sensitivity` with a
+    first axis (press,); by_cell is by the touched cells alone, shape (press, interface, s, touch).
     """
+    s = laplace_variable(frequency, skin.loss)
+    return _mean(skin, frequency, lambda own: _together(own, cells, rises, s))
+
+
+def _together(skin: ReducedSkin, cells: Integer, rises: Real, s: Complex) -> Sensitivity:
+    """`sensitivities` with one s for all capacitance."""
     walls = walls_around(skin, cells, rises)
     every, all_rises = with_walls(*_with_thickness(skin.parts, cells, rises), walls)
     weights, turn = all_rises * skin.unpressed_factors[every], skin.turn
@@ -115,9 +151,9 @@ def sensitivities(skin: ReducedSkin, cells: Integer, rises: Real, s: Complex) ->
         whole, of_fixed = _stored(u, skin.unpressed_mass, squares, weights), _forms(u, fixed)
         by_cell, beyond, by_finger = _of_touched(skin, cells, rises, u, squares, walls)
         of_foam = whole - beyond - of_fixed @ skin.fixed_factors if skin.parts.around else whole
-        each = s[:, None]
-        derived = each * by_cell, _forms(u, terms), whole, of_foam, s * by_finger, each * of_fixed
-        found.append((Y, *derived))
+        each, in_air = s[:, None], skin.air * s
+        derived = _forms(u, terms), of_foam, in_air * by_finger, in_air[:, None] * of_fixed
+        found.append((Y, each * by_cell, *derived))
     return _of_interfaces(skin, found, axis=1)
 
 
@@ -148,6 +184,7 @@ def _of_touched(
     if not parts.around:
         return by_cell, none, none
     on_foam = (cells < parts.foam)[:, None]
+    by_cell = np.where(on_foam, by_cell, skin.air * by_cell)
     beyond = np.where(on_foam, 0.0, by_cell * rises[:, None]).sum(axis=2)
     if parts.thickness:
         factor = np.where(on_foam, 1 + rises[:, None], 1.0)

@@ -17,7 +17,6 @@ from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import NOTHING, PressBatch
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Rectangle, Touch
-from rcskin.simulator.scene.frequency import laplace_variable
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.sweeps import InputError
 from rcskin.tests.library.scenes import ALIKE
@@ -103,8 +102,7 @@ def _change(scene, family, seed):
 def _observed(scene, family, seed):
     """At rest, and what a touch changes."""
     skin = drawn_skin(scene, seed, 0, (2, 2), len(HALF_WAVES))
-    s = laplace_variable(scene.frequencies, skin.variation.loss)
-    Z = family.skin(skin.variation).sweeps(PressBatch.of([NOTHING, TOUCH]), s)
+    Z = family.skin(skin.variation).sweeps(PressBatch.of([NOTHING, TOUCH]), scene.frequencies)
     seen = observed(skin.leads.at_meter(Z, scene.frequencies))
     return seen[0], seen[1] - seen[0]
 

@@ -100,16 +100,6 @@ def test_earth_is_warned_of_where_nothing_is_said_of_it(changes, warned):
 
 
 @pytest.mark.parametrize(
-    "changes", [{"skin.foam.loss_tangent": 0.01}, {"skin.foam.phase_exponent": 0.95}]
-)
-def test_loss_is_taken_for_the_surroundings_too(changes):
-    lossy = load_scene("sheet-5x5").with_(changes)
-    assert warnings(lossy) == []
-    (warning,) = warnings(lossy.with_({"surroundings": {}}))
-    assert "[surroundings] has the loss of the foam, too" in warning
-
-
-@pytest.mark.parametrize(
     ("sides", "thickness", "solved", "within"),
     [((0.12, 0.12), 4e-3, 0.918, 0.01), ((0.1, 0.02), 4e-3, 0.751, 0.05)],
 )

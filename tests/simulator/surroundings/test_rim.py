@@ -131,10 +131,6 @@ def test_a_computed_rim_is_solved_for_like_one_that_is_given(skin):
 @pytest.mark.parametrize(
     ("changes", "line"),
     [
-        (
-            {"surroundings.body": [{"distance": 1e-3}, {"distance": 1e-3, "side": "top"}]},
-            "is computed with one body at most; give the rim in F/m",
-        ),
         (IN_SPACE, "needs a flat skin; `skin.mesh` lies in space"),
     ],
 )

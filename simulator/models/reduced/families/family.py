@@ -8,7 +8,7 @@ parts of the foam: each pixel, and the foam beyond all pixels.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -20,7 +20,7 @@ from scipy.sparse import csc_matrix, csr_matrix
 from ....arrays import Complex, Real
 from ....fem.error_estimate import Swept
 from ....fem.galerkin import Galerkin
-from ....fem.lanczos.interface_sweep import swept
+from ....fem.lanczos.interface_sweep import swept_with_air
 from ....fem.matrices.factors import without_zeros
 from ....fem.matrices.low_rank import LowRankMass, Mass
 from ....fem.system import Films, System
@@ -28,7 +28,8 @@ from ....fem.terminals.circuit import Circuit
 from ....fem.terminals.excitation import Excitation, impedance_with_error
 from ....mesh.domain import Domain
 from ....mesh.quadrilaterals import Resolution
-from ....scene.frequency import Loss, laplace_variable
+from ....press.parts import parts_of
+from ....scene.frequency import Loss
 from ....scene.readings.contacts import Contact
 from ....scene.scene import Scene
 from ....sweeps import InputError
@@ -39,8 +40,8 @@ from .masses import Masses
 
 Weights = Real | None
 """Weights of the terms of K, see `weights_of`; None for the scene's own skin."""
-Checking = tuple[Galerkin, Mass]
-"""Space, and M in F in the pattern of its system."""
+Checking = tuple[Galerkin, Callable[[NDArray], Mass]]
+"""Space, and M in F in the pattern of its system, see `Family.mass`."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +100,7 @@ class Family(ABC):
         return [self.masses_in(mode) for mode in range(1, len(HALF_WAVES))]
 
     @abstractmethod
-    def finer(self, weights: Weights, factors: Real) -> Checking:
+    def finer(self, weights: Weights) -> Checking:
         """Space of one order more that checks this one, and its M."""
 
     def estimated(self, difference: Real) -> Real:
@@ -126,11 +127,20 @@ class Family(ABC):
         factors: c over the scene's unpressed c, shape (part,). The error is the largest relative
         one of Rs and Cp, estimated by elements of one order more, see `impedance_with_error`.
         """
-        spaces = (self.skin(weights), self.mass(factors)), self.finer(weights, factors)
+        spaces = (self.skin(weights), self.mass), self.finer(weights)
+        in_air = np.flatnonzero(parts_of(self.scene).in_air)
+
+        def with_air(factor: complex) -> NDArray:
+            found = factors.astype(type(factor))
+            found[in_air] *= factor
+            return found
 
         def sweep(around: Real, tolerance: float) -> list[Swept]:
-            s = laplace_variable(around, loss)
-            return [swept(space, mass, drives, s, tolerance) for space, mass in spaces]
+            given = drives, around, loss, bool(factors[in_air].any()), tolerance
+            return [
+                swept_with_air(space, lambda p, mass=mass: mass(with_air(p)), *given)
+                for space, mass in spaces
+            ]
 
         Z, error = impedance_with_error(sweep, drives, frequency, rtol)
         return Z, float(self.estimated(error).max())
@@ -164,15 +174,14 @@ class Family(ABC):
         """Low-rank factor of M by solved surroundings, see `LowRankMass`; None without these."""
         return None
 
-    def mass(self, factors: Real) -> Mass:
+    def mass(self, factors: NDArray) -> Mass:
         """M in F, in the system's pattern. factors: amount of each part, shape (part,)."""
-        near = self.masses.mass(factors)
-        return near if self.far is None else LowRankMass(near, self.far)
+        return _with_far(self.masses.mass(factors), self.far, factors)
 
     def mass_inside(self, factors: Real) -> Mass:
         """M in F of the space alone. factors: see `mass`."""
         near = self.space.matrix(self._masses_inside @ factors)
-        return near if self.far_inside is None else LowRankMass(near, self.far_inside)
+        return _with_far(near, self.far_inside, factors)
 
     @cached_property
     def far_inside(self) -> Real | None:
@@ -206,6 +215,11 @@ class Family(ABC):
     @cached_property
     def _sheet_values(self) -> Real:
         return np.stack([term.data for term in self.sheet_terms]).astype(np.float64)
+
+
+def _with_far(near: csc_matrix, far: Real | None, factors: NDArray) -> Mass:
+    """M with the charges by solved surroundings, whose factor is the last."""
+    return near if far is None else LowRankMass(near, factors[-1] ** 0.5 * far)
 
 
 def weights_under(

@@ -63,9 +63,9 @@ class HeterogeneousFamily(Family):
         """Low-rank factor of M by solved surroundings, see `LowRankMass`; None without these."""
         return self.system.far
 
-    def finer(self, weights: Weights, factors: Real) -> Checking:
+    def finer(self, weights: Weights) -> Checking:
         """Space of one order more on the same mesh, and its M."""
-        return self._finer.skin(weights), self._finer.mass(factors)
+        return self._finer.skin(weights), self._finer.mass
 
     def estimated(self, difference: Real) -> Real:
         """Estimated error from the difference of two orders, with a safety factor for

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix
 
 from ....arrays import Integer, Real
@@ -46,7 +47,7 @@ class Masses:
         )
         self._by_slot = self._values.tocsr()
 
-    def mass(self, factors: Real) -> csc_matrix:
+    def mass(self, factors: NDArray) -> csc_matrix:
         """M in F, in the system's pattern. factors: amount of each part, shape (part,)."""
         return self._system.pattern.matrix(self._by_slot @ factors)
 

@@ -43,10 +43,10 @@ class UniformFamily(Family):
     def _built(self) -> tuple[PixelSystem, int]:
         return build_system(self.scene, self.circuit, self.mesh), self.mesh.order - 1
 
-    def finer(self, weights: Weights, factors: Real) -> Checking:
+    def finer(self, weights: Weights) -> Checking:
         """Space of one order more in the same system, and its M."""
         system = self.system if weights is None else self.varied_system(weights)
-        return Galerkin(system, self.circuit, self.order + 1), self.mass(factors)
+        return Galerkin(system, self.circuit, self.order + 1), self.mass
 
     @cached_property
     def masses(self) -> Masses:

@@ -7,6 +7,7 @@ from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from ....arrays import Integer, Real
@@ -78,7 +79,7 @@ class IndentationFamily(HeterogeneousFamily):
         )
         return np.concatenate([rest + touched, under])
 
-    def mass(self, factors: Real) -> csc_matrix:
+    def mass(self, factors: NDArray) -> csc_matrix:
         """M in F, in the system's pattern. factors: see the class."""
         rest, under = factors[: self.parts.count], factors[self.parts.count :]
         mass, cells = self.masses.mass(rest), np.flatnonzero(under)

@@ -102,9 +102,10 @@ class IndentationSkin(ReducedSkin):
 
     def map_of(self, cells: Integer, rises: Real) -> Real:
         """Factors of a press, as the family's `mass` takes them."""
-        return self.reduced.family.pressed(
-            self.unpressed_factors * self.parts.resting, cells, rises
-        )
+        unpressed, fingers = self.unpressed_factors, self.parts.kind[1]
+        found = self.reduced.family.pressed(unpressed * self.parts.resting, cells, rises)
+        found[fingers] *= unpressed[fingers]
+        return found
 
     def uncertainty_error(self, cells: Integer, rises: Real, s: Complex) -> Real:
         """Relative changes of Rs and Cp if c is higher by its whole uncertainty. s: rad/s."""
@@ -132,13 +133,13 @@ class IndentationSkin(ReducedSkin):
             squares[:, cell] = by_rise / self.unpressed_factors[cell]
         return squares, whole
 
-    def _swept(self, batch: PressBatch, s: Complex) -> Complex:
+    def _swept(self, batch: PressBatch, s: Complex, precision: float) -> Complex:
         from ..kernel import impedances
 
         self._check(batch.rises[batch.cells < self.parts.foam])
         interfaces, read = len(self.combination.weights), (self.dense_excitations, self.combination)
         found = np.empty((batch.count, interfaces, len(s)), dtype=np.complex128)
-        rtol, each = KRYLOV_SHARE * self.reduced.rtol, list(batch.each())
+        rtol, each = precision * KRYLOV_SHARE * self.reduced.rtol, list(batch.each())
         coupled = np.array([self._coupled(own.cells) for own in each], dtype=bool)
         for press in np.flatnonzero(coupled):
             rest, which, weights = self.touched(*each[press])
@@ -168,7 +169,8 @@ class IndentationSkin(ReducedSkin):
 
     def _by_fingers(self, cells: Integer, rises: Real) -> Real:
         """F of fingers. rises: capacitance of each finger, F."""
-        return np.sqrt(rises)[:, None, None] * (self.reduced.factors[cells] @ self.turn)
+        roots = np.sqrt(rises * self.unpressed_factors[cells])
+        return roots[:, None, None] * (self.reduced.factors[cells] @ self.turn)
 
     def _by_applicators(self, cells: Integer, rises: Real) -> Real:
         """F of applicators."""
