@@ -70,7 +70,7 @@ def compare(targets: NDArray, outputs: NDArray, silent: Mask | None = None) -> C
     columns = np.array([number[label] for label in outputs.tolist()])
     if silent is not None:
         columns[silent] = len(classes)
-    np.add.at(counts, (rows, columns), 1)
+    np.add.at(counts, (np.array(rows), columns), 1)
     used = len(classes) + bool(counts[:, -1].any())
     return Confusion(tuple(classes), counts[:, :used])
 

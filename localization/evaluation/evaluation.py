@@ -265,8 +265,8 @@ def join_scores(folds: Sequence[Score]) -> Score:
         return PositionScore(**columns, examples=first.examples)
     answers = [fold.answers for fold in folds if isinstance(fold, ClassScore)]
     joined = Answers(*(_column(answers, field.name) for field in fields(Answers)))
-    columns = {name: _column(folds, name) for name in ("truth", "predicted", "sessions")}
-    return ClassScore(**columns, answers=joined)
+    truth, predicted = _column(folds, "truth"), _column(folds, "predicted")
+    return ClassScore(truth, predicted, joined, _column(folds, "sessions"))
 
 
 def _column(parts: Sequence[object], name: str) -> NDArray:

@@ -152,7 +152,8 @@ class Galerkin:
     def form(self, mass: Mass, excitation: Excitation, s: complex) -> complex:
         """Q in S of an excitation at s in rad/s, real or complex. mass: M in F, real or complex."""
         driven, u = self.driven(excitation), self.own(self.potentials(mass, excitation, s))
-        return driven.conductance + s * (self.restricted(mass) @ driven.potential) @ u
+        charge = self.restricted(mass) @ driven.potential
+        return complex(driven.conductance + s * (charge @ u))
 
     def potentials_by(self, steps: Steps, mass: Mass, excitation: Excitation, s: Real) -> Real:
         """Potentials at real s >= 0 from the Lanczos steps of a sweep; shape (..., s)."""

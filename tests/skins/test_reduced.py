@@ -142,8 +142,8 @@ def test_slopes_where_the_foam_of_pixels_differs_are_differences(library):
     foam = nominal(reduced.scene)
     foam.capacitance[:] = np.linspace(0.8, 1.2, 6).reshape(2, 3)
     skin, cells = reduced.skin(foam), np.array([1, 4])
-    found = sensitivity(skin, cells, rises, skin.s)
-    together = sensitivities(skin, cells[None], rises[None], skin.s)
+    found = sensitivity(skin, cells, rises, skin.reduced.frequency)
+    together = sensitivities(skin, cells[None], rises[None], skin.reduced.frequency)
     for k in range(2):
         step = 1e-4 * np.eye(2)[k]
         up, down = (1 / skin.sweep(cells, rises + sign * step) for sign in (1, -1))

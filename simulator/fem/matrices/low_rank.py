@@ -16,11 +16,11 @@ from ...arrays import Real
 class LowRankMass:
     """M = near + F F', in F.
 
-    near: sparse, shape (unknown, unknown). far: F, shape (unknown, rank).
+    near: sparse, shape (unknown, unknown). far: F, shape (unknown, rank), real or complex.
     """
 
     near: csc_matrix
-    far: Real
+    far: NDArray
 
     def dot(self, v: NDArray) -> NDArray:
         """Return M v."""
