@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -71,6 +71,22 @@ def compare(targets: NDArray, outputs: NDArray, silent: Mask | None = None) -> C
     if silent is not None:
         columns[silent] = len(classes)
     np.add.at(counts, (np.array(rows), columns), 1)
+    return _without_empty(classes, counts)
+
+
+def together(parts: Sequence[Confusion]) -> Confusion:
+    """Counts of several confusion matrices together; they may have different classes."""
+    classes = _in_order(label for part in parts for label in part.labels)
+    counts = np.zeros((len(classes), len(classes) + 1), dtype=np.int64)
+    number = {label: k for k, label in enumerate((*classes, CANNOT_TELL))}
+    for part in parts:
+        rows, columns = ([number[each] for each in side] for side in (part.labels, part.outputs))
+        counts[np.ix_(rows, columns)] += part.counts
+    return _without_empty(classes, counts)
+
+
+def _without_empty(classes: Sequence[int | str], counts: Integer) -> Confusion:
+    """Confusion matrix; its column of sweeps without an answer is left out if it is empty."""
     used = len(classes) + bool(counts[:, -1].any())
     return Confusion(tuple(classes), counts[:, :used])
 

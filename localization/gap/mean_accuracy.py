@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import InputError
-from ..evaluation.confusion import Confusion, compare, over_folds
+from ..evaluation.confusion import Confusion, compare, over_folds, together
 from ..evaluation.evaluation import unchecked
 from ..learners.registry import Estimator
 from ..trust.folds import folds_of
@@ -111,13 +111,5 @@ def mean_over_draws(outcomes: Sequence[Confusion]) -> MeanAccuracy:
         mean=float(np.mean(values)),
         spread=float(np.std(values, ddof=1)) if len(values) > 1 else 0.0,
         draws=len(values),
-        confusion=_pooled(outcomes),
+        confusion=together(outcomes),
     )
-
-
-def _pooled(outcomes: Sequence[Confusion]) -> Confusion:
-    """Counts of all draws together; draws may have different classes."""
-    rows = [row for outcome in outcomes for row in outcome.table()]
-    counts = [count for *_, count in rows]
-    targets, outputs = (np.repeat([row[side] for row in rows], counts) for side in (0, 1))
-    return compare(targets, outputs)

@@ -29,7 +29,8 @@ from .position_tables import cells_per_pixel, position_tables
 from .unknown_skin import UnknownSkin
 
 Tables = dict[str, NDArray]
-STRENGTHS = 6
+STRENGTHS = 11
+"""Number of strengths of a touch; their normal distributions cover factors from 1.3 to 4.5."""
 RTOL = 1e-3
 """Tolerance of Rs and Cp: a meter's noise is several times larger."""
 DRIFT = 1e-3

@@ -46,7 +46,8 @@ KEYS = {
     "accuracy.own": "features -> trained and tested on the other side, cross-validated: `grouped` "
     "leaves out whole groups of the kind `grouping`, `single` leaves out single sweeps; folds, "
     "number of folds",
-    "confusion": "in every accuracy: labels, and counts over (target class, output class)",
+    "confusion": "in every accuracy: labels, outputs (labels, then cannot tell), and counts over "
+    "(target class, output class)",
     "discrepancy": "stage -> features -> class (`all`: all classes together): first and second, "
     "numbers of simulated and of other sweeps; mmd2, squared maximum mean discrepancy, unbiased; "
     "p, probability of a value as large if there is no gap; energy, energy distance; coefficient, "

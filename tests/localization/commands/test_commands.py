@@ -28,7 +28,7 @@ def test_a_model_is_trained_evaluated_and_asked(run, files, tmp_path):
     code, out, err = run("train", files / "known.nc", "-o", model)
     assert (code, err) == (0, "")
     assert "column by ksvm-ovo from dlnZ, dphase at left" in out
-    assert "whole sessions held out: accuracy 100 % (69 of 69, at least 95 % with 95 % confi" in out
+    assert "whole sessions held out: most probable class right: 100 % (69 of 69, at least " in out
     assert out.endswith(f"model: 40 features, 3 columns -> {model}\n")
     code, out, err = run("evaluate", model, files / "unseen.nc", "-o", tmp_path / "found")
     assert (code, err) == (0, "")
@@ -117,7 +117,10 @@ def test_answers_at_a_rate_are_reported_with_confidence_and_coverage(run, make_s
     write(make_sweeps(repetitions=40), tmp_path / "many.nc")
     asked = ("--certain", 0.9, "-o", tmp_path / "m.npz")
     code, out, _ = run("train", tmp_path / "many.nc", *asked)
-    assert code == 0 and "at a rate of 0.9 or more, with 95 % confidence; held-out" in out
+    assert (
+        code == 0
+        and "at a rate of 0.9 or more, with 95 % confidence in sessions like these; held-out" in out
+    )
 
 
 def test_a_model_never_shown_rest_says_so(run, files, tmp_path):

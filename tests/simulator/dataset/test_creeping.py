@@ -66,7 +66,10 @@ def test_cells_creep_as_the_touches_that_they_are_of():
     ("changes", "told"),
     [
         (
-            {"skin.foam.relaxation": [{"share": 0.5, "time_constant": 1.0}]},
+            {
+                "skin.foam.relaxation": [{"share": 0.5, "time_constant": 1.0}],
+                "dataset.press.factor": {"low": 1.3, "high": 3.0},
+            },
             "`dataset.press.factor` must leave foam that creeps compressed by at most 0.99 of its "
             "thickness in every draw, got 3, which comes to 1",
         ),

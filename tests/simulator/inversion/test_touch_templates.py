@@ -199,6 +199,7 @@ def test_strengths_of_the_experiment_follow_the_press(make_scene):
 
 def test_positions_are_tabulated_by_the_full_solver(scene, monkeypatch):
     monkeypatch.setattr(position_tables, "NODES", 3)
+    scene = scene.with_({"dataset.press.factor": {"low": 1.3, "high": 3.0}})
     tables = templates(scene, "position")
     x, y, f = (tables[name][1] for name in ("x", "y", "strength_nodes"))
     side, _ = position_tables.touch_size(scene)

@@ -22,7 +22,7 @@ def scene_file(tmp_path, noisy):
     return write
 
 
-def test_maps_tables_and_a_summary_are_written(run, tmp_path, scene_file, coarse):
+def test_maps_tables_and_a_summary_are_written(run, tmp_path, scene_file):
     names = ["frequencies.png", "limits.csv", "limits.json", "pixels.csv", "pixels.png"]
     folder = tmp_path / "new" / "folder"
     code, out, err = run(

@@ -1,7 +1,6 @@
 """Pages of skins, and what runs them: node for their modules, a browser for the whole."""
 
 import json
-import runpy
 import shutil
 import subprocess
 from dataclasses import dataclass
@@ -130,14 +129,13 @@ def own_frequencies():
 
 
 @pytest.fixture(scope="session")
-def paged_kind(tmp_path_factory):
+def paged_kind(library):
     """A function that gives the page of a skin that is not plain, by its name."""
-    skins = runpy.run_path(str(Path(__file__).parents[2] / "skins" / "conftest.py"))
-    kinds, known = skins["every_kind"](tmp_path_factory.mktemp("mesh")), {}
+    known = {}
 
     def of(name):
         if name not in known:
-            known[name] = paged(kinds[name], rtol=1e-2, cells=1)
+            known[name] = paged(library.scene(name), rtol=1e-2, cells=1)
         return known[name]
 
     return of

@@ -338,7 +338,7 @@ def test_workbooks(tmp_path):
         ("a.pssession", "is a session of PSTrace: export its measurement as .csv there"),
         ("a.mat", "is a file of MATLAB: save its columns as .csv there, by writetable"),
         ("a.xls", "is no .xlsx: save it as .xlsx or .csv"),
-        *((f"a{ending}", "write its frequencies") for ending in (".h5", ".HDF5", ".pkl", ".npz")),
+        *((f"a{ending}", "write its frequencies") for ending in (".h5", ".HDF5", ".pkl")),
         ("a.csv.gz", "is packed: unpack it"),
     ],
 )
