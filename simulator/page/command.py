@@ -34,6 +34,7 @@ def page(
     from ..requests.console import note, report_written
     from ..requests.requested_scene import note_if_noise_free, requested_scene
     from ..requests.time_estimates import page_parts
+    from ..scene.frequency import LOSSLESS
     from ..sweeps import InputError, checked_output, whole_file
 
     checked_output(output, (".html",))
@@ -57,6 +58,9 @@ def page(
         factor = f"{skin.press.capacitance_factor:.4g} x C"
         spread = "the spread of a press by the foam's tension is left out"
         note(f"{scene}: the page presses whole pixels uniformly, by {factor}; {spread}")
+    if skin.surroundings is not None and skin.skin.foam.loss != LOSSLESS:
+        lossless = "rcskin sweep takes air without loss"
+        note(f"{scene}: the page gives the air around the skin the foam's loss; {lossless}")
     with whole_file(output) as path:
         path.write_text(text, encoding="utf-8")
     report_written(f"page of {skin.name}, {len(text) / 1e6:.1f} MB", output)

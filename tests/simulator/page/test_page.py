@@ -12,7 +12,7 @@ from rcskin.simulator.models.uniform import uniformly_pressed
 from rcskin.simulator.page.document import document
 from rcskin.simulator.page.packed import reduced_for_page
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.scene_files import BUILTIN, load_scene, read_scene
+from rcskin.simulator.scene.scene_files import BUILTIN, load_scene, read_scene, scene_text
 from rcskin.simulator.sweeps import InputError, read
 
 PIXEL = (0.45, 0.52)
@@ -100,6 +100,15 @@ def test_a_page_refuses_strain_of_a_foam_with_mechanics(changes, key):
 def test_pixels_pressed_by_depth_are_pressed_evenly_on_a_page(run, tmp_path):
     code, _, err = run("page", "foam", "--cells", 1, "-o", tmp_path / "foam.html")
     assert code == 0 and "presses whole pixels uniformly, by 2." in err and err.count("\n") == 1
+
+
+@pytest.mark.parametrize(("loss", "told"), [(0.02, True), (0.0, False)])
+def test_the_loss_of_air_is_told(run, tmp_path, loss, told):
+    changes = {"surroundings": {"body": {"distance": 5e-3}}, "skin.foam.loss_tangent": loss}
+    scene, file = load_scene("strip-1x3").with_(changes), tmp_path / "strip.toml"
+    file.write_text(scene_text(scene), encoding="utf-8")
+    code, _, err = run("page", file, "--cells", 1, "--rtol", 1e-2, "-o", tmp_path / "p.html")
+    assert code == 0 and ("gives the air around the skin the foam's loss" in err) == told
 
 
 def test_no_name_ends_the_script_that_holds_it(glove):
