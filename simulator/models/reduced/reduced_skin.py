@@ -104,8 +104,9 @@ class ReducedSkin:
 
         frequency: Hz, by default those of the model.
         """
-        f = self.reduced.frequency if frequency is None else frequency
-        s, (air, skins) = laplace_variable(f, self.loss), self.with_air(f)
+        own = frequency is None
+        s = self.s if own else laplace_variable(frequency, self.loss)
+        air, skins = self._with_own_air if own else self.with_air(frequency)
         if air.single:
             return self._at_own_air(batch, s, 1.0)
         return 1 / air.mean(1 / skin._at_own_air(batch, s, air.precision) for skin in skins)
@@ -125,6 +126,10 @@ class ReducedSkin:
         if air.single:
             return air, [self]
         return air, [self._with_air_of(factor) for factor in air.factors.tolist()]
+
+    @cached_property
+    def _with_own_air(self) -> tuple[AirNodes, list[ReducedSkin]]:
+        return self.with_air(self.reduced.frequency)
 
     @cached_method(MAX_SKINS)
     def _with_air_of(self, factor: float) -> ReducedSkin:
