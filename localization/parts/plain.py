@@ -37,7 +37,7 @@ class UnsoundError(ValueError):
         self.name, self.reason = name, reason
 
     def within(self, path: str) -> UnsoundError:
-        """The same, of an object at this path."""
+        """This error, named from the object that holds the faulty one at a path."""
         return UnsoundError(f"{path}.{self.name}" if path else self.name, self.reason)
 
 
