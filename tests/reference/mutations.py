@@ -20,7 +20,7 @@ MUTATIONS = [  # file, the line's text, the fault
     ("simulator/models/line.py", "tanh_ratio(s * R * C)", "tanh_ratio(2 * s * R * C)"),
     ("simulator/surroundings/rim.py", "bottom / (top + bottom)", "bottom / top"),
     ("simulator/surroundings/rim.py", "-C[0, 1] - foam", "-C[0, 1] + foam"),
-    ("simulator/surroundings/rim.py", "C[:, 0].sum() - straight", "C[:, 0].sum()"),
+    ("simulator/surroundings/rim.py", "C[:, 0].sum() - bottom", "C[:, 0].sum()"),
     ("simulator/surroundings/charges.py", "+ (permittivity - 1)", "+ (permittivity + 1)"),
     ("simulator/surroundings/panels.py", "(a + c + d) / 3", "(a + c + d) / 4"),
     ("simulator/sweeps/impedance.py", "magnitude / omega", "magnitude / (1.01 * omega)"),
@@ -34,8 +34,12 @@ MUTATIONS = [  # file, the line's text, the fault
     ),
     ("simulator/scene/readout/meter.py", "(1 - self.guard) *", "(1 + self.guard) * 2 *"),
     ("localization/inputs/features.py", "np.log(complex_readings", "np.sqrt(complex_readings"),
-    ("localization/inputs/features.py", "2 * known.sum() >", "2 * known.sum() <"),
-    ("localization/learners/gaussians.py", "(distance + spread) / 2", "(distance - spread) / 2"),
+    ("localization/inputs/features.py", "2 * known.sum() <=", "2 * known.sum() >"),
+    (
+        "localization/parts/normal_densities.py",
+        "(distance + spread) / 2",
+        "(distance - spread) / 2",
+    ),
     ("simulator/calibration/fitting/problem.py", "vstack([slopes", "vstack([2 * slopes"),
     ("simulator/models/cosine_modes/amplitudes.py", "np.array([1.0,", "np.array([1.1,"),
 ]
