@@ -17,7 +17,7 @@ import pandas as pd
 import xarray as xr
 from matplotlib.figure import Figure
 from rcskin.benchmarks.bench import Run, launch, publish
-from rcskin.localization.evaluation.evaluation import ClassScore, score
+from rcskin.localization.evaluation.evaluation import RIGHT_OF_ALL, ClassScore, score
 from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inputs.sweep_files import read_first
 from rcskin.localization.inversion.estimators import MODEL_BASED, chosen
@@ -154,13 +154,14 @@ def judged(case: Case, sweeps: xr.Dataset, name: str, quantities: tuple[str, ...
     figures = found.figures()
     if isinstance(found, ClassScore):
         two = [str(label).count("+") > 0 for label in found.truth]
-        told = f"{100 * figures['accuracy']:.1f} % right"
+        told = f"{100 * figures[RIGHT_OF_ALL]:.1f} % right"
         if any(two):
-            told += f", of two touches both {100 * found.right[two].mean():.1f} %"
+            both = (found.right & found.answers.answered)[two]
+            told += f", of two touches both {100 * both.mean():.1f} %"
         return row | {
             "found": told,
             "calibration": f"off by {100 * figures['calibration error']:.1f} %",
-            "value": 100 * figures["right of all"],
+            "value": 100 * figures[RIGHT_OF_ALL],
         }
     return row | {
         "found": f"median {figures['median error, mm']:.1f} mm, "
