@@ -10,7 +10,7 @@ from ...simulator.notebook_display import SmallChart
 from ...simulator.report.files import filled_at_once, write_rows
 from ...simulator.report.rate_bars import rate_bars
 from ..inputs.targets import COORDINATES
-from ..trust.rates import with_intervals
+from ..trust.rates import BOUNDING_SESSIONS, with_intervals
 from .confusion import write_csv
 from .evaluation import RIGHT_OF_ALL, ClassScore, PositionScore, Score
 from .skin_outline import draw_skin_outline
@@ -41,8 +41,9 @@ def lines_of(found: Evaluation) -> list[str]:
             lines.append(f"{name}: {rates[name].text}{folds}")
         else:
             lines.append(f"{name}: {value:.3g}" + ("" if spread is None else f" ± {spread:.2g}"))
-    if found.sessions == 1:
-        lines.append("all sweeps are of one session of one skin: no bound on other skins follows")
+    if found.sessions < BOUNDING_SESSIONS:
+        few = "one session" if found.sessions == 1 else f"{found.sessions} sessions"
+        lines.append(f"{few}: too few for a bound on other skins, which takes {BOUNDING_SESSIONS}")
     if "answered" in rates and not rates["answered"].count:
         lines.append(
             "no sweep was answered: each is unlike the training or its answer too uncertain"

@@ -25,7 +25,7 @@ class Evaluation(Tabular):
     score: predictions and truth of each sweep. target: predicted target. figures: value of each
     figure by name, and its spread over folds if there are any. validation: text on how the sweeps
     were scored. left_out: text on the sweeps that were left out. sessions: number of those of the
-    sweeps; one says nothing on other skins.
+    sweeps; few say little on other skins.
     """
 
     score: Score

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from ...simulator.arrays import Integer, Mask
 
 CONFIDENCE = 0.95
+BOUNDING_SESSIONS = 5
+"""Fewest sessions that bound a rate: by fewer, Student's t leaves next to nothing of it."""
 MANY = 500
 """Number of cases from which on a bound is shown to a tenth of a per cent."""
 CORRELATION = 0.1
@@ -29,8 +31,8 @@ three-dimensional solve it was 0 to 0.08 (`results/foreign_twin.csv`).
 class CountedRate:
     """How many of some sweeps are right, answered or the like.
 
-    independent: number of independent sweeps that bear as much on other sessions; None if all are
-    of one session, which bears on no other one.
+    independent: number of independent sweeps that bear as much on other sessions; None if these
+    are of fewer than BOUNDING_SESSIONS.
     """
 
     count: int
@@ -52,7 +54,7 @@ class CountedRate:
         return self.count / self.total
 
     def at_least(self, confidence: float = CONFIDENCE) -> float:
-        """Lower confidence bound; needs several sessions."""
+        """Lower confidence bound; needs BOUNDING_SESSIONS."""
         assert self.independent is not None
         return lower_bound(self.share * self.independent, self.independent, confidence)
 
@@ -67,7 +69,7 @@ class CountedRate:
     def text(self) -> str:
         """Text such as `98 % (52 of 53, at least 91 % with 95 % confidence)`.
 
-        It is `none of 0` for none. The bound is left out for one session, and never rounded up.
+        It is `none of 0` for none. The bound is left out for few sessions, and never rounded up.
         """
         if not self.total:
             return "none of 0"
@@ -81,7 +83,7 @@ class CountedRate:
 
 
 def independent_sweeps(true: Mask, sessions: Integer) -> float | None:
-    """Number of independent sweeps whose rate is known as well; None for one session.
+    """Number of independent sweeps whose rate is known as well; None below BOUNDING_SESSIONS.
 
     Sweeps of one session are right or wrong together. The variance of the rate is that between
     sessions, but not less than that of a CORRELATION within them; few sessions count less by the
@@ -92,7 +94,7 @@ def independent_sweeps(true: Mask, sessions: Integer) -> float | None:
 
     _, index, sizes = np.unique(sessions, return_inverse=True, return_counts=True)
     count, total = sizes.size, true.size
-    if count < 2:
+    if count < BOUNDING_SESSIONS:
         return None
     rate = true.mean()
     excess = np.bincount(index, true) - rate * sizes

@@ -67,9 +67,9 @@ def dataset(
         raise InterruptedWorkError("the same command continues from here") from None
     attributes = finished_attributes(output) or {}
     say(
-        f"{output}: the errors of {attributes['audit_sample']} of "
-        f"{plan.sessions * plan.session_sweeps} simulated sweeps were bounded, the largest by "
-        f"{attributes['audit_bound']:.1e} of Rs and Cp; {attributes['fallbacks']} sweeps were "
+        f"{output}: the errors of {attributes['audit_sample']} of the "
+        f"{plan.sessions * plan.session_sweeps} sweeps of whole sessions were bounded, the largest "
+        f"by {attributes['audit_bound']:.1e} of Rs and Cp; {attributes['fallbacks']} sweeps were "
         "solved without the reduced model"
     )
     if "cells_error" in attributes:

@@ -28,11 +28,11 @@ def test_a_model_is_trained_evaluated_and_asked(run, files, tmp_path):
     code, out, err = run("train", files / "known.nc", "-o", model)
     assert (code, err) == (0, "")
     assert "column by ksvm-ovo from dlnZ, dphase at left" in out
-    assert "whole sessions held out: most probable class right: 100 % (69 of 69, at least " in out
+    assert "whole sessions held out: most probable class right: 100 % (69 of 69)\n" in out
     assert out.endswith(f"model: 40 features, 3 columns -> {model}\n")
     code, out, err = run("evaluate", model, files / "unseen.nc", "-o", tmp_path / "found")
     assert (code, err) == (0, "")
-    assert "right of all: 100 % (23 of 23)\n" in out and "no bound on other skins" in out
+    assert "right of all: 100 % (23 of 23)\n" in out and "too few for a bound on other skins" in out
     assert out.endswith(f"evaluation: 23 sweeps -> {tmp_path / 'found'}\n")
     assert {path.name for path in (tmp_path / "found").iterdir()} == {
         "figures.csv",
@@ -76,7 +76,7 @@ def test_without_a_model_scores_are_of_outer_folds(run, files):
     )
     assert (code, err) == (0, "")
     assert "3 folds, whole sessions held out" in out
-    assert "right of all: " in out and "at least" in out and "±" in out
+    assert "right of all: " in out and "3 sessions: too few" in out and "±" in out
 
 
 def test_more_folds_than_sessions_are_reported(run, files):

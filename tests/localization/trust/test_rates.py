@@ -2,7 +2,13 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.trust.rates import CONFIDENCE, CountedRate, independent_sweeps, lower_bound
+from rcskin.localization.trust.rates import (
+    BOUNDING_SESSIONS,
+    CONFIDENCE,
+    CountedRate,
+    independent_sweeps,
+    lower_bound,
+)
 from scipy.stats import binomtest
 
 
@@ -19,8 +25,9 @@ def test_it_is_said_of_how_many(right, total, told):
     assert CountedRate.of(np.arange(total) < right, np.arange(total)).text == told
 
 
-def test_one_session_bounds_nothing():
-    rate = CountedRate.of(np.ones(50, dtype=bool), np.zeros(50, dtype=np.int64))
+@pytest.mark.parametrize("sessions", range(1, BOUNDING_SESSIONS))
+def test_few_sessions_bound_nothing(sessions):
+    rate = CountedRate.of(np.ones(50, dtype=bool), np.arange(50) % sessions)
     assert (rate.text, rate.interval) == ("100 % (50 of 50)", (1.0, 1.0))
 
 
@@ -34,7 +41,7 @@ def test_the_bound_of_independent_sweeps_is_the_exact_one(rate):
     assert lower_bound(int(counts[0]), 60) == pytest.approx(exact)
 
 
-@pytest.mark.parametrize("count", [3, 5, 10, 40])
+@pytest.mark.parametrize("count", [BOUNDING_SESSIONS, 10, 40])
 @pytest.mark.parametrize("correlation", [0.0, 0.05, 0.1])
 def test_the_bound_holds_in_other_sessions(count, correlation):
     """Rates of sessions are distributed as beta about 95 %; a session has 25 sweeps."""

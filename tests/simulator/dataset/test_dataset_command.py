@@ -50,7 +50,9 @@ def test_sweeps_are_those_of_the_full_model_within_the_tolerance(run, scene_file
     assert code == 0 and err.startswith(f"rcskin: note: {scene_file}: the readout is free of noise")
     assert err.count("\n") == 1
     assert out.endswith(f"40 sweeps x 3 frequencies -> {output}\n")
-    assert " simulated sweeps were bounded" in out and "; 0 sweeps were solved without" in out
+    assert (
+        " sweeps of whole sessions were bounded" in out and "; 0 sweeps were solved without" in out
+    )
     sweeps = read(output)
     assert 0 < sweeps.attrs["audit_bound"] <= 1e-4
     scene = read_scene(scene_file)
@@ -82,7 +84,8 @@ def test_a_complete_data_set_is_made_anew_on_demand_only(run, scene_file, tmp_pa
 def test_the_audit_states_its_sample_and_sweeps(run, scene_file, tmp_path):
     code, out, _ = run("dataset", scene_file, "--sweeps", 10, *LOOSE, "-o", tmp_path / "few.zarr")
     assert (
-        code == 0 and "the errors of 20 of 20 simulated sweeps were bounded, the largest by " in out
+        code == 0
+        and "errors of 20 of the 20 sweeps of whole sessions were bounded, the largest by " in out
     )
     assert (
         "all sweeps are of one skin, because a session has 20; --sweeps 400 draws 20 skins" in out
