@@ -53,7 +53,7 @@ class Way:
 
     def of(self, folder: Path) -> Path:
         """File of the localizer."""
-        return folder / f"{_file_name(self.name)}.npz"
+        return folder / f"localizer-{_file_name(self.name)}.npz"
 
 
 def believed(scene: Scene, training: str, body: bool) -> Scene:
@@ -99,7 +99,7 @@ def train_missing(
 
 def kept_family(folder: Path, training: str, scene: Scene) -> Reduced:
     """The reduced model of a training scene, trained unless the folder holds it."""
-    path = folder / f"{_file_name(training)}.npz"
+    path = folder / f"family-{_file_name(training)}.npz"
     if not path.exists():
         save(reduced(scene, TRAINING_RTOL), path)
     return load(path)
