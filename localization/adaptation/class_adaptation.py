@@ -15,7 +15,7 @@ from ..inversion.estimators import MODEL_ADAPTED, MODEL_BASED, estimators
 from ..learners.corrections import class_offsets
 from ..model.localizer_model import Model
 from ..parts.predictor import Chain
-from ..trust.answers import threshold_of
+from ..trust.answers import NOTHING_PRESSED, threshold_of
 from ..trust.fitted import Classifier, Guards, with_known_baseline
 from ..trust.folds import describe_splits, splits_of
 from ..trust.temperature import probabilities, sharpness_of
@@ -102,9 +102,11 @@ def checked_classifier(model: Model, samples: Samples) -> Classifier:
     ]
     if few:
         others = f" (and {len(few) - 1} more)" if len(few) > 1 else ""
+        label, got = few[0]
+        missing = "the unpressed skin" if str(label) in NOTHING_PRESSED else label
         raise InputError(
             f"needs at least {MIN_TOUCHES_PER_CLASS} sweeps of each {model.target}, got "
-            f"{few[0][1]} of {few[0][0]}{others}"
+            f"{got} of {missing}{others}"
         )
     return learned
 

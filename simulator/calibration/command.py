@@ -103,7 +103,6 @@ def calibrate(
     """
 
     from ..chart_style import checked_ending
-    from ..models.mechanics.force_depths import foldable
     from ..progress import on_terminal
     from ..requests.requested_scene import requested_scene, warn_of_earth
     from ..scene.frequency import parse_band
@@ -135,9 +134,8 @@ def calibrate(
     names = ", ".join(each.name for each in measured)
     if not force:
         check_same_skin(str(sweeps.attrs.get("scene", "")), scene_text(loaded), names)
-    start = foldable(loaded, "a calibration")
     with on_terminal() as progress:
-        calibration = calibrated(start, sweeps, options, progress=progress)
+        calibration = calibrated(loaded, sweeps, options, progress=progress)
     written = write_report(calibration, names, folder, ending)
     console = terminal()
     console.print(table(calibration))

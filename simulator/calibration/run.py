@@ -133,6 +133,7 @@ def calibrate(
     Raises InputError where sweeps and scene do not match, ToleranceError where no model reaches its
     tolerance.
     """
+    stated = {"force": scene.press.force, "depth": scene.press.depth}
     scene = forces_as_depths(scene)
     also = (*options.also, *(name for name in options.fit if name in READER))
     scene = with_effects(scene, also)
@@ -146,6 +147,8 @@ def calibrate(
         data = other.presses(measure(scene := other.scene(scene)))
         job = _CalibrationRun(data, options, also, model, progress, job)
     fit, noise = job.run()
+    fitted = fitted_scene(scene, fit.values)
+    press = fitted.press.model_copy(update=stated)
     info = information(fit, job.not_fitted)
     degrees = info.variance_freedom(noise)
     unknown = with_all_unknown(fit, job.not_fitted)
@@ -157,7 +160,7 @@ def calibrate(
         values=fit.values,
         intervals=bounds,
         standard_errors={name: prior.deviation * own for (name, prior), own in deviations},
-        scene=fitted_scene(scene, fit.values),
+        scene=fitted.model_copy(update={"press": press}),
         identified=info.identified,
         quantities=quantities(scene, unknown, info, degrees, fit.spec.names, distributions),
         information=info,

@@ -26,7 +26,7 @@ from rcskin.simulator.scene.frequency import Loss
 from rcskin.simulator.sweeps import InputError
 from rcskin.tests.library.scenes import KINDS
 
-RTOL, CLOSELY = 1e-3, 1e-4
+RTOL, CLOSELY, STEP = 1e-3, 1e-4, 1e-3
 
 
 @pytest.mark.slow
@@ -206,3 +206,18 @@ REFUSED = {
 def test_touches_beside_pixels_are_refused_in_one_line(library, name):
     with pytest.raises(InputError, match=r"cannot take `surroundings\.edges`.*leave `edges` out"):
         REFUSED[name](library.scene("walls"))
+
+
+def test_slopes_beside_bodies_are_differences_where_the_foam_loses_and_air_does_not(library):
+    model, press = library.model("near a virtual earth"), (np.array([2, 6]), np.array([0.5, 3e-12]))
+    lossy = replace(nominal(model.scene), loss=Loss(tangent=0.03, exponent=0.97), body=1.2)
+    f, skin = model.frequency, model.skin(lossy)
+    found = sensitivity(skin, *press, f)
+    together = sensitivities(skin, *(each[None] for each in press), f)
+    ends = (model.skin(replace(lossy, body=1.2 + sign * STEP)).sweep(*press) for sign in (1, -1))
+    up, down = (1 / Z for Z in ends)
+    body = found.by_fixed[..., skin.parts.fixed.index("body")]
+    assert body == pytest.approx((up - down) / (2 * STEP), rel=1e-5)
+    for name in ("Y", "of_foam", "by_weight", "by_finger", "by_fixed"):
+        np.testing.assert_allclose(getattr(together, name)[0], getattr(found, name), rtol=1e-9)
+    assert found.Y == pytest.approx(1 / skin.sweep(*press), rel=1e-7)

@@ -27,6 +27,7 @@ from ...scene.readout.readout_errors import ReadoutErrors
 from ...scene.scene import Scene
 from ...sweeps import InputError
 from ...sweeps.inputs import objects
+from ...sweeps.press_text import displayed_press
 from ...sweeps.reading_quantities import IMPEDANCE, MAGNITUDE, kind_of
 from ...sweeps.reading_subset import read_mask, restricted, with_named_interface
 from ...sweeps.schema import complex_readings, taken_of
@@ -38,6 +39,8 @@ UNKNOWN_RANGE = -1
 """Number of the fixed error of a reading that may belong to either of two ranges."""
 NEAR_EDGE = 3.0
 """Distance of |Z| from the edge of a range, in its errors, within which the range is unknown."""
+NAMED = 3
+"""Number of presses that a reason to leave them out names."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +71,7 @@ class Measurements:
     """Measured sweeps of a scene.
 
     scene: the scene at the interfaces and frequencies of the sweeps. left_out: one line for each
-    press that could not be used.
+    reason why presses could not be used.
     """
 
     scene: Scene
@@ -189,16 +192,31 @@ def _read_as(scene: Scene, sweeps: xr.Dataset) -> Scene:
 def _presses(scene: Scene, texts: Sequence[str]) -> tuple[list[Press | None], tuple[str, ...]]:
     """Each press, None for those left out, and the reasons for leaving them out."""
     presses: list[Press | None] = []
-    left_out: dict[str, None] = {}
-    for text in texts:
+    remarks: dict[str, None] = {}
+    left_out: dict[str, dict[str, None]] = {}
+    for text in map(str, texts):
         try:
-            press, rods = _recorded(scene, str(text))
-            presses.append(_whole_pixels(scene, press))
-            left_out |= dict.fromkeys(rods)
+            press, rods = _recorded(scene, text)
+            press = press_by_depths(scene, press)
+            for touch in press.touches:
+                pressed_factor(scene, touch)
         except InputError as reason:
             presses.append(None)
-            left_out[str(reason)] = None
-    return presses, tuple(left_out)
+            remarks[str(reason)] = None
+            continue
+        remarks |= dict.fromkeys(rods)
+        reason = _not_fitted(scene, press)
+        if reason:
+            left_out.setdefault(reason, {})[displayed_press(text)] = None
+        presses.append(None if reason else press)
+    return presses, (*(f"{_named([*some])}: {why}" for why, some in left_out.items()), *remarks)
+
+
+def _named(presses: Sequence[str]) -> str:
+    """The presses by their texts; the first ones and their number for more than NAMED."""
+    if len(presses) <= NAMED:
+        return f"press {', '.join(presses)}"
+    return f"{len(presses)} presses, {', '.join(presses[:NAMED])} ..."
 
 
 def _recorded(scene: Scene, text: str) -> tuple[Press, list[str]]:
@@ -211,16 +229,14 @@ def _recorded(scene: Scene, text: str) -> tuple[Press, list[str]]:
     return check_press(rods, scene), [remark] if press.fingers else []
 
 
-def _whole_pixels(scene: Scene, press: Press) -> Press:
-    press = press_by_depths(scene, press)
+def _not_fitted(scene: Scene, press: Press) -> str | None:
+    """Why a press cannot be fitted to the scene."""
     if not all(isinstance(place_of(touch), Touch) for touch in press.touches):
-        raise InputError(f"press {press}: only whole pixels can be fitted")
+        return "only whole pixels can be fitted"
     if bool(press.touches) and bool(press.indented) == scene.press.by_factor:
         kind = "capacitance factors" if scene.press.by_factor else "depths"
-        raise InputError(f"press {press}: only {kind} can be fitted to {scene.name}")
-    for touch in press.touches:
-        pressed_factor(scene, touch)
-    return press
+        return f"only {kind} can be fitted to {scene.name}"
+    return None
 
 
 def _fixed(Z: Complex, f: Real, settings: str | None, readout: ReadoutErrors) -> Integer:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -139,6 +139,35 @@ def solved(
     found = [_by_touches(excited, turned, P, *nothing, s) for excited in excitations]
     back = axes.transpose(0, 2, 1)
     return [(np.concatenate([u[:, :, :N], u[:, :, N:] @ back], axis=2), Y) for u, Y in found]
+
+
+def solved_in_air(
+    excitations: Sequence[ExcitedTerminals],
+    masses: Iterable[tuple[Real, Real]],
+    s: Complex,
+    omega: Real,
+) -> list[Solved]:
+    """`solved` for K + s M of the foam + j omega M in air, by one factorization for each s.
+
+    masses: M of each press, F, shape (N + n, N + n), and its share in air. omega: rad/s.
+    """
+    found: list[list[Solved]] = [[] for _ in excitations]
+    for M, in_air in masses:
+        C = s[:, None, None] * M + (1j * omega - s)[:, None, None] * in_air
+        N = len(excitations[0].potential)
+        inside = C[:, N:, N:]
+        inside[:, range(len(M) - N), range(len(M) - N)] += 1.0
+        lift = -np.linalg.solve(inside, C[:, N:, :N])
+        Y = C[:, :N, :N] + C[:, :N, N:] @ lift
+        for excited, each in zip(excitations, found, strict=True):
+            driven, F = excited.potential, excited.floating
+            floating = np.linalg.solve(
+                excited.floating_conductance + F.T @ Y @ F, (-(Y @ driven) @ F)[..., None]
+            )
+            u = driven + floating[..., 0] @ F.T
+            whole = np.concatenate([u, (lift @ u[..., None])[..., 0]], axis=1)
+            each.append((whole, excited.conductance + (Y @ u[..., None])[..., 0] @ driven))
+    return [tuple(map(np.stack, zip(*each, strict=True))) for each in found]  # pyright: ignore[reportReturnType]
 
 
 def _woodbury_matrices(unpressed: UnpressedMass, cells: Integer, C: Real, sP: Complex) -> Complex:

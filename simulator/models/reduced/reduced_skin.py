@@ -16,13 +16,23 @@ from ...method_cache import cached_method
 from ...press.batch import NOTHING, PressBatch
 from ...press.parts import parts_of
 from ...scene.air_nodes import LOSSLESS_FOAM, AirNodes, air_factor, air_nodes
-from ...scene.frequency import laplace_variable
+from ...scene.frequency import LOSSLESS, laplace_variable
 from ...sweeps import ToleranceError
 from ..heterogeneous.materials import gauged
 from ..parameters import Variation, foam_parts, nominal
 from .cases import Case, touched
 from .certificate import AirCharges, certificate, min_conductance_factor
-from .dense import UnpressedMass, aligned, dense_excitation, own_coordinates, solved, with_terms
+from .dense import (
+    UnpressedMass,
+    added,
+    aligned,
+    dense_excitation,
+    mass_of,
+    own_coordinates,
+    solved,
+    solved_in_air,
+    with_terms,
+)
 from .families.family import Family, changes, weights_under
 from .families.family_meshes import finer_families
 from .projection import Projection
@@ -54,7 +64,7 @@ class ReducedSkin:
         given = reduced.scene, reduced.circuit, reduced.modes
         self.weights = weights_under(variation, *given, factors)
         own = nominal(reduced.scene, reduced.modes) if variation is None else variation
-        self.loss, self.air = own.loss, own.air
+        self.loss = own.loss
         self.unpressed_factors, self.parts = own.factors(reduced.scene), parts_of(reduced.scene)
         self.s = laplace_variable(reduced.frequency, own.loss)
         K = self.stiffness
@@ -62,9 +72,7 @@ class ReducedSkin:
             : len(reduced.factors), None, None
         ]
         rows = (np.sqrt(unpressed) * reduced.factors).reshape(-1, len(K))
-        M = rows.T @ rows
-        if len(reduced.fixed):
-            M += np.tensordot(self.fixed_factors, reduced.fixed, axes=1)
+        M = rows.T @ rows + self.fixed_mass
         self.conductance, self.turn = own_coordinates(K, M, reduced.terminal_field)
         terminals, M = len(self.conductance), self.turn.T @ M @ self.turn
         self._own = M[:terminals].copy(), M.diagonal()[terminals:].copy()
@@ -79,6 +87,17 @@ class ReducedSkin:
     def fixed_factors(self) -> Real:
         """Factors of the parts that no press changes, over the scene's own, shape (part,)."""
         return self.unpressed_factors[self.parts.touched :]
+
+    @property
+    def in_lossy_foam(self) -> bool:
+        """True if a part of M is in air, whose s is then not that of the foam."""
+        return self.loss != LOSSLESS and bool(self.parts.in_air.any())
+
+    @property
+    def fixed_mass(self) -> Real | float:
+        """M of the parts that no press changes, F, in the model's coordinates; 0 for none."""
+        fixed = self.reduced.fixed
+        return np.tensordot(self.fixed_factors, fixed, axes=1) if len(fixed) else 0.0
 
     @cached_property
     def unpressed_mass(self) -> UnpressedMass:
@@ -301,6 +320,18 @@ class ReducedSkin:
         """
         rest, which, weights = self.touched(cells, rises)
         found = solved(self.excited_terminals, rest, which[None], weights[None], s)
+        return [(self.turn @ u[0].T, Y[0]) for u, Y in found]
+
+    def solved_in_air(
+        self, cells: Integer, rises: Real, frequency: Real
+    ) -> list[tuple[Complex, Complex]]:
+        """`solved` where air has no loss, unlike the foam. frequency: Hz."""
+        M, s = mass_of(*self.touched(cells, rises)), laplace_variable(frequency, self.loss)
+        _, fingers = self.parts.by_kind(cells, rises)
+        charges = fingers.rises * self.unpressed_factors[fingers.cells]
+        in_air = added(self.reduced.factors, fingers.cells, charges) + self.fixed_mass
+        each = [(M, self.turn.T @ in_air @ self.turn)]
+        found = solved_in_air(self.excited_terminals, each, s, 2 * np.pi * frequency)
         return [(self.turn @ u[0].T, Y[0]) for u, Y in found]
 
     def touched(self, cells: Integer, rises: Real) -> tuple[UnpressedMass, Integer, Real]:

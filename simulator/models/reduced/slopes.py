@@ -7,15 +7,16 @@ nothing. Interfaces are sums of excitations, and so are their derivatives.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, fields
+from collections.abc import Iterable
+from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import Complex, Integer, Real
 from ...press.parts import Parts
+from ...scene.air_nodes import air_factor
 from ...scene.frequency import laplace_variable
-from .dense import UnpressedMass, solved
+from .dense import UnpressedMass, added, mass_of, solved, solved_in_air
 from .reduced_skin import ReducedSkin
 from .touched_walls import TouchedWalls, by_walls, walls_around, with_walls
 
@@ -40,10 +41,6 @@ class Sensitivity:
     by_fixed: Complex
 
 
-AXES = -1, -2, -2, -1, -1, -2
-"""Axis of s in each field of `Sensitivity`, from the end."""
-
-
 def sensitivity(
     skin: ReducedSkin,
     cells: Integer,
@@ -59,28 +56,13 @@ def sensitivity(
     own, s = skin.reduced.stiffness, laplace_variable(frequency, skin.loss)
     stiffness = own if further_terms is None else np.concatenate([own, further_terms])
 
-    def with_air(skin: ReducedSkin) -> Sensitivity:
-        found = [
-            _alone(skin, cells, rises, stiffness, u, s, Y) for u, Y in skin.solved(cells, rises, s)
-        ]
-        return _of_interfaces(skin, found, axis=0)
-
-    return _mean(skin, frequency, with_air)
-
-
-def _mean(
-    skin: ReducedSkin, frequency: Real, with_air: Callable[[ReducedSkin], Sensitivity]
-) -> Sensitivity:
-    """Sensitivity in air without the loss of the foam."""
-    air, skins = skin.with_air(frequency)
-    if air.single:
-        return with_air(skin)
-    each = zip(*(_values(with_air(own)) for own in skins), strict=True)
-    return Sensitivity(*(air.mean(own, axis) for own, axis in zip(each, AXES, strict=True)))
-
-
-def _values(found: Sensitivity) -> list[Complex]:
-    return [getattr(found, field.name) for field in fields(found)]
+    if skin.in_lossy_foam:
+        solved_ones = skin.solved_in_air(cells, rises, frequency)
+    else:
+        solved_ones = skin.solved(cells, rises, s)
+    omega = 2 * np.pi * frequency
+    found = [_alone(skin, cells, rises, stiffness, u, s, omega, Y) for u, Y in solved_ones]
+    return _of_interfaces(skin, found, axis=0)
 
 
 def _of_interfaces(
@@ -104,6 +86,7 @@ def _alone(
     stiffness: Real,
     u: Complex,
     s: Complex,
+    omega: Real,
     Y: Complex,
 ) -> tuple[Complex, ...]:
     (squares, whole), parts = skin.charges(cells, rises, u), skin.parts
@@ -113,9 +96,7 @@ def _alone(
     if parts.around:
         beyond_foam = cells >= parts.foam
         of_foam = (
-            whole
-            - skin.air * (squares[:, cells[beyond_foam]] @ rises[beyond_foam])
-            - fixed @ skin.fixed_factors
+            whole - squares[:, cells[beyond_foam]] @ rises[beyond_foam] - fixed @ skin.fixed_factors
         )
     pressed = parts.pressed(cells, rises)[parts.kind[0]]
     if parts.thickness:
@@ -124,7 +105,7 @@ def _alone(
         foam = foam + by_walls(skin, pressed, walls)
     pixels, first = parts.pixels(cells[None])
     by_finger = fingers[:, pixels[first] if parts.fingers else []].sum(axis=1)
-    in_air = skin.air * s
+    in_air = 1j * omega
     return Y, each * foam, by_weight, of_foam, in_air * by_finger, in_air[:, None] * fixed
 
 
@@ -134,24 +115,29 @@ def sensitivities(skin: ReducedSkin, cells: Integer, rises: Real, frequency: Rea
     cells, rises: shape (press, touch). frequency: Hz. Shapes are those of `Sensitivity` with a
     first axis (press,); by_cell is by the touched cells alone, shape (press, interface, s, touch).
     """
-    s = laplace_variable(frequency, skin.loss)
-    return _mean(skin, frequency, lambda own: _together(own, cells, rises, s))
-
-
-def _together(skin: ReducedSkin, cells: Integer, rises: Real, s: Complex) -> Sensitivity:
-    """`sensitivities` with one s for all capacitance."""
-    walls = walls_around(skin, cells, rises)
+    walls, mass = walls_around(skin, cells, rises), skin.unpressed_mass
     every, all_rises = with_walls(*_with_thickness(skin.parts, cells, rises), walls)
     weights, turn = all_rises * skin.unpressed_factors[every], skin.turn
     terms = turn.T @ skin.reduced.stiffness @ turn
     fixed = turn.T @ skin.reduced.fixed @ turn if len(skin.reduced.fixed) else terms[:0]
-    found = []
-    for u, Y in solved(skin.excited_terminals, skin.unpressed_mass, every, weights, s):
-        squares = _squares(u, skin.unpressed_mass.factors, every)
-        whole, of_fixed = _stored(u, skin.unpressed_mass, squares, weights), _forms(u, fixed)
-        by_cell, beyond, by_finger = _of_touched(skin, cells, rises, u, squares, walls)
+    s, omega, found = laplace_variable(frequency, skin.loss), 2 * np.pi * frequency, []
+    air = air_factor(frequency, skin.loss)
+    if skin.in_lossy_foam:
+        still = np.tensordot(skin.fixed_factors, fixed, axes=1)
+        by_fingers = np.where(skin.parts.in_air[every], weights, 0.0)
+        masses = (
+            (mass_of(mass, which, all_of_them), still + added(mass.factors, which, in_air))
+            for which, all_of_them, in_air in zip(every, weights, by_fingers, strict=True)
+        )
+        each_solved = solved_in_air(skin.excited_terminals, masses, s, omega)
+    else:
+        each_solved = solved(skin.excited_terminals, mass, every, weights, s)
+    for u, Y in each_solved:
+        squares = _squares(u, mass.factors, every)
+        whole, of_fixed = _stored(u, mass, squares, weights), _forms(u, fixed)
+        by_cell, beyond, by_finger = _of_touched(skin, cells, rises, u, squares, walls, air)
         of_foam = whole - beyond - of_fixed @ skin.fixed_factors if skin.parts.around else whole
-        each, in_air = s[:, None], skin.air * s
+        each, in_air = s[:, None], 1j * omega
         derived = _forms(u, terms), of_foam, in_air * by_finger, in_air[:, None] * of_fixed
         found.append((Y, each * by_cell, *derived))
     return _of_interfaces(skin, found, axis=1)
@@ -173,8 +159,11 @@ def _of_touched(
     u: Complex,
     squares: Complex,
     walls: TouchedWalls | None,
+    air: Complex,
 ) -> tuple[Complex, ...]:
     """Derivatives of u'Mu by each touch, share of fingers, and derivative by a finger.
+
+    air: factor on what is in air, see `air_factor`, of which the first derivatives are.
 
     Shapes (press, s, touch), (press, s) and (press, s); F V². The last derivative is by a finger on
     each of the touched pixels.
@@ -184,13 +173,13 @@ def _of_touched(
     if not parts.around:
         return by_cell, none, none
     on_foam = (cells < parts.foam)[:, None]
-    by_cell = np.where(on_foam, by_cell, skin.air * by_cell)
     beyond = np.where(on_foam, 0.0, by_cell * rises[:, None]).sum(axis=2)
     if parts.thickness:
         factor = np.where(on_foam, 1 + rises[:, None], 1.0)
         across = squares[:, :, count : 2 * count]
         followed = by_cell + across * parts.across_slope(factor)
         by_cell = np.where(on_foam, followed, by_cell)
+    by_cell = np.where(on_foam, by_cell, air[:, None] * by_cell)
     if walls is not None:
         first = squares.shape[2] - walls.slopes[0].size
         last = squares[:, :, first:].reshape(*by_cell.shape, walls.slopes.shape[2])

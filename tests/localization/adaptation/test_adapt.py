@@ -182,7 +182,11 @@ def test_figures_of_places_before_and_after_are_reported_and_the_model_is_read_b
     ("file", "touches", "told"),
     [
         ("m.npz", "without.nc", "needs at least 2 sweeps of each column, got 0 of 3"),
-        ("m.npz", "few.nc", "needs at least 2 sweeps of each column, got 0 of 0 (and 4 more)"),
+        (
+            "m.npz",
+            "few.nc",
+            "needs at least 2 sweeps of each column, got 0 of the unpressed skin (and 4 more)",
+        ),
         ("m.npz", "five.nc", "column 5 was touched, but it is no class of the model"),
         ("a.npz", "touches.nc", "was adapted before"),
         ("p.npz", "five-places.nc", "needs at least 6 touches of known place, got 4"),

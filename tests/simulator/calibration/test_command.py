@@ -10,6 +10,7 @@ from rcskin.simulator.sweeps import write
 
 TRUTH = {"sheet_resistance": 0.25, "capacitance": -0.3}
 PRESSES = ("none", "none", "1,2:1.9", "1,3:2.1")
+SOFT = {"thickness": 2e-3, "relative_permittivity": 2.0, "mechanics": {"modulus": 60e3}}
 TWO = ("--fit", "sheet_resistance", "--fit", "capacitance")
 FILES = [
     "calibrated.toml",
@@ -179,3 +180,15 @@ def test_nothing_is_left_where_writing_fails(run, files, monkeypatch):
     assert code == 1
     assert "no space left" in err
     assert sorted(path.name for path in folder.parent.iterdir()) == ["run.nc", "skin.toml"]
+
+
+@pytest.mark.usefixtures("linear_intervals")
+@pytest.mark.parametrize("strength", [{"depth": 0.5e-3}, {"force": 5.0}])
+def test_presses_by_depth_or_force_are_fitted_and_stay_in_the_scene(run, tmp_path, line, strength):
+    soft = line.with_({"skin.foam": SOFT, "press": strength})
+    scene, measured, found = tmp_path / "skin.toml", tmp_path / "run.nc", tmp_path / "found"
+    scene.write_text(scene_text(soft))
+    run("sweep", scene, "-o", measured)
+    code, out, err = run("calibrate", scene, measured, "-o", found, *TWO)
+    assert code == 0 and "left out" not in out + err, err
+    assert read_scene(found / "calibrated.toml").press == soft.press
