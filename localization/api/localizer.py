@@ -127,5 +127,5 @@ def evaluate(
     from ..evaluation.result import evaluated
 
     baselines = None if rest is None else sweeps_of(rest, "rest")
-    known = model_of(model)
-    return evaluated(known.learned, known.samples(sweeps_of(sweeps), baselines))
+    known, given = model_of(model), sweeps_of(sweeps)
+    return evaluated(known, known.samples(given, baselines), known.answers(given, baselines))

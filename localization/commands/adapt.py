@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -84,10 +85,10 @@ def _report_lines(found: Adaptation) -> list[str]:
 
 
 def _worse(found: Adaptation) -> bool:
-    from ..evaluation.evaluation import ClassScore
+    from ..evaluation.evaluation import MEDIAN_ERROR, ClassScore
 
     before, after = found.before, found.after
     if isinstance(before, ClassScore) and isinstance(after, ClassScore):
         return bool(after.right.sum() < before.right.sum())
-    name = EXTRA_FIGURES[1]
-    return after.figures()[name] > before.figures()[name]
+    errors = [each.figures().get(MEDIAN_ERROR, math.inf) for each in (before, after)]
+    return errors[1] > errors[0]

@@ -73,8 +73,8 @@ def evaluate(
     if by_model:
         model = load_model_for(sweeps, recordings, files[0], any_skin=anyway)
         samples = model.samples(sweeps, baselines)
-        found = evaluated(model.learned, samples)
         answers = model.answers(sweeps, baselines)
+        found = evaluated(model, samples, answers)
         named = model.faults(sweeps, answers)
         by_fault = fault_scores(sweeps, answers, named, samples, found.score)
         problem, scored = model.problem, "given sweeps"

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 EXAMPLES = 6
 """Number of sweeps whose regions are kept."""
 RIGHT_OF_ALL, RIGHT_OF_ANSWERED = "right of all", "right of those answered"
+ANSWERED, MEDIAN_ERROR = "answered", "median error, mm"
 REGION_FIGURE = f"touches within {100 * PROBABILITY:g} % regions"
 __all__ = ["ClassScore", "PositionScore", "cross_validate", "folds_of", "nested"]
 
@@ -71,7 +72,7 @@ class ClassScore:
         answered, sessions = self.answers.answered, self.sessions
         return {
             RIGHT_OF_ALL: CountedRate.of(self.right & answered, sessions, self.unread),
-            "answered": CountedRate.of(answered, sessions, self.unread),
+            ANSWERED: CountedRate.of(answered, sessions, self.unread),
             RIGHT_OF_ANSWERED: CountedRate.of(self.right[answered], sessions[answered]),
         }
 
@@ -87,7 +88,8 @@ class PositionScore:
     """Predictions of a regressor for sweeps that it was not trained on, (sweep, 3) each.
 
     Units are mm, mm and factor. content: probability in the smallest region that reaches the touch,
-    shape (sweep,). sessions: shape (sweep,). examples: regions of some sweeps, by number.
+    shape (sweep,). sessions, answered: shape (sweep,); positions are also known where no answer was
+    given. examples: regions of some sweeps, by number. unread: see `ClassScore`.
     """
 
     truth: Real
@@ -95,7 +97,9 @@ class PositionScore:
     deviation: Real
     content: Real
     sessions: Integer
+    answered: Mask
     examples: Mapping[int, Region]
+    unread: int = 0
 
     @property
     def distance(self) -> Real:
@@ -103,19 +107,29 @@ class PositionScore:
         return np.linalg.norm((self.predicted - self.truth)[:, :2], axis=1)
 
     def rates(self) -> dict[str, CountedRate]:
-        """Those of `figures` that are rates."""
-        return {REGION_FIGURE: CountedRate.of(self.content <= PROBABILITY, self.sessions)}
+        """Those of `figures` that are rates; regions are of the answered sweeps."""
+        answered = self.answered
+        within = self.content[answered] <= PROBABILITY
+        return {
+            ANSWERED: CountedRate.of(answered, self.sessions, self.unread),
+            REGION_FIGURE: CountedRate.of(within, self.sessions[answered]),
+        }
 
     def figures(self) -> dict[str, float]:
-        """Errors in mm and of the factor, and rates of errors within the stated deviations."""
-        away = np.abs(self.predicted - self.truth)
+        """Rates; errors of the answered sweeps in mm and of the factor, beside their deviations."""
+        found = {name: rate.share for name, rate in self.rates().items() if rate.total}
+        if not self.answered.any():
+            return found
+        away = np.abs(self.predicted - self.truth)[self.answered]
+        deviation, distance = self.deviation[self.answered], self.distance[self.answered]
         return {
-            "median error, mm": float(np.median(self.distance)),
-            "90 % error, mm": float(np.quantile(self.distance, 0.9)),
+            ANSWERED: found[ANSWERED],
+            MEDIAN_ERROR: float(np.median(distance)),
+            "90 % error, mm": float(np.quantile(distance, 0.9)),
             "median error of factor": float(np.median(away[:, 2])),
-            "within 1 deviation": float((away <= self.deviation)[:, :2].mean()),
-            "within 2 deviations": float((away <= 2 * self.deviation)[:, :2].mean()),
-            REGION_FIGURE: float((self.content <= PROBABILITY).mean()),
+            "within 1 deviation": float((away <= deviation)[:, :2].mean()),
+            "within 2 deviations": float((away <= 2 * deviation)[:, :2].mean()),
+            REGION_FIGURE: found[REGION_FIGURE],
         }
 
 
@@ -137,7 +151,8 @@ def _position_score(learned: Regressor, samples: Samples) -> PositionScore:
     some = np.unique(np.linspace(0, len(places) - 1, EXAMPLES).astype(int)).tolist()
     examples = {k: region_of(places[k], PROBABILITY) for k in some}
     found = learned.positions(samples.X)
-    return PositionScore(samples.y, *found, content, samples.sessions, examples)
+    answered = ~learned.novel(samples.X, samples.changes)
+    return PositionScore(samples.y, *found, content, samples.sessions, answered, examples)
 
 
 @dataclass(frozen=True, eq=False)
@@ -154,8 +169,7 @@ class Nested:
     @cached_property
     def whole(self) -> Score:
         """Score of all sweeps, each predicted by the fold that did not train on it."""
-        joined = join_scores(self.folds)
-        return replace(joined, unread=self.unread) if isinstance(joined, ClassScore) else joined
+        return replace(join_scores(self.folds), unread=self.unread)
 
     def figures(self) -> dict[str, tuple[float, float | None]]:
         """Figures of all sweeps, and their standard deviation over the folds that have them."""
@@ -260,7 +274,7 @@ def join_scores(folds: Sequence[Score]) -> Score:
     """One score of the sweeps of all folds, whose scores are of one kind."""
     first = folds[0]
     if isinstance(first, PositionScore):
-        names = ("truth", "predicted", "deviation", "content", "sessions")
+        names = ("truth", "predicted", "deviation", "content", "sessions", "answered")
         columns = {name: _column(folds, name) for name in names}
         return PositionScore(**columns, examples=first.examples)
     answers = [fold.answers for fold in folds if isinstance(fold, ClassScore)]

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ...simulator.chart_style import chart
 from ...simulator.notebook_display import SmallChart
 from ...simulator.report.files import filled_at_once, write_rows
@@ -12,7 +14,7 @@ from ...simulator.report.rate_bars import rate_bars
 from ..inputs.targets import COORDINATES
 from ..trust.rates import BOUNDING_SESSIONS, with_intervals
 from .confusion import write_csv
-from .evaluation import RIGHT_OF_ALL, ClassScore, PositionScore, Score
+from .evaluation import ANSWERED, RIGHT_OF_ALL, ClassScore, PositionScore, Score
 from .skin_outline import draw_skin_outline
 
 if TYPE_CHECKING:
@@ -27,6 +29,7 @@ POSITIONS = [
     *(f"true_{name}" for name in COORDINATES),
     *COORDINATES,
     *(f"{name}_deviation" for name in COORDINATES),
+    "answered",
 ]
 
 
@@ -44,7 +47,7 @@ def lines_of(found: Evaluation) -> list[str]:
     if found.sessions < BOUNDING_SESSIONS:
         few = "one session" if found.sessions == 1 else f"{found.sessions} sessions"
         lines.append(f"{few}: too few for a bound on other skins, which takes {BOUNDING_SESSIONS}")
-    if "answered" in rates and not rates["answered"].count:
+    if not rates[ANSWERED].count:
         lines.append(
             "no sweep was answered: each is unlike the training or its answer too uncertain"
         )
@@ -73,8 +76,9 @@ def write_report(
                 made / f"belief{ending}", score.answers.probability, score.right
             )
         else:
-            rows = zip(score.truth, score.predicted, score.deviation, strict=True)
-            flat = ([f"{value:.6g}" for part in row for value in part] for row in rows)
+            rows = np.hstack([score.truth, score.predicted, score.deviation])
+            each = zip(rows.tolist(), score.answered.astype(int).tolist(), strict=True)
+            flat = ([*(f"{value:.6g}" for value in row), answered] for row, answered in each)
             write_rows(made / "positions.csv", POSITIONS, flat)
             _draw_positions(score, scene, made / f"positions{ending}")
             _draw_regions(score, scene, made / f"regions{ending}")

@@ -8,11 +8,22 @@ from typing import TYPE_CHECKING
 
 from ...simulator.notebook_display import SmallChart, Tabular
 from ...simulator.sweeps import InputError
-from .evaluation import RIGHT_OF_ALL, RIGHT_OF_ANSWERED, ClassScore, Nested, Score, score
+from ..trust.answers import ONE_TOUCH
+from .evaluation import (
+    ANSWERED,
+    MEDIAN_ERROR,
+    RIGHT_OF_ALL,
+    RIGHT_OF_ANSWERED,
+    ClassScore,
+    Nested,
+    Score,
+    score,
+)
 
 if TYPE_CHECKING:
     from ..inputs.samples import Samples
-    from ..trust.fitted import Classifier, Regressor
+    from ..model.localizer_model import Model
+    from ..trust.answers import Answers
 
 Figures = Mapping[str, tuple[float, float | None]]
 """Value of each figure by name, and its spread over folds if there are any."""
@@ -51,8 +62,8 @@ class Evaluation(Tabular):
 
     @property
     def answered(self) -> float:
-        """Share of sweeps that were answered. Raises as `accuracy`."""
-        return self["answered"]
+        """Share of sweeps that were answered."""
+        return self[ANSWERED]
 
     @property
     def accuracy_of_answers(self) -> float:
@@ -66,8 +77,11 @@ class Evaluation(Tabular):
 
     @property
     def median_error(self) -> float:
-        """Median distance of a position from its touch, m. Raises InputError for classes."""
-        return 1e-3 * self["median error, mm"]
+        """Median distance of an answered position from its touch, m.
+
+        Raises InputError for classes, and if nothing was answered.
+        """
+        return 1e-3 * self[MEDIAN_ERROR]
 
     def _table(self) -> tuple[str, list[tuple[str, str, str]]]:
         rows = [
@@ -82,14 +96,18 @@ class Evaluation(Tabular):
         return small_chart(self.score)
 
 
-def evaluated(learned: Classifier | Regressor, samples: Samples) -> Evaluation:
-    """Evaluate a trained localizer on samples that it was not trained on.
+def evaluated(model: Model, samples: Samples, answers: Answers) -> Evaluation:
+    """Evaluate a model on sweeps that it was not trained on.
 
-    Sweeps with a reading that is no finite number count as not answered.
+    samples, answers: of the same sweeps. Sweeps with a reading that is no finite number count as
+    not answered.
     """
-    scored = score(learned, samples)
+    scored, own = score(model.learned, samples), answers.part(samples.rows)
+    unread = samples.left_out.not_finite
     if isinstance(scored, ClassScore):
-        scored = replace(scored, unread=samples.left_out.not_finite)
+        scored = replace(scored, answers=own, unread=unread)
+    else:
+        scored = replace(scored, answered=own.labels == ONE_TOUCH, unread=unread)
     figures = {name: (value, None) for name, value in scored.figures().items()}
     return _evaluation(samples, scored, figures, "scored by the model as it is")
 

@@ -23,7 +23,7 @@ from ..inversion.region import Region
 from ..inversion.regions import regions_of
 from ..parts.plain import Plain, Sizes, require, transient
 from ..parts.predictor import Predictor
-from ..trust.answers import CANNOT_TELL, NOTHING_PRESSED, Answers
+from ..trust.answers import CANNOT_TELL, NOTHING_PRESSED, ONE_TOUCH, Answers
 from ..trust.diagnosis import Diagnosis, diagnosis_features
 from ..trust.fitted import Classifier, Regressor
 from .compatibility import check_compatible
@@ -355,13 +355,13 @@ class Model(Plain, Tabular):
             return answers.among(rows, sweeps.sizes["sweep"], guess)
         novel = self.learned.novel(X, self.guard_changes(sweeps, rest, rows))
         if self.gate is None:
-            labels, of_no_class = np.where(novel, CANNOT_TELL, "1"), np.empty((novel.size, 0))
+            labels, of_no_class = np.where(novel, CANNOT_TELL, ONE_TOUCH), np.empty((novel.size, 0))
             one = Answers(labels, np.ones(novel.size), novel, of_no_class)
             return one.among(rows, sweeps.sizes["sweep"], guess)
         counted = self.gate.answers(sweeps, rest)
         novel_places = np.zeros(counted.novel.size, dtype=bool)
         novel_places[rows] = novel
-        unplaced = (novel_places & (counted.labels == "1")) | (counted.labels == "2")
+        unplaced = (novel_places & (counted.labels == ONE_TOUCH)) | (counted.labels == "2")
         labels = np.where(unplaced, CANNOT_TELL, counted.labels)
         of_no_class = np.empty((labels.size, 0))
         return Answers(labels, counted.probability, counted.novel | unplaced, of_no_class)

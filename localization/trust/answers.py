@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 CANNOT_TELL = "cannot tell"
 """The answer if no class is probable enough, or the sweep is unlike the training."""
+ONE_TOUCH = "1"
+"""Answer of a model of positions to a sweep that has a position."""
 SHARES = (1.0, 0.85, 0.7, 0.5, 0.3, 0.15)
 """Candidate shares of sweeps to answer; the most probable sweeps are answered."""
 NOTHING_PRESSED = ("0", "0,0")
@@ -51,6 +53,10 @@ class Answers(Tabular):
             ("sweep", "answer", "probability", "novel"),
             *rows,
         ]
+
+    def part(self, rows: NDArray[np.intp]) -> Answers:
+        """Answers to these sweeps."""
+        return Answers(*(getattr(self, each.name)[rows] for each in fields(self)))
 
     def among(self, rows: NDArray[np.intp], count: int, guess: float) -> Answers:
         """Answers to `count` sweeps: these at `rows`, CANNOT_TELL at all others.

@@ -65,7 +65,7 @@ def test_positions_are_trained_and_written(run, files, tmp_path):
     found = ("-o", tmp_path / "found", "--charts", "pdf")
     code, out, _ = run("evaluate", model, files / "unseen.nc", *found)
     assert code == 0 and "median error, mm" in out and "within 1 deviation" in out
-    assert "touches within 95 % regions: " in out
+    assert "touches within 95 % regions: " in out and "answered: " in out
     for chart in ("positions", "regions"):
         assert (tmp_path / "found" / f"{chart}.pdf").read_bytes().startswith(b"%PDF")
 

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from rcskin.localization.evaluation.evaluation import ClassScore, cross_validate
+from rcskin.localization.evaluation.evaluation import ClassScore, PositionScore, cross_validate
 from rcskin.localization.inputs.targets import labels
 from rcskin.localization.trust.answers import CANNOT_TELL, Answers
 from rcskin.localization.trust.folds import folds_of
@@ -126,3 +126,15 @@ def test_a_refusal_is_no_right_answer():
     assert {rate.independent for rate in found.rates().values()} == {None}
     assert found.confusion.outputs == (1, 2, CANNOT_TELL)
     assert found.confusion.counts.tolist() == [[1, 1, 0], [0, 0, 2]]
+
+
+def test_a_position_that_is_refused_has_no_error():
+    truth, away = np.tile([10.0, 10.0, 2.0], (4, 1)), np.array([3.0, 1.0, 2.0, 90.0])
+    predicted, deviation = truth + away[:, None] * [1.0, 0.0, 0.0], np.ones((4, 3))
+    content, sessions = np.array([0.99, 0.2, 0.3, 1.0]), np.zeros(4, dtype=np.int64)
+    answered = np.array([True, True, True, False])
+    given = truth, predicted, deviation, content, sessions
+    found = PositionScore(*given, answered, {}, unread=1).figures()
+    assert found["answered"] == 3 / 5 and found["median error, mm"] == 2.0
+    assert found["touches within 95 % regions"] == 2 / 3
+    assert PositionScore(*given, answered & False, {}).figures() == {"answered": 0.0}

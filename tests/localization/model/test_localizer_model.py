@@ -3,7 +3,7 @@ from importlib.metadata import version
 
 import numpy as np
 import pytest
-from rcskin.localization.evaluation.result import evaluated
+import rcskin
 from rcskin.localization.inputs.targets import labels
 from rcskin.localization.model.training import train
 from rcskin.localization.trust.answers import CANNOT_TELL
@@ -92,7 +92,7 @@ def test_a_reading_that_is_no_number_costs_its_sweep_alone(
     others = np.arange(sound.labels.size) != k
     assert answers.labels[k] == CANNOT_TELL
     np.testing.assert_array_equal(answers.labels[others], sound.labels[others])
-    found, before = (evaluated(model.learned, model.samples(each)) for each in (spoilt, sweeps))
+    found, before = (rcskin.evaluate(model, each) for each in (spoilt, sweeps))
     count = before.score.right.size
     assert found.answered * count == pytest.approx(sound.answered[others].sum())
     assert found.score.rates()["right of all"].total == count
