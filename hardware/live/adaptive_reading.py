@@ -63,22 +63,9 @@ class ReadingTimes:
         return self.clock() - (self.switch.total_seconds if self.switch else 0.0)
 
 
-@dataclass(frozen=True)
-class PartialSweep:
-    """Measured part of a sweep. frequencies: of each of its traces, Hz, ascending."""
-
-    adaptive_sweep: AdaptiveSweep
-    frequencies: tuple[Real, ...]
-
-    @property
-    def count(self) -> int:
-        """Number of readings."""
-        return sum(each.size for each in self.frequencies)
-
-
 def measure_adaptively(
     meter: LiveMeter, adaptive_sweep: AdaptiveSweep, times: ReadingTimes
-) -> tuple[PartialSweep, MeasuredSweep]:
+) -> MeasuredSweep:
     """Measure what the adaptive sweep requests, until it is certain. Raises MeterError."""
     requested: list[tuple[str, float]] = []
 
@@ -90,11 +77,6 @@ def measure_adaptively(
 
     def watch(frequency: float, reading: MeterReading) -> None:
         times.reading(frequency, reading)
-        adaptive_sweep.add_reading(*requested[-1], complex(reading.Rs, reading.X))
+        adaptive_sweep.add_reading(*requested[-1], reading.value)
 
-    sweep = meter.readings(watch, next_ones())
-    read = [
-        np.sort([frequency for name, frequency in requested if name == trace.interface])
-        for trace in sweep.traces
-    ]
-    return PartialSweep(adaptive_sweep, tuple(read)), sweep
+    return meter.readings(watch, next_ones())

@@ -6,8 +6,6 @@ import time
 from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from ...simulator.sweeps import InputError
 from ..meter.errors import FailedReadingError, MeterError, NoConnectionError
 from ..meter.instruments import instrument_of
@@ -27,6 +25,7 @@ from ..record.sweep_checks import ConditionsOf, ErrorTable, SweepChecker, SweepL
 from ..switch.errors import NoSwitchError, SwitchError
 from ..switch.switch import Switch
 from .timed_switch import TimedSwitch
+from .touch_answer import frequencies_of
 
 if TYPE_CHECKING:
     from .live_localizer import LiveLocalizer
@@ -87,15 +86,8 @@ class LiveMeter:
 
     def sweep(self, watch: Watch) -> MeasuredSweep:
         """Measure a whole sweep and check that the settings are unchanged. Raises MeterError."""
-        model = self._localizer.model
-        sweep = measure_sweep(
-            self._meter,
-            model.frequencies,
-            model.interfaces,
-            self.switch,
-            watch,
-            of_each=model.own_frequencies,
-        )
+        requested = frequencies_of(self._localizer.model)
+        sweep = measure_sweep(self._meter, requested, self.switch, watch)
         self._check_settings()
         return sweep
 
@@ -179,14 +171,11 @@ class LiveMeter:
                 name: tuple(measured[f] for f in own) for name, own in model.own_frequencies.items()
             },
         )
-        frequency = np.array(model.frequencies)
         self.checker = SweepChecker(
-            frequency,
             self._table,
             settings,
             self._limits,
             self._conditions or instrument_of(meter.identity.text).conditions,
-            model.own_frequencies,
         )
 
     def _recovered(self) -> None:

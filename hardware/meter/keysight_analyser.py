@@ -240,7 +240,7 @@ def _trace(answer: str, points: int) -> tuple[float, ...]:
 def _reading(R: float, X: float, frequency: float) -> MeterReading:
     """Reading of R and X in ohm. Raises FailedReadingError if the analyser has no numbers."""
     try:
-        return reading_of(R, X, frequency)
+        return reading_of(R, X)
     except ValueError as error:
         raise FailedReadingError(
             f"the reading at {frequency:g} Hz failed: the analyser sends R {R:g}, X {X:g} ohm, "

@@ -259,7 +259,7 @@ def parse_point(R: str, X: str, status: str, frequency: float) -> MeterReading:
         raise FailedReadingError(f"{where}, which has no known meaning")
     if not meaning.has_values:
         raise FailedReadingError(f"{where}: {meaning.meaning}")
-    return reading_of(float(R), float(X), frequency, meaning)
+    return reading_of(float(R), float(X), meaning)
 
 
 def _range_number(full_scale: float) -> int:

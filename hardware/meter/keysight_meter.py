@@ -7,9 +7,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import ClassVar
 
-import numpy as np
-
-from ...simulator.sweeps import parallel_capacitance
 from .errors import GarbledError
 from .lcr_meter import SEARCHES, LcrMeter
 from .meter_reading import MeterReading, ReadingStatus
@@ -116,14 +113,8 @@ def state_of(command: str, meaning: str) -> MeterProperty[str]:
     return MeterProperty(f"{command}?", StateFormat(), meaning)
 
 
-def reading_of(
-    R: float, X: float, frequency: float, status: ReadingStatus = ReadingStatus.NORMAL
-) -> MeterReading:
-    """Reading of R and X in ohm at a frequency in Hz. Raises ValueError for numbers that are none.
-
-    The capacitance follows from R, X and the frequency.
-    """
+def reading_of(R: float, X: float, status: ReadingStatus = ReadingStatus.NORMAL) -> MeterReading:
+    """Reading of R and X in ohm. Raises ValueError for numbers that are none."""
     if not all(abs(value) < NO_VALUE for value in (R, X)) or R == X == 0:
         raise ValueError(f"{R:g},{X:g}")
-    Cp = parallel_capacitance(np.array([complex(R, X)]), np.array([frequency]))
-    return MeterReading(float(Cp[0]), R, X, status)
+    return MeterReading(complex(R, X), status)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ...simulator.arrays import Complex, Real
-from ...simulator.sweeps import InputError, parallel_capacitance
+from ...simulator.sweeps import InputError
 from ...simulator.sweeps.reading_quantities import MAGNITUDE, ReadingKind
 from ..meter.errors import GarbledError, LostConnectionError, MeterError, NoAnswerError
 from ..meter.meter_identity import VIRTUAL_SERIAL, MeterIdentity
@@ -143,9 +143,8 @@ class ReaderDriver:
         if name not in self._waiting:
             self._waiting = dict(self._next_sweep())
         Z = self._waiting.pop(name)
-        return _readings(
-            np.abs(Z) + 0j if self._kind is MAGNITUDE else Z, self._frequencies[name], self._kind
-        )
+        values = (np.abs(Z) + 0j if self._kind is MAGNITUDE else Z).tolist()
+        return [MeterReading(value, kind=self._kind) for value in values]
 
     def snapshot(self) -> dict[str, SettingValue]:
         """The description of the lines, as text by key."""
@@ -301,11 +300,3 @@ def open_reader(
         reader.close()
         raise
     return reader
-
-
-def _readings(Z: Complex, frequency: Real, kind: ReadingKind) -> list[MeterReading]:
-    Cp = parallel_capacitance(Z, frequency)
-    return [
-        MeterReading(float(c), float(z.real), float(z.imag), kind=kind.name)
-        for c, z in zip(Cp, Z, strict=True)
-    ]

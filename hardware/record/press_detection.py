@@ -40,9 +40,9 @@ def undetected_press(sweep: MeasuredSweep, baselines: Sequence[MeasuredSweep]) -
     ]
 
 
-def percent_change(values: Sequence[float], baseline: Sequence[float]) -> Real:
+def percent_change(values: Real, baseline: Real) -> Real:
     """Change of values against the unpressed skin, %; NaN where that is 0. Shape of the values."""
-    before = np.array(baseline[: len(values)])
+    before = baseline[: len(values)]
     ratio = np.full(before.shape, np.nan)
     np.divide(values, before, out=ratio, where=before != 0)
     return 100 * (ratio - 1)

@@ -83,12 +83,10 @@ def record(task: RecordingTask, operator: Operator) -> tuple[RecordingHeader, li
         if header is None:
             header = _start(journal, task, station)
         judge = SweepChecker(
-            np.array(header.frequencies),
             task.table,
             header.settings,
             task.limits,
             task.conditions or instrument_of(header.meter).conditions,
-            header.of_each,
         )
         run = RecordingRun(task, station, operator, judge, entries)
         missing = deque(number for number in range(len(task.order)) if number not in entries)
@@ -152,12 +150,10 @@ class RecordingRun:
         assert header is not None
         sweep = measure_sweep(
             meter,
-            header.frequencies,
-            header.interfaces,
+            header.by_interface,
             task.switch,
             self.operator.watch,
             self.operator.turn,
-            header.of_each,
         )
         require_settings(meter, header.settings)
         return JournalEntry(step.press, sweep, begun, now())

@@ -70,10 +70,11 @@ def _serve_page(localizer: LiveLocalizer, port: int) -> Iterator[SessionDisplay]
     from ...page.page_document import PageDocument
     from ...page.page_thread import serve_in_thread
     from ...record.recording_dataset import measured_mask
+    from ..touch_answer import frequencies_of
     from .page_display import PageDisplay
 
     model = localizer.model
-    taken = measured_mask(model.interfaces, model.frequencies, model.own_frequencies)
+    taken = measured_mask(frequencies_of(model).values(), model.frequencies)
     scene = with_frequencies(
         restricted_to_interfaces(localizer.scene, model.interfaces), model.frequencies, taken
     )

@@ -5,6 +5,7 @@ import pytest
 from rcskin.hardware.live.live_baseline import RENEWAL_COUNT, LiveBaseline
 from rcskin.hardware.live.session_log import baseline_dataset
 from rcskin.hardware.live.touch_answer import NOTHING_PRESSED, TouchAnswer
+from rcskin.hardware.meter.meter_reading import MeterReading
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
 from rcskin.localization.inputs.baselines import OPENING, RECENT, log_baselines, mean_baselines
 from rcskin.simulator.sweeps import build
@@ -17,8 +18,8 @@ AT_REST = np.array([1e4 - 1e5j, 1e4 - 3e4j, 1e4 - 1e4j])
 
 def sweep(grown):
     Z = AT_REST * (1 + grown)
-    trace = InterfaceTrace((1e-9,) * 3, tuple(Z.real), tuple(Z.imag), (0,) * 3, "left")
-    return MeasuredSweep((trace,))
+    readings = tuple(map(MeterReading, Z.tolist()))
+    return MeasuredSweep((InterfaceTrace(MODEL.frequencies, readings, "left"),))
 
 
 def test_live_and_evaluation_compare_a_sweep_with_the_same_baseline_of_a_skin_that_drifts():

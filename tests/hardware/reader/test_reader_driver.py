@@ -151,7 +151,7 @@ def swept(reader, terminals):
     found = {}
     for name, frequencies in FREQUENCIES.items():
         terminals.select(name)
-        found[name] = [complex(each.Rs, each.X) for each in reader.read_sweep(frequencies)]
+        found[name] = [each.value for each in reader.read_sweep(frequencies)]
     return found
 
 

@@ -32,10 +32,9 @@ def shown():
         with RecordingScreen(console, plain) as screen:
             screen.begin("1/9  press 2,1", rest)
             screen.turn("left")
-            screen.reading(1e3, MeterReading(123.456e-12, 54.321e3, -1e5))
-            screen.reading(
-                2e3, MeterReading(99.5e-12, 43.21e3, -9e4, ReadingStatus.OUTSIDE_GUARANTEE)
-            )
+            screen.reading(1e3, MeterReading(54.321e3 - 1e5j, shown={"Cp": 123.456e-12}))
+            flag, shown = ReadingStatus.OUTSIDE_GUARANTEE, {"Cp": 99.5e-12}
+            screen.reading(2e3, MeterReading(43.21e3 - 9e4j, flag, shown=shown))
             screen.end(remarks)
         return file.getvalue()
 
@@ -54,9 +53,11 @@ def test_a_pipe_gets_nothing_but_what_is_wrong(shown):
     assert shown(False, ["it [slipped]"]) == "1/9  press 2,1: it [slipped]\n"
 
 
-REST = MeasuredSweep(
-    (InterfaceTrace((123.456e-12, 199e-12), (54.321e3, 86.42e3), (-1e5, -1e5), (0, 0), "left"),)
+AT_REST = (
+    MeterReading(54.321e3 - 1e5j, shown={"Cp": 123.456e-12}),
+    MeterReading(86.42e3 - 1e5j, shown={"Cp": 199e-12}),
 )
+REST = MeasuredSweep((InterfaceTrace((1e3, 2e3), AT_REST, "left"),))
 
 
 def test_a_terminal_shows_the_curve_against_rest_as_it_grows(shown):
@@ -81,7 +82,7 @@ def test_a_sweep_that_ends_early_gives_the_cursor_back():
         RecordingScreen(Console(file=file, force_terminal=True, width=100)) as screen,
     ):
         screen.begin("1/9  press 2,1", None)
-        screen.reading(1e3, MeterReading(123.456e-12, 54.321e3, -1e5))
+        screen.reading(1e3, MeterReading(54.321e3 - 1e5j, shown={"Cp": 123.456e-12}))
         raise KeyboardInterrupt
     assert file.getvalue().rindex("\x1b[?25h") > file.getvalue().rindex("\x1b[?25l")
 
