@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from ...simulator.sweeps import InputError
 from ..meter.errors import FailedReadingError, MeterError, NoConnectionError
 from ..meter.instruments import instrument_of
 from ..meter.reading_source import ReadingSource
-from ..meter.restoring.settings_snapshot import require_settings, restore_settings
+from ..meter.restoring.original_settings import require_settings, restore_settings
 from ..record.managed_meter import ManagedMeter
 from ..record.measured_sweep import (
     MeasuredSweep,
@@ -24,11 +25,53 @@ from ..record.recording_journal import RecordingHeader, RecordingJournal
 from ..record.sweep_checks import ConditionsOf, ErrorTable, SweepChecker, SweepLimits
 from ..switch.errors import NoSwitchError, SwitchError
 from ..switch.switch import Switch
-from .timed_switch import TimedSwitch
 from .touch_answer import frequencies_of
 
 if TYPE_CHECKING:
     from .live_localizer import LiveLocalizer
+
+DEFAULT_SECONDS = 0.1
+"""Assumed time of a turn before the first one, s."""
+
+
+@dataclass
+class TimedSwitch:
+    """A switch whose turns are timed by a clock in s. last_seconds: time of the latest turn, s.
+
+    total_seconds: total time of all calls, s.
+    """
+
+    switch: Switch
+    clock: Callable[[], float]
+    last_seconds: float = field(default=DEFAULT_SECONDS, init=False)
+    total_seconds: float = field(default=0.0, init=False)
+
+    @property
+    def selected(self) -> str | None:
+        """Connected interface, or None if unknown."""
+        return self.switch.selected
+
+    def select(self, name: str) -> None:
+        """Connect an interface, and time it. Raises SwitchError."""
+        before, begun = self.selected, self.clock()
+        try:
+            self.switch.select(name)
+        finally:
+            took = self.clock() - begun
+            self.total_seconds += took
+        if before not in (None, name):
+            self.last_seconds = took
+
+    def check_stayed(self) -> None:
+        """Check that the switch has not turned, and time it. Raises SwitchError."""
+        begun = self.clock()
+        self.switch.check_stayed()
+        self.total_seconds += self.clock() - begun
+
+    def close(self) -> None:
+        """Close the switch."""
+        self.switch.close()
+
 
 FIRST_WAIT, LONGEST_WAIT = 0.25, 4.0
 CHECK_INTERVAL = 1.0

@@ -13,8 +13,14 @@ from ...simulator.meters.accuracy_table import OUTPUT_RESISTANCE, AccuracyTable,
 from ...simulator.meters.meter_bands import METER_BANDS
 from ...simulator.sweeps import InputError
 from .errors import FailedReadingError
-from .keysight_meter import CORRECTION_SECONDS, KeysightMeter, reading_of, state_of
-from .keysight_settings import NumbersFormat, NumbersSetting
+from .keysight_meter import (
+    CORRECTION_SECONDS,
+    KeysightMeter,
+    NumbersFormat,
+    NumbersSetting,
+    reading_of,
+    state_of,
+)
 from .meter_reading import MeterReading
 from .setting import MeterProperty, Setting
 from .setting_formats import IntegerFormat, NumberFormat, OnOffFormat, TokenFormat, WordFormat

@@ -17,9 +17,8 @@ import numpy as np
 
 from ...simulator.arrays import Complex, Real
 from ...simulator.sweeps.same_frequency import same_frequencies
-from .line_errors import LineError
 from .line_format import LineFormat
-from .line_parser import SHOWN, LineContent, LineReading, parse_line
+from .line_parser import SHOWN, LineContent, LineError, LineReading, parse_line
 
 Place = tuple[str, float]
 """Interface and frequency in Hz, as the reader sends it."""

@@ -15,13 +15,12 @@ from ...simulator.sweeps import InputError
 from ..meter.errors import MeterError
 from ..meter.instruments import instrument_of
 from ..meter.reading_source import ReadingSource
-from ..meter.restoring.settings_snapshot import require_settings, restore_settings
+from ..meter.restoring.original_settings import require_settings, restore_settings
 from ..meter.restoring.termination import interruptible
 from ..switch.switch import Switch
 from .managed_meter import ManagedMeter
 from .measured_sweep import MeasuredSweep, check_frequencies, measure_sweep, now
 from .operators import Operator, StepStatus
-from .press_detection import undetected_press
 from .press_order import UNPRESSED_STEP, PressStep, parse_step
 from .recording_journal import (
     JournalEntry,
@@ -30,7 +29,14 @@ from .recording_journal import (
     differences,
     warn_if_clock_set_back,
 )
-from .sweep_checks import ConditionsOf, ErrorTable, SweepChecker, SweepLimits, frozen_remarks
+from .sweep_checks import (
+    ConditionsOf,
+    ErrorTable,
+    SweepChecker,
+    SweepLimits,
+    frozen_remarks,
+    undetected_press,
+)
 
 ETA_STEPS = 12
 """Number of latest steps that the estimate of the time left uses."""

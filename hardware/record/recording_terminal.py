@@ -14,8 +14,8 @@ from ..meter.meter_reading import MeterReading, ReadingStatus
 from ..meter.restoring.termination import raise_pending_signal
 from .measured_sweep import InterfaceTrace, MeasuredSweep
 from .operators import RecordingDisplay, StepStatus
-from .press_detection import percent_change
 from .press_order import PressStep
+from .sweep_checks import percent_change
 
 if TYPE_CHECKING:
     from rich.console import Console

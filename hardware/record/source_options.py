@@ -12,10 +12,9 @@ from ...simulator.sweeps import InputError
 from ...simulator.sweeps.reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, ReadingKind
 from ..meter.instruments import open_meter
 from ..meter.reading_source import ReadingSource
-from ..reader.line_format import LineFormat, read_line_format
+from ..reader.line_format import LineFormat, ReaderErrors, read_line_format
 from ..reader.line_port import check_line_resource, is_line_resource
 from ..reader.reader_driver import ReaderTerminals, Report, open_reader, ordered_frequencies
-from ..reader.reader_errors import ReaderErrors
 from ..switch.switch import Switch
 from .sweep_checks import ConditionsOf, ErrorTable
 

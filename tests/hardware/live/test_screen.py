@@ -5,9 +5,8 @@ import re
 
 import numpy as np
 import pytest
-from rcskin.hardware.live.displays.line_output import LineOutput
-from rcskin.hardware.live.displays.live_screen import LiveScreen
-from rcskin.hardware.live.displays.pixel_grid import MARKER, PixelGrid, fitted_grid
+from rcskin.hardware.live.displays.live_screen import MARKER, LiveScreen, PixelGrid, fitted_grid
+from rcskin.hardware.live.displays.session_displays import LineOutput
 from rcskin.hardware.live.live_session import TimedAnswer
 from rcskin.hardware.live.touch_answer import (
     CANNOT_TELL,

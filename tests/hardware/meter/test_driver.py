@@ -16,7 +16,7 @@ from rcskin.hardware.meter.hioki import IM3523
 from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.meter.link.discovery import probe
 from rcskin.hardware.meter.meter_reading import ReadingStatus, parse_reading
-from rcskin.hardware.meter.restoring.settings_snapshot import require_settings, restore_settings
+from rcskin.hardware.meter.restoring.original_settings import require_settings, restore_settings
 from rcskin.hardware.record.measured_sweep import check_frequencies, measure_sweep
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
 
