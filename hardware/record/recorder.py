@@ -154,13 +154,8 @@ class RecordingRun:
         begun = now()
         header = self.station.header
         assert header is not None
-        sweep = measure_sweep(
-            meter,
-            header.by_interface,
-            task.switch,
-            self.operator.watch,
-            self.operator.turn,
-        )
+        show = self.operator.show
+        sweep = measure_sweep(meter, header.by_interface, task.switch, show.reading, show.turn)
         require_settings(meter, header.settings)
         return JournalEntry(step.press, sweep, begun, now())
 

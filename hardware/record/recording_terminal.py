@@ -177,19 +177,11 @@ class PersonOperator:
         self.show.begin(f"{progress.words}  press {step.press}", progress.baseline)
         return True
 
-    def turn(self, interface: str) -> None:
-        """Show the interface."""
-        self.show.turn(interface)
-
     def connect(self, interface: str) -> None:
         """Ask the person to connect the meter to an interface. Raises KeyboardInterrupt at `q`."""
         self._ask_choice(
             f"Keep the press, connect interface {interface}, then Enter (q: quit) ", ""
         )
-
-    def watch(self, frequency: float, reading: MeterReading) -> None:
-        """Show the reading."""
-        self.show.reading(frequency, reading)
 
     def kept(self, remarks: Sequence[str]) -> bool:
         """True if the sweep has no remarks, or the person keeps it all the same."""

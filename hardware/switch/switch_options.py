@@ -68,7 +68,6 @@ def _make_switch(
             f"the interfaces {', '.join(interfaces)} need a switch that works without a person: "
             "--switch TABLE.toml, --switch HOST:PORT or --switch-with"
         )
-
     person = ManualSwitch(ask)
     return DeviceSwitch(lambda: person, by_name, waiting)
 
