@@ -19,6 +19,7 @@ from rcskin.hardware.record.recording_terminal import (
     sparkline,
 )
 from rcskin.simulator.sweeps import InputError
+from rcskin.simulator.sweeps.reading_quantities import GAIN, MAGNITUDE
 from rich.console import Console
 
 
@@ -73,6 +74,20 @@ def test_plain_text_states_the_span_of_the_curve_without_a_control_code(shown):
         first == "1/9  press 2,1: done; against the unpressed skin Rs -50 to +0 %, Cp -50 to +0 %"
     )
     assert second == "1/9  press 2,1: check" and "\x1b" not in text
+
+
+@pytest.mark.parametrize(("kind", "columns"), [(GAIN, ["gain", "phase"]), (MAGNITUDE, ["gain"])])
+def test_a_terminal_shows_of_gains_what_was_read(kind, columns):
+    """A magnitude has no phase, and none has a Cp."""
+    file = io.StringIO()
+    with RecordingScreen(Console(file=file, force_terminal=True, width=100)) as screen:
+        screen.begin("1/9  press 2,1", None)
+        screen.reading(1e3, MeterReading(0.5j if kind is GAIN else 0.5 + 0j, kind=kind))
+        screen.end([])
+    text = file.getvalue()
+    assert "0.5" in text and ("90" in text) == (kind is GAIN)
+    titles = ("gain", "phase", "Rs (kohm)", "Cp (pF)")
+    assert [title for title in titles if title in text] == columns
 
 
 def test_a_sweep_that_ends_early_gives_the_cursor_back():
