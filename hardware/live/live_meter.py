@@ -106,7 +106,7 @@ class LiveMeter:
             raise InputError(f"`patience` must be in (0, 1e6] s, got {patience:g}")
         self._localizer, self._table, self._limits = localizer, table, limits
         self._conditions = conditions
-        self._patience = patience
+        self.patience = patience
         self.switch = TimedSwitch(switch, clock) if switch else None
         self.station = ManagedMeter(connect, None, report, journal, self.switch)
         self._failing_since: float | None = None
@@ -162,11 +162,6 @@ class LiveMeter:
         self._checked_at = time.monotonic()
         self._recovered()
 
-    @property
-    def patience(self) -> float:
-        """Time without a whole sweep until the session gives up, s."""
-        return self._patience
-
     def wait_after_failure(self, failure: MeterError, shown: bool = False) -> float:
         """Time to wait before the next sweep, s; longer after each successive failure.
 
@@ -184,10 +179,10 @@ class LiveMeter:
         else:
             self.station.close()
         self._failing_since = self._failing_since or time.monotonic()
-        left = self._failing_since + self._patience - time.monotonic()
+        left = self._failing_since + self.patience - time.monotonic()
         if left <= 0:
             last = "" if shown else f"; the last failure: {failure}"
-            raise gone(f"the {what} gave no sweep for {self._patience:g} s{last}") from failure
+            raise gone(f"the {what} gave no sweep for {self.patience:g} s{last}") from failure
         wait, self._wait = min(self._wait, left), min(2 * self._wait, LONGEST_WAIT)
         return wait
 
@@ -196,11 +191,11 @@ class LiveMeter:
         measured = check_frequencies(meter, model.frequencies)
         settings = meter.snapshot()
         restore_settings(meter, settings)
-        self.station.header = RecordingHeader(
+        header = RecordingHeader(
             scene=model.problem.scene,
             name="live",
             interfaces=model.interfaces,
-            frequencies=tuple(measured.values()),
+            frequencies=model.frequencies,
             rows=pixels.rows,
             columns=pixels.columns,
             order=(),
@@ -210,10 +205,9 @@ class LiveMeter:
             begun=(begun := now()),
             session=begun,
             accuracy=self._table.name,
-            of_each={
-                name: tuple(measured[f] for f in own) for name, own in model.own_frequencies.items()
-            },
+            of_each=model.own_frequencies,
         )
+        self.station.header = header.at(measured)
         self.checker = SweepChecker(
             self._table,
             settings,

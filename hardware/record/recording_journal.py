@@ -285,7 +285,7 @@ def _entry(
 def _trace_content(trace: InterfaceTrace) -> dict[str, Any]:
     """Content of a trace in its file, where a gain has its parts in Rs and X, and a Cp unused."""
     columns = IMPEDANCE.values(trace.Z, np.array(trace.frequency), trace.shown)
-    listed = {name: columns[name].tolist() for name in ("Cp", "Rs", "X")}
+    listed = {name: columns[name].tolist() for name in COLUMNS[:-1]}
     codes = [reading.status.code for reading in trace.readings]
     kind = {} if trace.kind is IMPEDANCE else {"kind": trace.kind.name}
     return {**listed, "status": codes, **{name: getattr(trace, name) for name in NAMES}, **kind}
