@@ -92,7 +92,7 @@ def test_a_part_of_a_sweep_never_becomes_rest_and_a_whole_one_is_asked_for_in_ti
 
 @pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
 def test_baselines_of_a_file_are_what_the_file_holds(tmp_path, kind):
-    """Of every kind, where interfaces have frequencies of their own and a meter shows its own Cp."""
+    """Of every kind, where interfaces have frequencies of their own and a meter shows a Cp."""
     names, taken = ("left", "bottom"), np.array([[True, False, True], [False, True, True]])
     frequencies = [tuple(np.array(MODEL.frequencies)[read].tolist()) for read in taken]
     own = dict(zip(names, frequencies, strict=True))
