@@ -110,6 +110,7 @@ def live(
     from .live_meter import LiveMeter
     from .live_session import LiveSession
     from .session_log import SessionLog
+    from .touch_answer import frequencies_of
 
     _check_options(sweeps, log, port if not page else None, certain, filtered, adaptive)
     journal = _session_journal(log) if log else None
@@ -123,7 +124,7 @@ def live(
     faults = EventCounter(lambda text: shown[0].note(text))
     source = source_setup(
         options,
-        _frequencies(localizer.model),
+        frequencies_of(localizer.model),
         follows=True,
         report=faults,
         kind=localizer.scene.reading.kind,
@@ -154,12 +155,6 @@ def live(
     finally:
         if kept.summary:
             say(kept.summary, err=True)
-
-
-def _frequencies(model: Model) -> dict[str, tuple[float, ...]]:
-    """Frequencies of every interface of a model, Hz."""
-    own = model.own_frequencies
-    return {name: tuple(own.get(name, model.frequencies)) for name in model.interfaces}
 
 
 def _check_options(

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from ...simulator.sweeps import InputError
 from ..meter.errors import FailedReadingError, MeterError, NoConnectionError
 from ..meter.instruments import instrument_of
 from ..meter.reading_source import ReadingSource
-from ..meter.restoring.settings_snapshot import require_settings, restore_settings
+from ..meter.restoring.original_settings import require_settings, restore_settings
 from ..record.managed_meter import ManagedMeter
 from ..record.measured_sweep import (
     MeasuredSweep,
@@ -26,10 +25,53 @@ from ..record.recording_journal import RecordingHeader, RecordingJournal
 from ..record.sweep_checks import ConditionsOf, ErrorTable, SweepChecker, SweepLimits
 from ..switch.errors import NoSwitchError, SwitchError
 from ..switch.switch import Switch
-from .timed_switch import TimedSwitch
+from .touch_answer import frequencies_of
 
 if TYPE_CHECKING:
     from .live_localizer import LiveLocalizer
+
+DEFAULT_SECONDS = 0.1
+"""Assumed time of a turn before the first one, s."""
+
+
+@dataclass
+class TimedSwitch:
+    """A switch whose turns are timed by a clock in s. last_seconds: time of the latest turn, s.
+
+    total_seconds: total time of all calls, s.
+    """
+
+    switch: Switch
+    clock: Callable[[], float]
+    last_seconds: float = field(default=DEFAULT_SECONDS, init=False)
+    total_seconds: float = field(default=0.0, init=False)
+
+    @property
+    def selected(self) -> str | None:
+        """Connected interface, or None if unknown."""
+        return self.switch.selected
+
+    def select(self, name: str) -> None:
+        """Connect an interface, and time it. Raises SwitchError."""
+        before, begun = self.selected, self.clock()
+        try:
+            self.switch.select(name)
+        finally:
+            took = self.clock() - begun
+            self.total_seconds += took
+        if before not in (None, name):
+            self.last_seconds = took
+
+    def check_stayed(self) -> None:
+        """Check that the switch has not turned, and time it. Raises SwitchError."""
+        begun = self.clock()
+        self.switch.check_stayed()
+        self.total_seconds += self.clock() - begun
+
+    def close(self) -> None:
+        """Close the switch."""
+        self.switch.close()
+
 
 FIRST_WAIT, LONGEST_WAIT = 0.25, 4.0
 CHECK_INTERVAL = 1.0
@@ -64,7 +106,7 @@ class LiveMeter:
             raise InputError(f"`patience` must be in (0, 1e6] s, got {patience:g}")
         self._localizer, self._table, self._limits = localizer, table, limits
         self._conditions = conditions
-        self._patience = patience
+        self.patience = patience
         self.switch = TimedSwitch(switch, clock) if switch else None
         self.station = ManagedMeter(connect, None, report, journal, self.switch)
         self._failing_since: float | None = None
@@ -87,15 +129,8 @@ class LiveMeter:
 
     def sweep(self, watch: Watch) -> MeasuredSweep:
         """Measure a whole sweep and check that the settings are unchanged. Raises MeterError."""
-        model = self._localizer.model
-        sweep = measure_sweep(
-            self._meter,
-            model.frequencies,
-            model.interfaces,
-            self.switch,
-            watch,
-            of_each=model.own_frequencies,
-        )
+        requested = frequencies_of(self._localizer.model)
+        sweep = measure_sweep(self._meter, requested, self.switch, watch)
         self._check_settings()
         return sweep
 
@@ -127,11 +162,6 @@ class LiveMeter:
         self._checked_at = time.monotonic()
         self._recovered()
 
-    @property
-    def patience(self) -> float:
-        """Time without a whole sweep until the session gives up, s."""
-        return self._patience
-
     def wait_after_failure(self, failure: MeterError, shown: bool = False) -> float:
         """Time to wait before the next sweep, s; longer after each successive failure.
 
@@ -149,10 +179,10 @@ class LiveMeter:
         else:
             self.station.close()
         self._failing_since = self._failing_since or time.monotonic()
-        left = self._failing_since + self._patience - time.monotonic()
+        left = self._failing_since + self.patience - time.monotonic()
         if left <= 0:
             last = "" if shown else f"; the last failure: {failure}"
-            raise gone(f"the {what} gave no sweep for {self._patience:g} s{last}") from failure
+            raise gone(f"the {what} gave no sweep for {self.patience:g} s{last}") from failure
         wait, self._wait = min(self._wait, left), min(2 * self._wait, LONGEST_WAIT)
         return wait
 
@@ -161,11 +191,11 @@ class LiveMeter:
         measured = check_frequencies(meter, model.frequencies)
         settings = meter.snapshot()
         restore_settings(meter, settings)
-        self.station.header = RecordingHeader(
+        header = RecordingHeader(
             scene=model.problem.scene,
             name="live",
             interfaces=model.interfaces,
-            frequencies=tuple(measured.values()),
+            frequencies=model.frequencies,
             rows=pixels.rows,
             columns=pixels.columns,
             order=(),
@@ -175,18 +205,14 @@ class LiveMeter:
             begun=(begun := now()),
             session=begun,
             accuracy=self._table.name,
-            of_each={
-                name: tuple(measured[f] for f in own) for name, own in model.own_frequencies.items()
-            },
+            of_each=model.own_frequencies,
         )
-        frequency = np.array(model.frequencies)
+        self.station.header = header.at(measured)
         self.checker = SweepChecker(
-            frequency,
             self._table,
             settings,
             self._limits,
             self._conditions or instrument_of(meter.identity.text).conditions,
-            model.own_frequencies,
         )
 
     def _recovered(self) -> None:

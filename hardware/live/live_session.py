@@ -4,26 +4,94 @@ from __future__ import annotations
 
 import time
 from collections import deque
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol
 
+import numpy as np
+
+from ...simulator.arrays import Real
 from ...simulator.sweeps import UNPRESSED
 from ..meter.errors import MeterError
 from ..meter.meter_reading import MeterReading
-from ..record.measured_sweep import MeasuredSweep, flag_remarks, now, switching_remarks
+from ..record.measured_sweep import MeasuredSweep, Watch, flag_remarks, now, switching_remarks
 from ..record.press_order import UNKNOWN
 from ..record.sweep_checks import frozen_remarks
-from .adaptive_reading import PartialSweep, ReadingTimes, measure_adaptively
 from .live_baseline import LiveBaseline, says_unpressed
-from .live_meter import LiveMeter
+from .live_meter import LiveMeter, TimedSwitch
 from .session_log import BaselineDataset, SessionLog, model_dataset
 from .touch_answer import TouchAnswer
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ...localization.filtering.adaptive_sweep import AdaptiveSweep
+    from ...localization.model.localizer_model import Model
     from .live_localizer import LiveLocalizer
+
+DEFAULT_SECONDS = 0.02
+"""Assumed time of a reading before the first one, s."""
+
+
+@dataclass
+class ReadingTimes:
+    """Times of readings at each frequency, measured by a clock in s.
+
+    on_reading: called with each reading. switch: measures the times of turns, which are no part of
+    a reading's time; None without a switch.
+    """
+
+    model: Model
+    on_reading: Watch
+    clock: Callable[[], float]
+    switch: TimedSwitch | None = None
+    _latest: dict[float, float] = field(default_factory=dict, init=False)
+    _since: float = field(default=0.0, init=False)
+
+    def begin(self) -> None:
+        """Note the start of a reading."""
+        self._since = self._now()
+
+    def reading(self, frequency: float, reading: MeterReading) -> None:
+        """Note a reading at a frequency in Hz."""
+        self._latest[frequency] = self._now() - self._since
+        self.on_reading(frequency, reading)
+        self._since = self._now()
+
+    @property
+    def seconds(self) -> Real:
+        """Expected times at the model's readings, s, shape (interface, frequency)."""
+        known = [self._latest.get(f, DEFAULT_SECONDS) for f in self.model.frequencies]
+        names = self.model.interfaces
+        turning = np.zeros(len(names))
+        if self.switch is not None:
+            away = np.array([name != self.switch.selected for name in names])
+            turning = np.where(away, self.switch.last_seconds, 0.0)
+        return np.maximum(known, 1e-4) + turning[:, None]
+
+    def _now(self) -> float:
+        """Present time without the turns of the switch, s."""
+        return self.clock() - (self.switch.total_seconds if self.switch else 0.0)
+
+
+def measure_adaptively(
+    meter: LiveMeter, adaptive_sweep: AdaptiveSweep, times: ReadingTimes
+) -> MeasuredSweep:
+    """Measure what the adaptive sweep requests, until it is certain. Raises MeterError."""
+    requested: list[tuple[str, float]] = []
+
+    def next_ones() -> Iterator[tuple[str, float]]:
+        while (wanted := adaptive_sweep.next(times.seconds)) is not None:
+            times.begin()
+            requested.append(wanted)
+            yield wanted
+
+    def watch(frequency: float, reading: MeterReading) -> None:
+        times.reading(frequency, reading)
+        adaptive_sweep.add_reading(*requested[-1], reading.value)
+
+    return meter.readings(watch, next_ones())
+
 
 RATE_ANSWERS = 10
 MAX_BASELINE_TRIALS = 5
@@ -31,25 +99,18 @@ END_KEY, BASELINE_KEY = "q", "r"
 
 
 @dataclass(frozen=True)
-class AnswerSource:
-    """Readings behind an answer. frequencies: of each trace, Hz. baseline: unpressed sweeps."""
-
-    sweep: MeasuredSweep
-    frequencies: tuple[tuple[float, ...], ...]
-    baseline: tuple[MeasuredSweep, ...] = ()
-
-
-@dataclass(frozen=True)
 class TimedAnswer:
-    """One answer with its source and times.
+    """One answer with its sweep and times.
 
-    at: ISO 8601. measuring, localizing: s. since_before: s from the start of the previous
-    sound sweep, the longest time from a touch to this answer; None for the first. rate: answers
-    per second. failed: sweeps lost so far. remarks: notes about this answer.
+    baseline: unpressed sweeps with which it was compared. at: ISO 8601. measuring, localizing: s.
+    since_before: s from the start of the previous sound sweep, the longest time from a touch to
+    this answer; None for the first. rate: answers per second. failed: sweeps lost so far. remarks:
+    notes about this answer.
     """
 
     answer: TouchAnswer
-    source: AnswerSource
+    sweep: MeasuredSweep
+    baseline: tuple[MeasuredSweep, ...]
     at: str
     measuring: float
     localizing: float
@@ -66,13 +127,13 @@ class TimedAnswer:
 
 @dataclass(frozen=True)
 class TimedSweep:
-    """A sweep, or part of one. begun, ended: s. gap: s since the one before."""
+    """A sweep. begun, ended: s. gap: s since the one before. part: chose its readings, if any."""
 
     sweep: MeasuredSweep
     begun: float = 0.0
     ended: float = 0.0
     gap: float = 0.0
-    part: PartialSweep | None = None
+    part: AdaptiveSweep | None = None
 
     @property
     def during(self) -> float:
@@ -179,16 +240,16 @@ class LiveSession:
     def _measured(self, begun: float) -> TimedSweep:
         """The next sweep, whole or adaptive."""
         gap = 0.0 if self._ended is None else begun - self._ended
-        adaptive_sweep = None
+        part = None
         if self.baseline.complete and not self.baseline.renewal_due:
-            adaptive_sweep = self.localizer.adaptive_sweep(self._baseline_dataset(), gap)
-        if adaptive_sweep is None:
+            part = self.localizer.adaptive_sweep(self._baseline_dataset(), gap)
+        if part is None:
             times = self._reading_times
             times.begin()
             watch = times.on_reading if self.meter.sweeps else times.reading
-            sweep, part = self.meter.sweep(watch), None
+            sweep = self.meter.sweep(watch)
         else:
-            part, sweep = measure_adaptively(self.meter, adaptive_sweep, self._reading_times)
+            sweep = measure_adaptively(self.meter, part, self._reading_times)
         return TimedSweep(sweep, begun, self.clock(), gap, part)
 
     def _fail(self, failure: MeterError) -> None:
@@ -209,7 +270,7 @@ class LiveSession:
 
     def _localize(self, measured: TimedSweep) -> TouchAnswer:
         if measured.part is not None:
-            return self.localizer.described(measured.part.adaptive_sweep.answer(measured.during))
+            return self.localizer.described(measured.part.answer(measured.during))
         sweep = model_dataset([measured.sweep], self.localizer.model)
         return self.localizer.answer(sweep, self._baseline_dataset(), measured.gap, measured.during)
 
@@ -224,7 +285,8 @@ class LiveSession:
         self.display.answer(
             TimedAnswer(
                 answer,
-                self._source(measured),
+                sweep,
+                tuple(self.baseline.sweeps),
                 now(),
                 measured.during,
                 ended - measured.ended,
@@ -241,16 +303,6 @@ class LiveSession:
         )
         if self.baseline.follow(sweep if measured.part is None else None, answer):
             self.display.note("baseline renewed by one unpressed sweep, to follow slow drift")
-
-    def _source(self, measured: TimedSweep) -> AnswerSource:
-        part, model = measured.part, self.localizer.model
-        read = tuple(
-            model.own_frequencies.get(trace.interface, model.frequencies)
-            if part is None
-            else tuple(part.frequencies[k].tolist())
-            for k, trace in enumerate(measured.sweep.traces)
-        )
-        return AnswerSource(measured.sweep, read, tuple(self.baseline.sweeps))
 
     def _add_baseline(self, sweep: MeasuredSweep) -> None:
         moved = self._remarks(TimedSweep(sweep), self.baseline.first)
@@ -283,15 +335,8 @@ class LiveSession:
     def _remarks(self, measured: TimedSweep, first: MeasuredSweep | None = None) -> list[str]:
         checker = self.meter.checker
         assert checker is not None
-        if measured.part is None:
-            return checker.remarks(measured.sweep, [first] if first else [], unpressed=True)
-        return [
-            remark
-            for trace, read in zip(measured.sweep.traces, measured.part.frequencies, strict=True)
-            for remark in replace(checker, frequency=read, of_each={}).remarks(
-                MeasuredSweep((trace,)), [], unpressed=True
-            )
-        ]
+        earlier = [first] if first and measured.part is None else []
+        return checker.remarks(measured.sweep, earlier, unpressed=True)
 
     def _frozen(self, measured: TimedSweep) -> list[str]:
         """Remark if the device repeats its last whole sweep digit for digit."""

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import OPENING, UNPRESSED, InputError, read_joined, sizes_text
-from ...simulator.sweeps.reading_quantities import IMPEDANCE, kind_of
+from ...simulator.sweeps.reading_quantities import kind_of
+from ...simulator.sweeps.reading_subset import read_mask
 from ...simulator.sweeps.same_frequency import same_frequencies
 from ...simulator.sweeps.same_skin import check_same_skin
-from ...simulator.sweeps.schema import taken_of
+from ...simulator.sweeps.schema import complex_readings
+from ..meter.meter_reading import MeterReading
 from ..record.measured_sweep import InterfaceTrace, MeasuredSweep, now
 from ..record.press_order import UNKNOWN
 from ..record.recording_dataset import measured_mask, sweep_dataset
@@ -26,13 +28,12 @@ from ..record.recording_journal import (
 )
 from ..record.recording_output import finish, write_all
 from .live_baseline import LiveBaseline
-from .touch_answer import TouchAnswer
+from .touch_answer import TouchAnswer, frequencies_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from ...localization.model.localizer_model import Model
-    from ...simulator.arrays import Complex, Mask, Real
 
 
 def model_dataset(
@@ -43,9 +44,7 @@ def model_dataset(
     places = [0 if each == UNPRESSED else -1 for each in presses]
     return sweep_dataset(
         sweeps,
-        model.interfaces,
         model.frequencies,
-        model.own_frequencies,
         press=presses,
         row=places,
         column=places,
@@ -99,39 +98,31 @@ def read_baselines(
     same = len(frequencies) == len(model.frequencies) and bool(
         same_frequencies(frequencies, model.frequencies).all()
     )
-    taken = measured_mask(model.interfaces, model.frequencies, model.own_frequencies)
+    own = frequencies_of(model)
+    taken = measured_mask(own.values(), model.frequencies)
     if (
         not same
         or tuple(unpressed["interface"].values) != model.interfaces
-        or not np.array_equal(_measured_readings(unpressed), taken)
+        or not np.array_equal(read_mask(unpressed), taken)
     ):
         raise InputError(f"{path}: has other interfaces or frequencies than the model")
-    ordered = unpressed.transpose("sweep", "interface", "frequency")
-    kind = kind_of(ordered.variables)
-    Z = kind.reading({name: ordered[name].values for name in kind.sufficient})
-    Cp = ordered["Cp"].values if kind is IMPEDANCE else np.zeros(Z.shape)
+    kind = kind_of(unpressed.variables)
+    names = [name for name in kind.names if name not in kind.sufficient]
+    shown = [unpressed[name].transpose("sweep", "interface", "frequency").values for name in names]
+    columns = [complex_readings(unpressed), *shown]
+
+    def trace(number: int, place: int, name: str) -> InterfaceTrace:
+        values = zip(*(each[number, place, taken[place]].tolist() for each in columns), strict=True)
+        readings = [
+            MeterReading(value, kind=kind, shown=dict(zip(names, more, strict=True)))
+            for value, *more in values
+        ]
+        return InterfaceTrace(own[name], tuple(readings), name)
+
     return [
-        MeasuredSweep(
-            tuple(
-                _trace(C[read], z[read], name, kind.name)
-                for name, C, z, read in zip(model.interfaces, *each, taken, strict=True)
-            )
-        )
-        for each in zip(Cp, Z, strict=True)
+        MeasuredSweep(tuple(trace(number, place, name) for place, name in enumerate(own)))
+        for number in range(unpressed.sizes["sweep"])
     ]
-
-
-def _measured_readings(sweeps: xr.Dataset) -> Mask:
-    """Mask of the measured frequencies, shape (interface, frequency)."""
-    every = np.ones((sweeps.sizes["interface"], sweeps.sizes["frequency"]), dtype=bool)
-    own = taken_of(sweeps)
-    return every if own is None else own
-
-
-def _trace(Cp: Real, Z: Complex, interface: str, kind: str) -> InterfaceTrace:
-    """Trace of readings of a kind. Cp: F, Z: ohm or gains, shapes (frequency,)."""
-    Rs, X = (tuple(each.tolist()) for each in (Z.real, Z.imag))
-    return InterfaceTrace(tuple(Cp.tolist()), Rs, X, (0,) * len(Rs), interface, kind=kind)
 
 
 @dataclass

@@ -66,9 +66,15 @@ class TouchAnswer:
         return ", ".join(parts)
 
 
+def frequencies_of(model: Model) -> dict[str, tuple[float, ...]]:
+    """Frequencies of every interface of a model, Hz, ascending, by name."""
+    own = model.own_frequencies
+    return {name: own.get(name, model.frequencies) for name in model.interfaces}
+
+
 def reading_count(model: Model) -> int:
     """Number of readings in a sweep of this model."""
-    return sum(len(model.own_frequencies.get(name, model.frequencies)) for name in model.interfaces)
+    return sum(map(len, frequencies_of(model).values()))
 
 
 def answer_of_classes(

@@ -13,8 +13,14 @@ from ...simulator.meters.accuracy_table import OUTPUT_RESISTANCE, AccuracyTable,
 from ...simulator.meters.meter_bands import METER_BANDS
 from ...simulator.sweeps import InputError
 from .errors import FailedReadingError
-from .keysight_meter import CORRECTION_SECONDS, KeysightMeter, reading_of, state_of
-from .keysight_settings import NumbersFormat, NumbersSetting
+from .keysight_meter import (
+    CORRECTION_SECONDS,
+    KeysightMeter,
+    NumbersFormat,
+    NumbersSetting,
+    reading_of,
+    state_of,
+)
 from .meter_reading import MeterReading
 from .setting import MeterProperty, Setting
 from .setting_formats import IntegerFormat, NumberFormat, OnOffFormat, TokenFormat, WordFormat
@@ -240,7 +246,7 @@ def _trace(answer: str, points: int) -> tuple[float, ...]:
 def _reading(R: float, X: float, frequency: float) -> MeterReading:
     """Reading of R and X in ohm. Raises FailedReadingError if the analyser has no numbers."""
     try:
-        return reading_of(R, X, frequency)
+        return reading_of(R, X)
     except ValueError as error:
         raise FailedReadingError(
             f"the reading at {frequency:g} Hz failed: the analyser sends R {R:g}, X {X:g} ohm, "

@@ -21,11 +21,14 @@ from ...simulator.meters.accuracy_table import (
 from ...simulator.meters.meter_bands import METER_BANDS
 from ...simulator.sweeps import InputError
 from .errors import FailedReadingError
-from .keysight_meter import CORRECTION_SECONDS, KeysightMeter, reading_of, state_of
-from .keysight_settings import (
+from .keysight_meter import (
+    CORRECTION_SECONDS,
     AmplitudeSetting,
     FrequencyListFormat,
+    KeysightMeter,
     NumbersSetting,
+    reading_of,
+    state_of,
 )
 from .meter_reading import MeterReading, ReadingStatus
 from .setting import Setting, SettingPart
@@ -259,7 +262,7 @@ def parse_point(R: str, X: str, status: str, frequency: float) -> MeterReading:
         raise FailedReadingError(f"{where}, which has no known meaning")
     if not meaning.has_values:
         raise FailedReadingError(f"{where}: {meaning.meaning}")
-    return reading_of(float(R), float(X), frequency, meaning)
+    return reading_of(float(R), float(X), meaning)
 
 
 def _range_number(full_scale: float) -> int:

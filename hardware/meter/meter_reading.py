@@ -1,12 +1,13 @@
-"""One reading: Cp, Rs and X of the same instant, and the meter's status."""
+"""One reading: a complex number with its kind, and the meter's status."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import Enum
 
-from ...simulator.sweeps.reading_quantities import IMPEDANCE
+from ...simulator.sweeps.reading_quantities import IMPEDANCE, ReadingKind
 from .errors import FailedReadingError
 
 PLACEHOLDER = 1e30
@@ -54,17 +55,16 @@ BY_CODE = {status.code: status for status in ReadingStatus}
 
 @dataclass(frozen=True)
 class MeterReading:
-    """Cp [F], Rs [ohm] and X [ohm] of one measurement; status: normal, or a flag on the numbers.
+    """One complex number: an impedance in ohm, or a gain, as `kind` says.
 
-    kind: name of a `ReadingKind`. A gain has its real and imaginary parts in Rs and X; its Cp has
-    no meaning.
+    status: normal, or a flag on the number. shown: quantities that the meter shows with digits of
+    their own, by name, such as Cp in F; all others follow from the number and the frequency.
     """
 
-    Cp: float
-    Rs: float
-    X: float
+    value: complex
     status: ReadingStatus = ReadingStatus.NORMAL
-    kind: str = IMPEDANCE.name
+    kind: ReadingKind = IMPEDANCE
+    shown: Mapping[str, float] = field(default_factory=dict)
 
 
 def parse_reading(text: str) -> MeterReading:
@@ -82,4 +82,4 @@ def parse_reading(text: str) -> MeterReading:
         raise FailedReadingError(f"the reading failed with status {status.code}: {status.meaning}")
     if not all(math.isfinite(value) and abs(value) < PLACEHOLDER for value in (Cp, Rs, X)):
         raise ValueError(text)
-    return MeterReading(Cp, Rs, X, status)
+    return MeterReading(complex(Rs, X), status, shown={"Cp": Cp})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -37,3 +37,21 @@ class LatestState:
         """Wait for a frame after this number."""
         while self.number <= number:
             await self._changed.wait()
+
+
+INTERVAL = 0.1
+"""Seconds between two updates."""
+
+
+def post_if_changed(latest: LatestState, state: Mapping[str, Any]) -> None:
+    """Post a state if it differs from the latest one."""
+    text = state_json(state)
+    if text != latest.state:
+        latest.post(text)
+
+
+async def keep_updated(latest: LatestState, state: Callable[[], Mapping[str, Any]]) -> None:
+    """Keep the latest state up to date until cancelled."""
+    while True:
+        post_if_changed(latest, state())
+        await asyncio.sleep(INTERVAL)

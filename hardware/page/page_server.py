@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import AsyncIterator, Mapping
-from contextlib import asynccontextmanager
+import threading
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping
+from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from functools import partial
 from http import HTTPStatus
+from typing import Any
 from urllib.parse import urlsplit
 
 from websockets.asyncio.server import Server, ServerConnection, serve
@@ -15,12 +17,11 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
 from ...simulator.sweeps import InputError
-from .latest_state import LatestState
-from .messages import MAX_MESSAGE
+from .latest_state import LatestState, state_json
 from .page_address import LINK, LOOPBACK, PageAddress
 from .page_connection import ConnectionLimit, PageConnection
 from .page_document import PageDocument
-from .viewer import PressSkin, Viewer
+from .viewer import MAX_MESSAGE, PressSkin, Viewer
 
 BACKLOG = 16
 """Connections that wait to be accepted."""
@@ -129,3 +130,30 @@ def _disabled_logger() -> logging.Logger:
     logger = logging.getLogger("rcskin.page")
     logger.disabled = True
     return logger
+
+
+Post = Callable[[Mapping[str, Any]], None]
+
+
+@contextmanager
+def serve_in_thread(document: PageDocument, port: int = 0) -> Iterator[tuple[PageAddress, Post]]:
+    """Serve a page in a thread while the block runs. Gives its address and a function for states.
+
+    Raises InputError if the port is not available.
+    """
+    loop, stack = asyncio.new_event_loop(), AsyncExitStack()
+    thread = threading.Thread(target=loop.run_forever, name="page", daemon=True)
+    thread.start()
+    board = LatestState()
+
+    def post(state: Mapping[str, Any]) -> None:
+        loop.call_soon_threadsafe(board.post, state_json(state))
+
+    try:
+        entered = stack.enter_async_context(PageServer(document, board).served(port))
+        yield asyncio.run_coroutine_threadsafe(entered, loop).result(), post
+    finally:
+        asyncio.run_coroutine_threadsafe(stack.aclose(), loop).result()
+        loop.call_soon_threadsafe(loop.stop)
+        thread.join()
+        loop.close()

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 import re
 import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from ...simulator.meters.accuracy_table import ReadingConditions
 from ...simulator.sweeps import InputError, checked_output, inputs, whole_file
 from ...simulator.sweeps.reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, ReadingKind
 
@@ -249,3 +253,36 @@ def _fault_of_columns(given: LineFormat) -> str:
         needed |= set(given.fields_of(interface).values())
     missing = sorted(needed - given.cells.keys())
     return f"`columns` must name {', '.join(missing)}" if missing else ""
+
+
+@dataclass(frozen=True)
+class ReaderErrors:
+    """Bounds that the file of a reader states: `error` and `phase_error`."""
+
+    line_format: LineFormat
+
+    @property
+    def name(self) -> str:
+        """Name for the attribute `accuracy` of a recording."""
+        return f"as the file of reader {self.line_format.name} states"
+
+    @property
+    def known(self) -> bool:
+        """True if the file states bounds of an impedance, so that laws can be checked."""
+        return self.line_format.quantity == "impedance" and self.line_format.error is not None
+
+    def has_range(self, range_number: int) -> bool:
+        """True: a reader has one range."""
+        return True
+
+    def error_bounds(self, Z: complex, conditions: ReadingConditions) -> tuple[float, float]:
+        """Bounds on the errors of |Z| (a fraction) and of the phase (rad)."""
+        given = self.line_format
+        return given.error or 0.0, math.radians(given.phase_error or 0.0)
+
+    @staticmethod
+    def conditions(
+        settings: Mapping[str, Any], frequency: float, Z: complex, table: Any
+    ) -> ReadingConditions:
+        """Conditions of a reading: only the frequency matters."""
+        return ReadingConditions(frequency, 1)

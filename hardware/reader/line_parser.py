@@ -12,15 +12,23 @@ from functools import reduce
 from operator import xor
 from typing import Any
 
-from .line_errors import (
-    OTHER_INTERFACE,
-    OUT_OF_RANGE,
-    UNREADABLE,
-    WRONG_CHECKSUM,
-    WRONG_LENGTH,
-    LineError,
-)
 from .line_format import CHECKSUM_DIGITS, LineFormat, ReaderInterface
+
+
+class LineError(ValueError):
+    """A line that gives no readings. kind: plural noun, for counts. The message says why."""
+
+    def __init__(self, kind: str, text: str) -> None:
+        super().__init__(text)
+        self.kind = kind
+
+
+UNREADABLE = "lines that are no readings"
+OUT_OF_RANGE = "readings out of range"
+WRONG_LENGTH = "lines of a wrong length"
+WRONG_CHECKSUM = "lines with a wrong checksum"
+OTHER_INTERFACE = "lines of an unknown terminal"
+
 
 SHOWN = 60
 """Characters of a line that a message quotes."""

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from typing import Any
 
 import numpy as np
 
 from ...simulator.arrays import Complex, Real
-from ...simulator.sweeps import InputError, parallel_capacitance
+from ...simulator.sweeps import InputError
 from ...simulator.sweeps.reading_quantities import MAGNITUDE, ReadingKind
+from ..event_counter import Report
 from ..meter.errors import GarbledError, LostConnectionError, MeterError, NoAnswerError
 from ..meter.meter_identity import VIRTUAL_SERIAL, MeterIdentity
 from ..meter.meter_reading import MeterReading
 from ..meter.reading_source import SettingValue
 from ..meter.restoring.termination import raise_pending_signal
 from .line_format import LineFormat
-from .line_port import LinePort, ReceivedLine, open_line_port
+from .line_port import ReceivedLine, open_line_port
 from .sweep_assembly import SweepAssembly
 
 VIRTUAL_READER = "# rcskin virtual reader"
@@ -31,8 +32,6 @@ SLOW_FACTOR = 3
 START_INTERVAL = 1.0
 """Seconds between two start commands: a device may answer one as if it had restarted."""
 Sweep = Mapping[str, Complex]
-Report = Callable[[str, str], None]
-"""Takes the kind of an event, as a plural, and a sentence on it."""
 
 
 class ReaderTerminals:
@@ -53,37 +52,49 @@ class ReaderTerminals:
 
 
 class ReaderDriver:
-    """A connected device that sends lines. It is a `ReadingSource`.
-
-    frequencies: Hz, by interface. terminals: selects the interface. timeout: longest silence beyond
-    the time of a line, s. follows: True if a sweep may begin where the one before ended, as in a
-    live session; otherwise it begins after the request. report: takes the faults of lines. kind: of
-    the readings that are used; None: as sent.
-    """
+    """A device that sends lines, connected and started. It is a `ReadingSource`."""
 
     sweeps = True
     reported: Sequence[str] = ()
 
     def __init__(
         self,
-        port: LinePort,
+        resource: str,
         line_format: LineFormat,
         frequencies: Mapping[str, Sequence[float]],
-        terminals: ReaderTerminals,
-        timeout: float,
+        terminals: ReaderTerminals | None = None,
+        timeout: float = 5.0,
         follows: bool = False,
         report: Report = lambda kind, text: None,
         kind: ReadingKind | None = None,
     ) -> None:
-        self._port, self._format, self._timeout = port, line_format, timeout
-        self._report, self._follows, self._terminals = report, follows, terminals
-        self._kind = kind or line_format.kind
+        """resource: `serial:PORT` or `tcp:HOST:PORT`. frequencies: Hz, by interface.
+
+        terminals: selects the interface. timeout: longest silence beyond the time of a line, s.
+        follows: True if a sweep may begin where the one before ended, as in a live session;
+        otherwise it begins after the request. report: takes the faults of lines. kind: of the
+        readings that are used; None: as sent. Raises InputError if the name is no resource or an
+        interface is missing, MeterError.
+        """
+        if not 0 < timeout <= 3600:
+            raise InputError(f"`timeout` must be in (0, 3600] s, got {timeout:g}")
+        self._format, self._timeout = line_format, timeout
+        self._terminals = terminals or ReaderTerminals(list(frequencies))
+        self._report, self._follows, self._kind = report, follows, kind or line_format.kind
         self._frequencies = ordered_frequencies(line_format, frequencies)
+        self._port = open_line_port(resource, line_format.baud, timeout)
         self._notes: Counter[str] = Counter()
         self._examples: dict[str, str] = {}
         self._ended, self._virtual = 0.0, False
         self._waiting: dict[str, Complex] = {}
         self._assembly, self._started = self._new_assembly(), 0.0
+        try:
+            self._start()
+        except BaseException:
+            with suppress(MeterError):
+                self.restore_original()
+            self.close()
+            raise
 
     @property
     def model(self) -> str:
@@ -116,7 +127,7 @@ class ReaderDriver:
         """Always 0: nothing is restored after a sweep."""
         return 0.0
 
-    def start(self) -> None:
+    def _start(self) -> None:
         """Wait for the device to start, send its start command, and wait for its first line.
 
         Raises NoAnswerError if no line comes, LostConnectionError.
@@ -143,9 +154,8 @@ class ReaderDriver:
         if name not in self._waiting:
             self._waiting = dict(self._next_sweep())
         Z = self._waiting.pop(name)
-        return _readings(
-            np.abs(Z) + 0j if self._kind is MAGNITUDE else Z, self._frequencies[name], self._kind
-        )
+        values = (np.abs(Z) + 0j if self._kind is MAGNITUDE else Z).tolist()
+        return [MeterReading(value, kind=self._kind) for value in values]
 
     def snapshot(self) -> dict[str, SettingValue]:
         """The description of the lines, as text by key."""
@@ -271,41 +281,3 @@ def ordered_frequencies(
             f"tables name {known}"
         )
     return {name: wanted[name] for name in described if name in wanted}
-
-
-def open_reader(
-    resource: str,
-    line_format: LineFormat,
-    frequencies: Mapping[str, Sequence[float]],
-    terminals: ReaderTerminals | None = None,
-    timeout: float = 5.0,
-    follows: bool = False,
-    report: Report = lambda kind, text: None,
-    kind: ReadingKind | None = None,
-) -> ReaderDriver:
-    """Reader at `serial:PORT` or `tcp:HOST:PORT`, started; arguments as of ReaderDriver.
-
-    Raises InputError if the name is no resource or an interface is missing, MeterError.
-    """
-    if not 0 < timeout <= 3600:
-        raise InputError(f"`timeout` must be in (0, 3600] s, got {timeout:g}")
-    selecting = terminals or ReaderTerminals(list(frequencies))
-    ordered_frequencies(line_format, frequencies)
-    port = open_line_port(resource, line_format.baud, timeout)
-    reader = ReaderDriver(port, line_format, frequencies, selecting, timeout, follows, report, kind)
-    try:
-        reader.start()
-    except BaseException:
-        with suppress(MeterError):
-            reader.restore_original()
-        reader.close()
-        raise
-    return reader
-
-
-def _readings(Z: Complex, frequency: Real, kind: ReadingKind) -> list[MeterReading]:
-    Cp = parallel_capacitance(Z, frequency)
-    return [
-        MeterReading(float(c), float(z.real), float(z.imag), kind=kind.name)
-        for c, z in zip(Cp, Z, strict=True)
-    ]

@@ -17,16 +17,14 @@ import numpy as np
 
 from ...simulator.arrays import Complex, Real
 from ...simulator.sweeps.same_frequency import same_frequencies
-from .line_errors import LineError
+from ..event_counter import Report
 from .line_format import LineFormat
-from .line_parser import SHOWN, LineContent, LineReading, parse_line
+from .line_parser import SHOWN, LineContent, LineError, LineReading, parse_line
 
 Place = tuple[str, float]
 """Interface and frequency in Hz, as the reader sends it."""
 Readings = dict[tuple[str, int], complex]
 """Readings by interface and index of the frequency, in the order in which they came."""
-Note = Callable[[str, str], None]
-"""Takes the kind of an event, as a plural, and what happened."""
 RESTARTS, TOO_LONG, REPEATED = "restarts of the device", "lines that are too long", "repeated lines"
 LOST, INCOMPLETE, OTHER = "gaps in the count", "incomplete sweeps", "readings at other frequencies"
 TWICE, LOST_SWEEPS = "readings that came twice", "lost sweeps"
@@ -43,7 +41,7 @@ class SweepAssembly:
 
     line_format: LineFormat
     frequencies: Mapping[str, Real]
-    note: Note
+    note: Report
     on_banner: Callable[[], None] = lambda: None
     _readings: Readings | None = field(default=None, init=False)
     _unconfirmed: Readings | None = field(default=None, init=False)

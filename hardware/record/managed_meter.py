@@ -15,8 +15,12 @@ from ..meter.errors import MeterError, WrongMeterError
 from ..meter.link.conversation import ANSWER_TIMES
 from ..meter.meter_identity import MeterIdentity
 from ..meter.reading_source import ReadingSource
-from ..meter.restoring.original_settings import SETTINGS_STORE, not_restored_message, settings_text
-from ..meter.restoring.settings_snapshot import restore_settings
+from ..meter.restoring.original_settings import (
+    SETTINGS_STORE,
+    not_restored_message,
+    restore_settings,
+    settings_text,
+)
 from ..meter.restoring.termination import interrupts_to_quit, raise_pending_signal
 from ..switch.switch import Switch
 from .recording_journal import RecordingHeader, RecordingJournal

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -13,14 +14,14 @@ import numpy as np
 
 from ...simulator.meters.meter_bands import outside_band
 from ...simulator.sweeps import InputError
-from ...simulator.sweeps.reading_quantities import IMPEDANCE
+from ...simulator.sweeps.reading_quantities import ReadingKind
 from ...simulator.sweeps.same_frequency import SAME_FREQUENCY
-from ..meter.meter_reading import BY_CODE, MeterReading
+from ..meter.meter_reading import MeterReading, ReadingStatus
 from ..meter.reading_source import ReadingSource
 from ..switch.switch import Switch
 
 if TYPE_CHECKING:
-    from ...simulator.arrays import Complex
+    from ...simulator.arrays import Complex, Real
 
 LOG = logging.getLogger(__name__)
 MAX_ROUNDING = 0.01
@@ -33,24 +34,37 @@ Turn = Callable[[str], None]
 
 @dataclass(frozen=True)
 class InterfaceTrace:
-    """Readings [F, ohm, ohm] and status codes at one interface, one per frequency.
+    """Readings of one kind at one interface, one at each frequency in Hz, ascending.
 
-    begun, ended: ISO 8601, empty if unknown. kind: see `MeterReading`.
+    begun, ended: ISO 8601, empty if unknown.
     """
 
-    Cp: tuple[float, ...]
-    Rs: tuple[float, ...]
-    X: tuple[float, ...]
-    status: tuple[int, ...]
+    frequency: tuple[float, ...]
+    readings: tuple[MeterReading, ...]
     interface: str = ""
     begun: str = ""
     ended: str = ""
-    kind: str = IMPEDANCE.name
+
+    @property
+    def kind(self) -> ReadingKind:
+        """Kind of the readings."""
+        return self.readings[0].kind
 
     @property
     def Z(self) -> Complex:
-        """Rs + jX in ohm, or the complex gain, shape (frequency,)."""
-        return np.array(self.Rs) + 1j * np.array(self.X)
+        """Impedances in ohm, or complex gains, shape (frequency,)."""
+        return np.array([reading.value for reading in self.readings])
+
+    @property
+    def shown(self) -> dict[str, Real]:
+        """Quantities that the meter shows with digits of their own, by name."""
+        names = self.readings[0].shown
+        return {name: np.array([each.shown[name] for each in self.readings]) for name in names}
+
+    @property
+    def quantities(self) -> dict[str, Real]:
+        """Quantities by name, as the meter shows them or else from the readings."""
+        return self.kind.values(self.Z, np.array(self.frequency), self.shown)
 
 
 @dataclass(frozen=True)
@@ -86,53 +100,40 @@ def switching_remarks(sweep: MeasuredSweep) -> list[str]:
     return [f"the switch took {max(waits):.1f} s: a touch may have changed between the interfaces"]
 
 
-def flagged_readings(sweeps: Sequence[MeasuredSweep]) -> list[tuple[int, int, int, int]]:
-    """Readings that are not normal: index of sweep, interface and frequency, and status code."""
-    return [
-        (number, place, index, code)
-        for number, sweep in enumerate(sweeps)
-        for place, trace in enumerate(sweep.traces)
-        for index, code in enumerate(trace.status)
-        if code
-    ]
-
-
 def flag_remarks(sweeps: Sequence[MeasuredSweep]) -> list[str]:
     """Number of flagged readings for each status, in words."""
-    codes = [code for *_, code in flagged_readings(sweeps)]
+    traces = [trace for sweep in sweeps for trace in sweep.traces]
+    counts = Counter(reading.status for trace in traces for reading in trace.readings)
     return [
-        f"{codes.count(code)} reading{'s' if codes.count(code) > 1 else ''}: "
-        f"{BY_CODE[code].meaning}"
-        for code in sorted(set(codes))
+        f"{count} reading{'s' if count > 1 else ''}: {status.meaning}"
+        for status, count in sorted(counts.items(), key=lambda each: each[0].code)
+        if status is not ReadingStatus.NORMAL
     ]
 
 
 def measure_sweep(
     meter: ReadingSource,
-    frequencies: Sequence[float],
-    interfaces: Sequence[str],
+    frequencies: Mapping[str, Sequence[float]],
     switch: Switch | None = None,
     watch: Watch = lambda frequency, reading: None,
     turn: Turn = lambda interface: None,
-    of_each: Mapping[str, Sequence[float]] | None = None,
 ) -> MeasuredSweep:
-    """Measure at each interface and frequency [Hz]; no reading is older than this call.
+    """Measure at frequencies [Hz] of each interface; no reading is older than this call.
 
     The connected interface comes first, which saves one turn of the switch per sweep. switch:
     selects interfaces, and is checked after each; None: the meter stays where it is. turn: called
-    with each interface before the switch turns. watch: called with each reading. of_each:
-    frequencies of interfaces with their own, by name. Raises InputError if the meter lacks a
-    frequency, MeterError if a reading or the switch fails.
+    with each interface before the switch turns. watch: called with each reading. Raises InputError
+    if the meter lacks a frequency, MeterError if a reading or the switch fails.
     """
     traces: dict[str, InterfaceTrace] = {}
-    for name in sorted(interfaces, key=lambda name: switch is None or name != switch.selected):
+    for name in sorted(frequencies, key=lambda name: switch is None or name != switch.selected):
         turn(name)
         if switch:
             switch.select(name)
-        traces[name] = _trace(meter, (of_each or {}).get(name, frequencies), name, watch)
+        traces[name] = _trace(meter, frequencies[name], name, watch)
         if switch:
             switch.check_stayed()
-    return MeasuredSweep(tuple(traces[name] for name in interfaces))
+    return MeasuredSweep(tuple(traces[name] for name in frequencies))
 
 
 def measure_readings(
@@ -161,8 +162,10 @@ def measure_readings(
         switch.check_stayed()
     return MeasuredSweep(
         tuple(
-            _trace_of([reading for _, reading in sorted(found[name].items())], name, *times[name])
-            for name in sorted(found)
+            InterfaceTrace(
+                tuple(sorted(own)), tuple(own[f] for f in sorted(own)), name, *times[name]
+            )
+            for name, own in sorted(found.items())
         )
     )
 
@@ -202,29 +205,14 @@ def check_frequencies(meter: ReadingSource, frequencies: Sequence[float]) -> dic
 def _trace(
     meter: ReadingSource, frequencies: Sequence[float], interface: str, watch: Watch
 ) -> InterfaceTrace:
-    begun, wanted = now(), [float(frequency) for frequency in frequencies]
+    begun, wanted = now(), tuple(map(float, frequencies))
     if meter.sweeps:
         readings = meter.read_sweep(wanted)
         for frequency, reading in zip(wanted, readings, strict=True):
             watch(frequency, reading)
     else:
         readings = [_at(meter, frequency, watch) for frequency in wanted]
-    return _trace_of(readings, interface, begun, now())
-
-
-def _trace_of(
-    readings: Sequence[MeterReading], interface: str, begun: str, ended: str
-) -> InterfaceTrace:
-    return InterfaceTrace(
-        tuple(reading.Cp for reading in readings),
-        tuple(reading.Rs for reading in readings),
-        tuple(reading.X for reading in readings),
-        tuple(reading.status.code for reading in readings),
-        interface,
-        begun,
-        ended,
-        readings[0].kind,
-    )
+    return InterfaceTrace(wanted, tuple(readings), interface, begun, now())
 
 
 def _at(meter: ReadingSource, frequency: float, watch: Watch) -> MeterReading:

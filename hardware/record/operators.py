@@ -41,7 +41,10 @@ class StepStatus:
 
 
 class Operator(Protocol):
-    """Presses the skin and decides what is repeated."""
+    """Presses the skin and decides what is repeated. show: what it shows of the recording."""
+
+    @property
+    def show(self) -> RecordingDisplay: ...
 
     def same_mounting(self, ago: str) -> bool:
         """True if the skin was not mounted anew since the last sweep. ago: time since, in words."""
@@ -52,14 +55,6 @@ class Operator(Protocol):
 
         Raises PressError if the press fails, KeyboardInterrupt if the recording is to end here.
         """
-        ...
-
-    def turn(self, interface: str) -> None:
-        """Note that the next readings are those of this interface."""
-        ...
-
-    def watch(self, frequency: float, reading: MeterReading) -> None:
-        """Note a reading at a frequency in Hz."""
         ...
 
     def kept(self, remarks: Sequence[str]) -> bool:
@@ -106,14 +101,6 @@ class MachineOperator:
         self.press_skin(step)
         self.show.begin(f"{progress.words}  press {step.press}", progress.baseline)
         return True
-
-    def turn(self, interface: str) -> None:
-        """Show the interface."""
-        self.show.turn(interface)
-
-    def watch(self, frequency: float, reading: MeterReading) -> None:
-        """Show the reading."""
-        self.show.reading(frequency, reading)
 
     def kept(self, remarks: Sequence[str]) -> bool:
         """True if the sweep is sound or the repetitions are used up."""

@@ -15,13 +15,12 @@ from ...simulator.sweeps import InputError
 from ..meter.errors import MeterError
 from ..meter.instruments import instrument_of
 from ..meter.reading_source import ReadingSource
-from ..meter.restoring.settings_snapshot import require_settings, restore_settings
+from ..meter.restoring.original_settings import require_settings, restore_settings
 from ..meter.restoring.termination import interruptible
 from ..switch.switch import Switch
 from .managed_meter import ManagedMeter
 from .measured_sweep import MeasuredSweep, check_frequencies, measure_sweep, now
 from .operators import Operator, StepStatus
-from .press_detection import undetected_press
 from .press_order import UNPRESSED_STEP, PressStep, parse_step
 from .recording_journal import (
     JournalEntry,
@@ -30,7 +29,14 @@ from .recording_journal import (
     differences,
     warn_if_clock_set_back,
 )
-from .sweep_checks import ConditionsOf, ErrorTable, SweepChecker, SweepLimits, frozen_remarks
+from .sweep_checks import (
+    ConditionsOf,
+    ErrorTable,
+    SweepChecker,
+    SweepLimits,
+    frozen_remarks,
+    undetected_press,
+)
 
 ETA_STEPS = 12
 """Number of latest steps that the estimate of the time left uses."""
@@ -83,12 +89,10 @@ def record(task: RecordingTask, operator: Operator) -> tuple[RecordingHeader, li
         if header is None:
             header = _start(journal, task, station)
         judge = SweepChecker(
-            np.array(header.frequencies),
             task.table,
             header.settings,
             task.limits,
             task.conditions or instrument_of(header.meter).conditions,
-            header.of_each,
         )
         run = RecordingRun(task, station, operator, judge, entries)
         missing = deque(number for number in range(len(task.order)) if number not in entries)
@@ -150,15 +154,8 @@ class RecordingRun:
         begun = now()
         header = self.station.header
         assert header is not None
-        sweep = measure_sweep(
-            meter,
-            header.frequencies,
-            header.interfaces,
-            task.switch,
-            self.operator.watch,
-            self.operator.turn,
-            header.of_each,
-        )
+        show = self.operator.show
+        sweep = measure_sweep(meter, header.by_interface, task.switch, show.reading, show.turn)
         require_settings(meter, header.settings)
         return JournalEntry(step.press, sweep, begun, now())
 

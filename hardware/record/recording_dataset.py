@@ -3,25 +3,23 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ...simulator.sweeps import build
-from ...simulator.sweeps.reading_quantities import IMPEDANCE, KINDS
 from ...simulator.sweeps.schema import SESSIONS
 from ..meter.meter_identity import sweep_origin
-from .measured_sweep import MeasuredSweep, flagged_readings, trace_times
+from .measured_sweep import MeasuredSweep, trace_times
 from .press_order import UNKNOWN, PressStep, parse_step
 from .recording_journal import JournalEntry, RecordingHeader
 
 if TYPE_CHECKING:
     import xarray as xr
-    from numpy.typing import ArrayLike, NDArray
 
-    from ...simulator.arrays import Mask
+    from ...simulator.arrays import Mask, Real
 
 
 def recording_dataset(header: RecordingHeader, entries: Sequence[JournalEntry]) -> xr.Dataset:
@@ -35,13 +33,10 @@ def recording_dataset(header: RecordingHeader, entries: Sequence[JournalEntry]) 
     steps = [_step(entry.press, header) for entry in entries]
     answers = [entry.answer or (entry.press, None) for entry in entries]
     sweeps = [entry.sweep for entry in entries]
-    taken = measured_mask(header.interfaces, header.frequencies, header.of_each)
     answer_attributes = {} if header.order else {"answers": json.dumps(answers)}
     return sweep_dataset(
         sweeps,
-        header.interfaces,
         header.frequencies,
-        header.of_each,
         press=[step.press for step in steps],
         row=[step.row for step in steps],
         column=[step.column for step in steps],
@@ -55,7 +50,7 @@ def recording_dataset(header: RecordingHeader, entries: Sequence[JournalEntry]) 
             "times": json.dumps([[entry.begun, entry.ended] for entry in entries]),
             "interface_times": json.dumps([trace_times(sweep) for sweep in sweeps]),
             "remarks": json.dumps([list(entry.remarks) for entry in entries]),
-            "flagged": json.dumps(_global_frequency_indices(flagged_readings(sweeps), taken)),
+            "flagged": json.dumps(_flagged_readings(sweeps, header.frequencies)),
             SESSIONS: json.dumps({0: header.session}),
             **answer_attributes,
             "accuracy": header.accuracy,
@@ -65,55 +60,56 @@ def recording_dataset(header: RecordingHeader, entries: Sequence[JournalEntry]) 
 
 
 def sweep_dataset(
-    sweeps: Sequence[MeasuredSweep],
-    interfaces: Sequence[str],
-    frequencies: Sequence[float],
-    of_each: Mapping[str, Sequence[float]],
-    **more: Any,
+    sweeps: Sequence[MeasuredSweep], frequencies: Sequence[float], **more: Any
 ) -> xr.Dataset:
-    """Dataset of sweeps at these interfaces and frequencies in Hz.
+    """Dataset of sweeps at the same interfaces. more: arguments of `build`.
 
-    of_each: frequencies of interfaces with their own, by name. more: arguments of `build`.
+    frequencies: Hz, ascending, those of all interfaces.
     """
-    taken = measured_mask(interfaces, frequencies, of_each)
-    kind = next(each for each in KINDS if each.name == sweeps[0].traces[0].kind)
-    Z = [scatter_readings([trace.Z for trace in sweep.traces], taken) for sweep in sweeps]
-    Cp = [scatter_readings([trace.Cp for trace in sweep.traces], taken) for sweep in sweeps]
+    first = sweeps[0].traces
+    kind, taken = first[0].kind, measured_mask([each.frequency for each in first], frequencies)
+    read = [[trace.quantities for trace in sweep.traces] for sweep in sweeps]
+    shown = {
+        name: np.stack([_scattered([own[name] for own in each], taken) for each in read])
+        for name in kind.names
+    }
     return build(
-        np.stack(Z),
+        kind.reading(shown),
         np.array(frequencies),
-        interface=list(interfaces),
-        Cp=np.stack(Cp) if kind is IMPEDANCE else None,
-        taken=taken if of_each else None,
+        interface=[trace.interface for trace in first],
+        shown=shown,
+        taken=None if taken.all() else taken,
         kind=kind,
         **more,
     )
 
 
-def measured_mask(
-    interfaces: Sequence[str], frequencies: Sequence[float], of_each: Mapping[str, Sequence[float]]
-) -> Mask:
+def measured_mask(own: Iterable[Sequence[float]], frequencies: Sequence[float]) -> Mask:
     """Mask of the measured frequencies, shape (interface, frequency).
 
-    of_each: frequencies of interfaces with their own, by name, Hz.
+    own: frequencies of each interface, Hz. frequencies: of all interfaces, Hz.
     """
-    return np.array([np.isin(frequencies, of_each.get(n, frequencies)) for n in interfaces])
+    return np.array([np.isin(frequencies, each) for each in own])
 
 
-def scatter_readings(traces: Sequence[ArrayLike], taken: Mask) -> NDArray:
-    """Readings at their frequencies, NaN elsewhere; shape (interface, frequency)."""
-    read = np.concatenate([np.asarray(trace) for trace in traces])
-    found = np.full(taken.shape, np.nan, dtype=read.dtype)
-    found[taken] = read
+def _scattered(traces: Sequence[Real], taken: Mask) -> Real:
+    """Values at their frequencies, NaN elsewhere; shape (interface, frequency)."""
+    found = np.full(taken.shape, np.nan)
+    found[taken] = np.concatenate(traces)
     return found
 
 
-def _global_frequency_indices(
-    flags: Sequence[tuple[int, int, int, int]], taken: Mask
+def _flagged_readings(
+    sweeps: Sequence[MeasuredSweep], frequencies: Sequence[float]
 ) -> list[tuple[int, int, int, int]]:
-    """Flags with the index of the frequency among all, instead of among the interface's own."""
-    places = [np.flatnonzero(own).tolist() for own in taken]
-    return [(sweep, at, places[at][index], code) for sweep, at, index, code in flags]
+    """Readings that are not normal: index of sweep, interface and frequency, and status code."""
+    return [
+        (number, place, frequencies.index(frequency), reading.status.code)
+        for number, sweep in enumerate(sweeps)
+        for place, trace in enumerate(sweep.traces)
+        for frequency, reading in zip(trace.frequency, trace.readings, strict=True)
+        if reading.status.code
+    ]
 
 
 def _step(press: str, header: RecordingHeader) -> PressStep:

@@ -16,11 +16,14 @@ from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ...simulator.sweeps import InputError, inputs, kept_file
 from ...simulator.sweeps.clock import SLACK
 from ...simulator.sweeps.digests import sealed_json, unsealed_json
 from ...simulator.sweeps.output_files import locked
-from ...simulator.sweeps.reading_quantities import IMPEDANCE
+from ...simulator.sweeps.reading_quantities import IMPEDANCE, KIND_BY_NAME
+from ..meter.meter_reading import BY_CODE, MeterReading
 from .measured_sweep import MAX_ROUNDING, InterfaceTrace, MeasuredSweep
 
 HEADER, SWEEPS, METER_FILE = "recording.json", "[0-9]*.json", "meter.json"
@@ -32,6 +35,8 @@ OPTIONAL_FIELD = "of_each"
 REQUESTED_FIELDS = ("scene", "name", "interfaces", "frequencies", OPTIONAL_FIELD, "rows", "columns")
 REQUESTED_FIELDS += ("order", "asked")
 """Fields of a header that are known before a meter is connected."""
+COLUMNS, NAMES = ("Cp", "Rs", "X", "status"), ("interface", "begun", "ended")
+"""Keys of a trace in a file: lists with one item for each reading, and texts."""
 FIELD_LABELS = {"asked": "settings of the meter", OPTIONAL_FIELD: "frequencies of an interface"}
 """Labels of fields in messages, if the label is not the name."""
 
@@ -131,7 +136,7 @@ class RecordingJournal:
                 )
             return None
         with _parsing(path):
-            return _header(_read(path), path)
+            return _header(_read(path))
 
     def begin(self, header: RecordingHeader) -> None:
         """Write the header, and remove sweeps of earlier recordings."""
@@ -145,11 +150,8 @@ class RecordingJournal:
 
     def keep(self, number: int, entry: JournalEntry) -> None:
         """Write a finished sweep."""
-        content = asdict(entry)
-        for trace in content["sweep"]["traces"]:
-            if trace["kind"] == IMPEDANCE.name:
-                del trace["kind"]
-        _write(self._path(number), content)
+        sweep = {"traces": [_trace_content(trace) for trace in entry.sweep.traces]}
+        _write(self._path(number), {**vars(entry), "sweep": sweep})
 
     def entries(self, header: RecordingHeader) -> dict[int, JournalEntry]:
         """Finished sweeps by number, which is their place in the order if there is one.
@@ -160,7 +162,7 @@ class RecordingJournal:
         found = {}
         for number in numbers:
             with _parsing(path := self._path(number)):
-                found[number] = _entry(_read(path), path, header.order[number : number + 1])
+                found[number] = _entry(_read(path), path, header, number)
         return found
 
     def save_original_settings(self, meter: str, settings: Mapping[str, Any]) -> None:
@@ -252,9 +254,9 @@ def _parsing(path: Path) -> Iterator[None]:
         raise _unreadable(path, error) from error
 
 
-def _header(content: dict[str, Any], path: Path) -> RecordingHeader:
+def _header(content: dict[str, Any]) -> RecordingHeader:
     content = {OPTIONAL_FIELD: {}, **content}
-    _check_keys(content, RecordingHeader, path)
+    _check_keys(content, _names(RecordingHeader))
     lists = {name: tuple(content[name]) for name in ("interfaces", "frequencies", "order")}
     own = {name: tuple(each) for name, each in content[OPTIONAL_FIELD].items()}
     return RecordingHeader(**{**content, **lists, OPTIONAL_FIELD: own})
@@ -264,31 +266,53 @@ def _without(name: str, content: dict[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in content.items() if key != name}
 
 
-def _entry(content: dict[str, Any], path: Path, expected: tuple[str, ...]) -> JournalEntry:
-    _check_keys(content, JournalEntry, path)
-    _check_keys(content["sweep"], MeasuredSweep, path)
-    for trace in content["sweep"]["traces"]:
-        _check_keys({"kind": IMPEDANCE.name, **trace}, InterfaceTrace, path)
+def _entry(
+    content: dict[str, Any], path: Path, header: RecordingHeader, number: int
+) -> JournalEntry:
+    _check_keys(content, _names(JournalEntry))
+    _check_keys(content["sweep"], _names(MeasuredSweep))
+    expected = header.order[number : number + 1]
     if expected and content["press"] != expected[0]:
         raise InputError(
             f"{path}: holds press {content['press']}, but the order has {expected[0]} here"
         )
-    sweep = MeasuredSweep(tuple(_trace(each) for each in content["sweep"]["traces"]))
+    traces = tuple(_trace(each, header.by_interface) for each in content["sweep"]["traces"])
     answer = content["answer"] and tuple(content["answer"])
-    listed = {"sweep": sweep, "remarks": tuple(content["remarks"]), "answer": answer}
-    return JournalEntry(**{**content, **listed})
+    listed = {"remarks": tuple(content["remarks"]), "answer": answer}
+    return JournalEntry(**{**content, **listed, "sweep": MeasuredSweep(traces)})
 
 
-def _trace(content: dict[str, Any]) -> InterfaceTrace:
-    lists = {name: tuple(value) for name, value in content.items() if isinstance(value, list)}
-    return InterfaceTrace(**{**content, **lists})
+def _trace_content(trace: InterfaceTrace) -> dict[str, Any]:
+    """Content of a trace in its file, where a gain has its parts in Rs and X, and a Cp unused."""
+    columns = IMPEDANCE.values(trace.Z, np.array(trace.frequency), trace.shown)
+    listed = {name: columns[name].tolist() for name in COLUMNS[:-1]}
+    codes = [reading.status.code for reading in trace.readings]
+    kind = {} if trace.kind is IMPEDANCE else {"kind": trace.kind.name}
+    return {**listed, "status": codes, **{name: getattr(trace, name) for name in NAMES}, **kind}
+
+
+def _trace(content: dict[str, Any], frequencies: Mapping[str, tuple[float, ...]]) -> InterfaceTrace:
+    """Trace of its content. frequencies: Hz, by interface. Raises what `_parsing` takes."""
+    kind = KIND_BY_NAME[content.pop("kind", IMPEDANCE.name)]
+    _check_keys(content, {*COLUMNS, *NAMES})
+    readings = tuple(
+        MeterReading(complex(Rs, X), BY_CODE[code], kind, {"Cp": Cp} if kind is IMPEDANCE else {})
+        for Cp, Rs, X, code in zip(*(content[name] for name in COLUMNS), strict=True)
+    )
+    frequency = frequencies[content["interface"]]
+    if len(readings) != len(frequency):
+        raise ValueError(f"it must hold {len(frequency)} readings, got {len(readings)}")
+    return InterfaceTrace(frequency, readings, *(content[name] for name in NAMES))
 
 
 def _tuple(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
-def _check_keys(content: dict[str, Any], of: type, path: Path) -> None:
-    expected = {field.name for field in fields(of)}
+def _names(of: type) -> set[str]:
+    return {field.name for field in fields(of)}
+
+
+def _check_keys(content: dict[str, Any], expected: set[str]) -> None:
     if set(content) != expected:
-        raise _unreadable(path, ValueError(f"it must hold {', '.join(sorted(expected))}"))
+        raise ValueError(f"it must hold {', '.join(sorted(expected))}")

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import cmath
-import math
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,14 +9,13 @@ from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
-from ...simulator.sweeps.reading_quantities import IMPEDANCE
 from ..meter.errors import MeterError
 from ..meter.meter_reading import MeterReading, ReadingStatus
 from ..meter.restoring.termination import raise_pending_signal
 from .measured_sweep import InterfaceTrace, MeasuredSweep
 from .operators import RecordingDisplay, StepStatus
-from .press_detection import percent_change
 from .press_order import PressStep
+from .sweep_checks import percent_change
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -28,6 +25,13 @@ if TYPE_CHECKING:
     from ...simulator.arrays import Real
 
 MAX_ROWS = 20
+COLUMNS = {
+    "Rs": ("Rs (kohm)", 1e-3, 6),
+    "Cp": ("Cp (pF)", 1e12, 6),
+    "gain": ("gain", 1.0, 6),
+    "gain_phase": ("phase (deg)", 180 / np.pi, 4),
+}
+"""Columns of the table by quantity: title, factor and significant digits."""
 LEVELS = "▁▂▃▄▅▆▇█"
 
 
@@ -45,7 +49,7 @@ class RecordingScreen:
         self._title = self._press = ""
         self._baseline: MeasuredSweep | None = None
         self._rest: InterfaceTrace | None = None
-        self._readings: list[tuple[float, MeterReading]] = []
+        self._readings: dict[float, MeterReading] = {}
 
     def __enter__(self) -> Self:
         return self
@@ -56,7 +60,7 @@ class RecordingScreen:
     def begin(self, title: str, baseline: MeasuredSweep | None) -> None:
         """Begin a sweep. baseline: unpressed sweep to compare with."""
         self._title = self._press = title
-        self._baseline, self._rest, self._readings = baseline, None, []
+        self._baseline, self._rest, self._readings = baseline, None, {}
 
     def turn(self, interface: str) -> None:
         """Print the readings of the interface before, and begin this one."""
@@ -69,7 +73,7 @@ class RecordingScreen:
         """Show a reading at a frequency in Hz."""
         from rich.live import Live
 
-        self._readings.append((frequency, reading))
+        self._readings[frequency] = reading
         if self._console.is_terminal and self._live is None:
             self._live = Live(self._table(), console=self._console, transient=True)
             self._live.start()
@@ -87,7 +91,7 @@ class RecordingScreen:
         self._stop()
         if self._reports_all and self._readings:
             self._print("done" + self._curves())
-        self._readings = []
+        self._readings = {}
 
     def _stop(self) -> None:
         if self._live:
@@ -101,14 +105,9 @@ class RecordingScreen:
         """Change against the unpressed skin, %; empty without an unpressed sweep."""
         if self._rest is None:
             return {}
-        if self._of_gains:
-            gains = [abs(complex(reading.Rs, reading.X)) for _, reading in self._readings]
-            return {"gain": percent_change(gains, [abs(value) for value in self._rest.Z])}
-        Rs, Cp = ([getattr(each, name) for _, each in self._readings] for name in ("Rs", "Cp"))
-        return {
-            "Rs": percent_change(Rs, self._rest.Rs),
-            "Cp": percent_change(Cp, self._rest.Cp),
-        }
+        now, before = self._trace.quantities, self._rest.quantities
+        names = self._rest.kind.with_errors
+        return {name: percent_change(now[name], before[name]) for name in names}
 
     def _curves(self) -> str:
         """Change of each quantity against the unpressed skin: a curve if possible, and its span."""
@@ -122,34 +121,27 @@ class RecordingScreen:
         return "; against the unpressed skin " + ", ".join(changes) if changes else ""
 
     @property
-    def _of_gains(self) -> bool:
-        """True if the readings are gains."""
-        return any(reading.kind != IMPEDANCE.name for _, reading in self._readings)
+    def _trace(self) -> InterfaceTrace:
+        """Readings of the present interface so far."""
+        return InterfaceTrace(tuple(self._readings), tuple(self._readings.values()))
 
     def _table(self) -> Table:
         from rich.table import Column, Table
 
-        changes = self._changes()
-        values = ["gain", "phase (deg)"] if self._of_gains else ["Rs (kohm)", "Cp (pF)"]
-        names = ["f (kHz)", *values, *(f"{name} (% change)" for name in changes)]
+        changes, quantities = self._changes(), self._trace.quantities
+        columns = [(*of, quantities[name]) for name, of in COLUMNS.items() if name in quantities]
+        titles = [title for title, *_ in columns]
+        names = ["f (kHz)", *titles, *(f"{name} (% change)" for name in changes)]
         right = [Column(name, justify="right") for name in names]
         table = Table(*right, "", title=self._title, box=None)
-        for place, (frequency, reading) in list(enumerate(self._readings))[-MAX_ROWS:]:
+        for place, (frequency, reading) in list(enumerate(self._readings.items()))[-MAX_ROWS:]:
             table.add_row(
                 f"{frequency / 1e3:.5g}",
-                *_value_texts(reading),
+                *(f"{values[place] * by:.{digits}g}" for _, by, digits, values in columns),
                 *(f"{change[place]:+.2f}" for change in changes.values()),
                 "" if reading.status is ReadingStatus.NORMAL else reading.status.meaning,
             )
         return table
-
-
-def _value_texts(reading: MeterReading) -> tuple[str, str]:
-    """Rs in kohm and Cp in pF, or magnitude and phase in degrees of a gain."""
-    if reading.kind == IMPEDANCE.name:
-        return f"{reading.Rs / 1e3:.6g}", f"{reading.Cp * 1e12:.6g}"
-    gain = complex(reading.Rs, reading.X)
-    return f"{abs(gain):.6g}", f"{math.degrees(cmath.phase(gain)):.4g}"
 
 
 def sparkline(values: Real) -> str:
@@ -185,19 +177,11 @@ class PersonOperator:
         self.show.begin(f"{progress.words}  press {step.press}", progress.baseline)
         return True
 
-    def turn(self, interface: str) -> None:
-        """Show the interface."""
-        self.show.turn(interface)
-
     def connect(self, interface: str) -> None:
         """Ask the person to connect the meter to an interface. Raises KeyboardInterrupt at `q`."""
         self._ask_choice(
             f"Keep the press, connect interface {interface}, then Enter (q: quit) ", ""
         )
-
-    def watch(self, frequency: float, reading: MeterReading) -> None:
-        """Show the reading."""
-        self.show.reading(frequency, reading)
 
     def kept(self, remarks: Sequence[str]) -> bool:
         """True if the sweep has no remarks, or the person keeps it all the same."""

@@ -10,12 +10,12 @@ from typing import Any
 from ...simulator.meters.accuracy_table import DERIVED_TABLE, read_table
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, ReadingKind
+from ..event_counter import Report
 from ..meter.instruments import open_meter
 from ..meter.reading_source import ReadingSource
-from ..reader.line_format import LineFormat, read_line_format
+from ..reader.line_format import LineFormat, ReaderErrors, read_line_format
 from ..reader.line_port import check_line_resource, is_line_resource
-from ..reader.reader_driver import ReaderTerminals, Report, open_reader, ordered_frequencies
-from ..reader.reader_errors import ReaderErrors
+from ..reader.reader_driver import ReaderDriver, ReaderTerminals, ordered_frequencies
 from ..switch.switch import Switch
 from .sweep_checks import ConditionsOf, ErrorTable
 
@@ -110,7 +110,19 @@ def source_setup(
             f"{options.reader}: describes lines of the {line_format.kind.name}, and the scene "
             f"reads the {kind.name}; change `quantity`, `phase`, or the scene's `reader`"
         )
-    return _reader_setup(options, line_format, frequencies, follows, report, kind)
+    try:
+        terminals = ReaderTerminals(list(ordered_frequencies(line_format, frequencies)))
+    except InputError as error:
+        raise InputError(f"{options.reader}: {error}") from error
+    where = options.resource, line_format, frequencies, terminals, options.timeout
+    errors = ReaderErrors(line_format)
+    return SourceSetup(
+        lambda: ReaderDriver(*where, follows, report, kind),
+        errors,
+        errors.conditions,
+        errors.known,
+        terminals,
+    )
 
 
 def _line_format(options: SourceOptions) -> LineFormat:
@@ -122,34 +134,3 @@ def _line_format(options: SourceOptions) -> LineFormat:
             "--accuracy is a table of a meter; a reader's file states `error` and `phase_error`"
         )
     return read_line_format(options.reader)
-
-
-def _reader_setup(
-    options: SourceOptions,
-    line_format: LineFormat,
-    frequencies: Mapping[str, Sequence[float]],
-    follows: bool,
-    report: Report,
-    kind: ReadingKind,
-) -> SourceSetup:
-    try:
-        terminals = ReaderTerminals(list(ordered_frequencies(line_format, frequencies)))
-    except InputError as error:
-        raise InputError(f"{options.reader}: {error}") from error
-    errors = ReaderErrors(line_format)
-    return SourceSetup(
-        lambda: open_reader(
-            options.resource,
-            line_format,
-            frequencies,
-            terminals,
-            options.timeout,
-            follows,
-            report,
-            kind,
-        ),
-        errors,
-        errors.conditions,
-        errors.known,
-        terminals,
-    )

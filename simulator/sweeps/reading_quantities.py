@@ -72,9 +72,19 @@ class ReadingKind:
         """Names of the quantities in CSV files."""
         return tuple(each.column for each in self.quantities)
 
-    def values(self, reading: Complex, frequency: Real) -> dict[str, Real]:
-        """The quantities by name. reading: shape (..., frequency). frequency: Hz."""
-        return {each.name: each.of(reading, frequency) for each in self.quantities}
+    def values(
+        self, reading: Complex, frequency: Real, shown: Mapping[str, Real] | None = None
+    ) -> dict[str, Real]:
+        """The quantities by name: those that follow from the reading, the inverse of `reading`.
+
+        reading: shape (..., frequency). frequency: Hz. shown: quantities by name, of the same
+        shape, that a meter shows with digits of their own; they are not computed.
+        """
+        known = shown or {}
+        return {
+            each.name: known[each.name] if each.name in known else each.of(reading, frequency)
+            for each in self.quantities
+        }
 
     def changes(self, one: Complex, other: Complex, frequency: Real) -> dict[str, Real]:
         """Changes of readings in the terms of the errors, by name of the error."""
@@ -132,6 +142,7 @@ MAGNITUDE = ReadingKind(
     lambda values: values["gain"].astype(np.complex128),
 )
 KINDS = (IMPEDANCE, GAIN, MAGNITUDE)
+KIND_BY_NAME = {kind.name: kind for kind in KINDS}
 DESCRIBED = {each.name: each for kind in KINDS for each in (*kind.quantities, *kind.errors)}
 """All quantities and errors by name."""
 

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import pytest
 import pyvisa
 from rcskin.hardware.command_template import CommandTemplate
-from rcskin.hardware.live.displays.key_input import key_reader
+from rcskin.hardware.live.displays.live_screen import key_reader
 from rcskin.hardware.meter.errors import NoConnectionError
 from rcskin.hardware.meter.link.connection import connect
 from rcskin.hardware.meter.link.discovery import find_resources

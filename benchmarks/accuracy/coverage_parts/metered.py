@@ -39,17 +39,17 @@ def metered(
         for name in names
     ]
     read = [[_trace(bench, scene, press) for bench in benches] for press in presses]
-    numbers = np.array([[[(r.Cp, r.Rs, r.X) for r in trace] for trace in each] for each in read])
-    Cp, Rs, X = np.moveaxis(numbers, -1, 0)
+    Z = np.array([[[each.value for each in trace] for trace in sweep] for sweep in read])
+    Cp = np.array([[[each.shown["Cp"] for each in trace] for trace in sweep] for sweep in read])
     steps = [parse_step(press, *scene.pixels.shape) for press in called]
     return build(
-        Rs + 1j * X,
+        Z,
         scene.frequencies,
         interface=names,
         press=[step.press for step in steps],
         row=[step.row for step in steps],
         column=[step.column for step in steps],
-        Cp=Cp,
+        shown={"Cp": Cp},
         attributes={"settings": json.dumps({"auto_range": True})},
     )
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...meter.meter_reading import MeterReading
 from ...record.measured_sweep import MeasuredSweep
-from ..live_session import AnswerSource, TimedAnswer
+from ..live_session import TimedAnswer
 from ..touch_answer import TouchAnswer, reading_count
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ class PageDisplay:
         self._state |= {
             "why": "",
             "answer": _answer_state(moment.answer),
-            "measured": {"at": moment.at, **_source_state(moment.source, self.model)},
+            "measured": {"at": moment.at, **_measured_state(moment, self.model)},
             "times": {
                 "measuring": moment.measuring,
                 "localizing": moment.localizing,
@@ -100,18 +100,18 @@ def _answer_state(answer: TouchAnswer) -> dict[str, Any]:
     }
 
 
-def _source_state(source: AnswerSource, model: Model) -> dict[str, Any]:
+def _measured_state(moment: TimedAnswer, model: Model) -> dict[str, Any]:
     """Z and its mean of the unpressed skin, ohm, by interface and frequency; None if not read."""
     read = {
-        trace.interface: dict(zip(at, trace.Z.tolist(), strict=True))
-        for trace, at in zip(source.sweep.traces, source.frequencies, strict=True)
+        trace.interface: dict(zip(trace.frequency, trace.Z.tolist(), strict=True))
+        for trace in moment.sweep.traces
     }
     rows = [
         [_pair(of[f]) if f in of else None for f in model.frequencies]
         for of in (read.get(name, {}) for name in model.interfaces)
     ]
-    rest = _mean(source.baseline) if source.baseline else None
-    return {"Z": rows, "rest": rest, "rests": len(source.baseline)}
+    rest = _mean(moment.baseline) if moment.baseline else None
+    return {"Z": rows, "rest": rest, "rests": len(moment.baseline)}
 
 
 def _mean(sweeps: Sequence[MeasuredSweep]) -> list[list[tuple[float, float]]]:

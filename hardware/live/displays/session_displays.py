@@ -1,18 +1,67 @@
-"""Displays of a live session: the terminal or a pipe, and a page."""
+"""Displays of a live session: a pipe, several at once, the terminal and a page."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, TextIO
 
-from ....simulator.safe_text import say, terminal
+from ....simulator.safe_text import escaped, say, terminal
 from ...meter.meter_reading import MeterReading
 from ..live_session import SessionDisplay, TimedAnswer
 
 if TYPE_CHECKING:
     from ..live_localizer import LiveLocalizer
+
+
+@dataclass
+class LineOutput:
+    """Lines `time, answer, probability, latency in ms`, separated by tabs, without control codes.
+
+    answers, notes: output streams. Repeated notes are left out, and so are remarks that the
+    previous answer had.
+    """
+
+    answers: TextIO
+    notes: TextIO
+    _last_note: str = field(default="", init=False)
+    _remarks: tuple[str, ...] = field(default=(), init=False)
+
+    @property
+    def lasting(self) -> bool:
+        """True: lines stay."""
+        return True
+
+    def reading(self, frequency: float, reading: MeterReading) -> None:
+        """Show nothing."""
+
+    def answer(self, moment: TimedAnswer) -> None:
+        """Write the answer's line and its new remarks."""
+        probability = moment.answer.probability
+        fields = (
+            moment.at,
+            escaped(moment.answer.label),
+            "" if probability is None else f"{probability:.4f}",
+            f"{1e3 * moment.latency:.1f}",
+        )
+        self.answers.write("\t".join(fields) + "\n")
+        self.answers.flush()
+        for remark in moment.remarks:
+            if remark not in self._remarks:
+                self.note(remark)
+        self._remarks = moment.remarks
+
+    def no_answer(self, why: str) -> None:
+        """Write the reason."""
+        self.note(why)
+
+    def note(self, text: str) -> None:
+        """Write the note unless it repeats the one before."""
+        if text != self._last_note:
+            self._last_note = text
+            self.notes.write(f"rcskin: {escaped(text)}\n")
+            self.notes.flush()
 
 
 @dataclass
@@ -68,12 +117,13 @@ def _serve_page(localizer: LiveLocalizer, port: int) -> Iterator[SessionDisplay]
     )
     from ...event_counter import counted_events
     from ...page.page_document import PageDocument
-    from ...page.page_thread import serve_in_thread
+    from ...page.page_server import serve_in_thread
     from ...record.recording_dataset import measured_mask
+    from ..touch_answer import frequencies_of
     from .page_display import PageDisplay
 
     model = localizer.model
-    taken = measured_mask(model.interfaces, model.frequencies, model.own_frequencies)
+    taken = measured_mask(frequencies_of(model).values(), model.frequencies)
     scene = with_frequencies(
         restricted_to_interfaces(localizer.scene, model.interfaces), model.frequencies, taken
     )
@@ -91,9 +141,7 @@ def session_display(
     """Display of a session on the terminal and in others, and a function for the pressed key."""
     import sys
 
-    from .key_input import key_reader
-    from .line_output import LineOutput
-    from .live_screen import LiveScreen
+    from .live_screen import LiveScreen, key_reader
 
     console = terminal()
     if plain or not console.is_terminal:

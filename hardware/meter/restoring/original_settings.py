@@ -1,4 +1,4 @@
-"""Original settings of a meter, and their restoring."""
+"""Original settings of a meter and those of a recording: kept, required and restored."""
 
 from __future__ import annotations
 
@@ -8,8 +8,17 @@ from contextvars import ContextVar
 from typing import Any, Protocol
 
 from ....simulator.sweeps import InputError
-from ..errors import GarbledError, MeterError, NoAnswerError, RefusedError, RestartedError
+from ..errors import (
+    CorrectionError,
+    GarbledError,
+    MeterError,
+    NoAnswerError,
+    RefusedError,
+    RestartedError,
+    changed_setting,
+)
 from ..meter_identity import MeterIdentity
+from ..reading_source import ReadingSource, SettingValue
 from ..setting import Setting, SettingsOwner
 
 MAX_RESTARTS = 3
@@ -92,3 +101,28 @@ def _value_text(value: Any) -> str:
     """One value, or the values of all ranges or registers; equal values appear once."""
     each = value if isinstance(value, (tuple, list)) else (value,)
     return " ".join(map(str, dict.fromkeys(each) if len(set(each)) == 1 else each))
+
+
+def restore_settings(meter: ReadingSource, settings: Mapping[str, SettingValue]) -> None:
+    """Restore the settings of a snapshot.
+
+    Raises CorrectionError if one that cannot be set differs, such as the open or short correction.
+    """
+    meter.apply_settings(settings)
+    now = meter.snapshot()
+    for name in meter.reported:
+        if now[name] != settings[name]:
+            again = "acquire it again (`rcskin meter correct`)"
+            raise CorrectionError(
+                f"{meter.resource}: {name.replace('_', ' ')} was {settings[name]} when the "
+                f"recording began and is {now[name]} now; "
+                f"{again if name.endswith('_correction') else 'set it again on the meter'}"
+            )
+
+
+def require_settings(meter: ReadingSource, settings: Mapping[str, SettingValue]) -> None:
+    """Raises RestartedError if any setting differs from the snapshot."""
+    now = meter.snapshot()
+    for name, value in settings.items():
+        if now.get(name) != value:
+            raise changed_setting(meter.resource, name, now.get(name), value)

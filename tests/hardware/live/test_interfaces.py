@@ -8,7 +8,7 @@ from rcskin.hardware.control_client import send_request
 from rcskin.hardware.record.measured_sweep import measure_readings, measure_sweep
 from rcskin.hardware.switch.errors import NoSwitchError, StuckSwitchError
 from rcskin.hardware.switch.switch import DeviceSwitch
-from rcskin.hardware.switch.virtual_switch import VirtualSwitch
+from rcskin.hardware.switch.switch_options import VirtualSwitch
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import impedance, read
 from rcskin.tests.hardware.live.live_rig import SKINS, Pixels
@@ -92,9 +92,11 @@ def test_chosen_readings_go_on_where_the_switch_stands_and_count_its_turn(sessio
     assert at_ends[1:] == [list(reversed(one)) for one in at_ends[:-1]]
     cost = asked[-1].seconds[0].max(axis=1) - asked[-1].seconds[0].min(axis=1).min()
     assert min(cost) < 0.05 <= max(cost) < 0.5
-    seen = live.display.moments[-1].source
-    assert seen.frequencies == ((4e3,), (4e3,))
-    assert sorted(trace.interface for trace in seen.sweep.traces) == ["bottom", "left"]
+    traces = live.display.moments[-1].sweep.traces
+    assert [(each.interface, each.frequency) for each in traces] == [
+        ("bottom", (4e3,)),
+        ("left", (4e3,)),
+    ]
 
 
 def test_pixels_are_found_from_both_interfaces(session):
@@ -160,7 +162,7 @@ def test_a_switch_that_turns_in_mid_sweep_costs_the_sweep(meter, ports, instrume
         if chosen:
             asked = [("left", frequency) for frequency in Pixels.frequencies]
             return measure_readings(meter, asked, switch, watch)
-        return measure_sweep(meter, Pixels.frequencies, ["left"], switch, watch)
+        return measure_sweep(meter, {"left": Pixels.frequencies}, switch, watch)
 
     with pytest.raises(
         StuckSwitchError, match="turned to bottom while interface left, position le"

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
 from rcskin.hardware.live.displays.page_display import PageDisplay
-from rcskin.hardware.live.live_session import AnswerSource, TimedAnswer
+from rcskin.hardware.live.live_session import TimedAnswer
 from rcskin.hardware.live.touch_answer import TouchAnswer
+from rcskin.hardware.meter.meter_reading import MeterReading
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import InputError
@@ -96,11 +97,12 @@ def test_parts_of_two_interfaces_stand_in_their_places():
     localizer = Parts()
     localizer.interfaces = ("left", "bottom")
     shown = PageDisplay(localizer, posted.append)
-    trace = InterfaceTrace((1e-9,), (2e3,), (-4e3,), (0,), "bottom")
+    trace = InterfaceTrace((4e3,), (MeterReading(2e3 - 4e3j),), "bottom")
     shown.answer(
         TimedAnswer(
             TouchAnswer("column 1"),
-            AnswerSource(MeasuredSweep((trace,)), ((4e3,),)),
+            MeasuredSweep((trace,)),
+            (),
             "now",
             0,
             0,
@@ -115,9 +117,10 @@ def test_parts_of_two_interfaces_stand_in_their_places():
 def test_what_was_not_read_is_left_empty():
     posted = []
     shown = PageDisplay(Parts(), posted.append)
-    trace = InterfaceTrace((1e-9, 1e-9), (1e3, 2e3), (-3e3, -4e3), (0, 0), "left")
-    seen = AnswerSource(MeasuredSweep((trace,)), ((1e3, 16e3),))
-    shown.answer(TimedAnswer(TouchAnswer("column 1", 0.9), seen, "now", 0.1, 0.1, None, None, 0))
+    readings = MeterReading(1e3 - 3e3j), MeterReading(2e3 - 4e3j)
+    seen = MeasuredSweep((InterfaceTrace((1e3, 16e3), readings, "left"),))
+    answer = TouchAnswer("column 1", 0.9)
+    shown.answer(TimedAnswer(answer, seen, (), "now", 0.1, 0.1, None, None, 0))
     assert posted[-1]["measured"]["Z"] == [[(1e3, -3e3), None, (2e3, -4e3)]]
     assert posted[-1]["measured"]["rest"] is None
     shown.no_answer("the connection is lost")

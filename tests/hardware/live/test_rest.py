@@ -1,13 +1,17 @@
 """The skin at rest of a live session: told against it as recordings are."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from rcskin.hardware.live.live_baseline import RENEWAL_COUNT, LiveBaseline
-from rcskin.hardware.live.session_log import baseline_dataset
+from rcskin.hardware.live.session_log import baseline_dataset, model_dataset, read_baselines
 from rcskin.hardware.live.touch_answer import NOTHING_PRESSED, TouchAnswer
+from rcskin.hardware.meter.meter_reading import MeterReading
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
 from rcskin.localization.inputs.baselines import OPENING, RECENT, log_baselines, mean_baselines
-from rcskin.simulator.sweeps import build
+from rcskin.simulator.sweeps import build, write
+from rcskin.simulator.sweeps.reading_quantities import IMPEDANCE, KINDS
 from rcskin.tests.hardware.live.live_rig import Columns
 
 MODEL = Columns().model
@@ -17,8 +21,8 @@ AT_REST = np.array([1e4 - 1e5j, 1e4 - 3e4j, 1e4 - 1e4j])
 
 def sweep(grown):
     Z = AT_REST * (1 + grown)
-    trace = InterfaceTrace((1e-9,) * 3, tuple(Z.real), tuple(Z.imag), (0,) * 3, "left")
-    return MeasuredSweep((trace,))
+    readings = tuple(map(MeterReading, Z.tolist()))
+    return MeasuredSweep((InterfaceTrace(MODEL.frequencies, readings, "left"),))
 
 
 def test_live_and_evaluation_compare_a_sweep_with_the_same_baseline_of_a_skin_that_drifts():
@@ -84,3 +88,24 @@ def test_a_part_of_a_sweep_never_becomes_rest_and_a_whole_one_is_asked_for_in_ti
     assert sum(due) == 4 and len(rest.opening) == 2 and len(rest._opening) == 6
     for _ in range(2 * RENEWAL_COUNT):
         assert not rest.follow(None, QUIET)
+
+
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind.name)
+def test_baselines_of_a_file_are_what_the_file_holds(tmp_path, kind):
+    """Of every kind, where interfaces have frequencies of their own and a meter shows a Cp."""
+    names, taken = ("left", "bottom"), np.array([[True, False, True], [False, True, True]])
+    frequencies = [tuple(np.array(MODEL.frequencies)[read].tolist()) for read in taken]
+    own = dict(zip(names, frequencies, strict=True))
+    model = SimpleNamespace(**{**vars(MODEL), "interfaces": names, "own_frequencies": own})
+    Z = AT_REST * (1 if kind is IMPEDANCE else 1e-6) * np.array([1, 1.1]).reshape(2, 1, 1)
+    Z = Z.repeat(2, axis=1)
+    shown = {"Cp": np.full(Z.shape, 1.5e-9)} if kind is IMPEDANCE else {}
+    labels = {"press": ["none"] * 2, "row": [0, 0], "column": [0, 0]}
+    made = build(
+        Z, MODEL.frequencies, interface=names, **labels, shown=shown, kind=kind, taken=taken
+    )
+    write(made, tmp_path / "rest.nc")
+    again = model_dataset(read_baselines([tmp_path / "rest.nc"], model, force=True), model)
+    assert set(again.data_vars) == set(kind.names)
+    for name in kind.names:
+        np.testing.assert_allclose(again[name].values, made[name].values, rtol=1e-14)

@@ -5,17 +5,16 @@ import re
 
 import numpy as np
 import pytest
-from rcskin.hardware.live.displays.line_output import LineOutput
-from rcskin.hardware.live.displays.live_screen import LiveScreen
-from rcskin.hardware.live.displays.pixel_grid import MARKER, PixelGrid, fitted_grid
-from rcskin.hardware.live.live_session import AnswerSource, TimedAnswer
+from rcskin.hardware.live.displays.live_screen import MARKER, LiveScreen, PixelGrid, fitted_grid
+from rcskin.hardware.live.displays.session_displays import LineOutput
+from rcskin.hardware.live.live_session import TimedAnswer
 from rcskin.hardware.live.touch_answer import (
     CANNOT_TELL,
     NOTHING_PRESSED,
     TouchAnswer,
     answer_of_classes,
 )
-from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
+from rcskin.hardware.record.measured_sweep import MeasuredSweep
 from rcskin.tests.hardware.live.live_rig import Columns
 from rich.console import Console
 
@@ -184,10 +183,8 @@ def moment():
     pixels = np.zeros(SHAPE)
     pixels[:, 1] = 0.97
     answer = TouchAnswer("column 2", 0.97, pixels)
-    trace = InterfaceTrace(*[(1.0, 2.0, 3.0)] * 3, status=(0, 0, 0))
-    seen = AnswerSource(MeasuredSweep((trace,)), Columns.frequencies)
     at = "2026-01-01T00:00:00.000+00:00"
-    return TimedAnswer(answer, seen, at, 0.4, 0.003, 0.81, 2.47, 3, ("drifts",))
+    return TimedAnswer(answer, MeasuredSweep(()), (), at, 0.4, 0.003, 0.81, 2.47, 3, ("drifts",))
 
 
 def test_the_screen_states_answer_times_failures_and_remarks(moment):

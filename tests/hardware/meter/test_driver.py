@@ -16,7 +16,7 @@ from rcskin.hardware.meter.hioki import IM3523
 from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.meter.link.discovery import probe
 from rcskin.hardware.meter.meter_reading import ReadingStatus, parse_reading
-from rcskin.hardware.meter.restoring.settings_snapshot import require_settings, restore_settings
+from rcskin.hardware.meter.restoring.original_settings import require_settings, restore_settings
 from rcskin.hardware.record.measured_sweep import check_frequencies, measure_sweep
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
 
@@ -54,9 +54,9 @@ def test_a_reading_is_the_skin_to_six_digits(meter, pillow):
     for frequency in (40.0, 1e3, 2e5):
         meter.frequency = frequency
         Z, reading = pillow.impedance("none", frequency), meter.read()
-        assert reading.Rs == pytest.approx(Z.real, rel=5.1e-6)
-        assert reading.X == pytest.approx(Z.imag, rel=5.1e-6)
-        assert reading.Cp == pytest.approx(parallel_capacitance(Z, frequency), rel=5.1e-6)
+        assert reading.value.real == pytest.approx(Z.real, rel=5.1e-6)
+        assert reading.value.imag == pytest.approx(Z.imag, rel=5.1e-6)
+        assert reading.shown["Cp"] == pytest.approx(parallel_capacitance(Z, frequency), rel=5.1e-6)
 
 
 def test_a_reading_is_never_older_than_its_call(meter, instrument):
@@ -213,8 +213,8 @@ def test_a_lost_correction_cannot_be_restored(meter):
 
 def test_a_sweep_is_a_reading_at_each_frequency(meter, pillow):
     frequencies, seen = (1e3, 12345.678, 2e5), []
-    watch = lambda f, reading: seen.append((f, reading.Rs))  # noqa: E731
-    sweep = measure_sweep(meter, frequencies, ["left"], watch=watch)
+    watch = lambda f, reading: seen.append((f, reading.value))  # noqa: E731
+    sweep = measure_sweep(meter, {"left": frequencies}, watch=watch)
     assert [f for f, _ in seen] == list(frequencies)
     exact = [pillow.impedance("none", f) for f in frequencies]
     assert sweep.traces[0].Z == pytest.approx(exact, rel=1e-4)
@@ -261,7 +261,7 @@ def test_siblings_speak_their_dialect(make_instrument, serve, model):
         meter.speed, meter.averaging, meter.trigger_delay = "SLOW", 4, 0.5
         assert (meter.speed, meter.averaging, meter.trigger_delay) == ("SLOW", 4, 0.5)
         meter.trigger_delay = 0.0
-        assert meter.read().Rs == pytest.approx(10e3)
+        assert meter.read().value.real == pytest.approx(10e3)
         assert meter.model == model
 
 
@@ -271,4 +271,4 @@ def test_a_slow_reading_is_waited_for(make_instrument, serve):
     with serve(instrument) as ports, open_meter(ports.resource, 0.1) as meter:
         meter.speed, meter.averaging = "SLOW2", 32
         assert meter.seconds == pytest.approx(6.4)
-        assert meter.read().Rs == pytest.approx(10e3)
+        assert meter.read().value.real == pytest.approx(10e3)

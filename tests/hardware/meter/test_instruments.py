@@ -61,5 +61,5 @@ def test_the_instrument_of_the_page_reads_and_is_put_back(script):
     with script(*exchange) as line:
         meter = example()(line, parse_identity("MAKER,MODEL1,1,V1"))
         meter.prepare()
-        assert meter.read_at(1e3).X == -2e4
+        assert meter.read_at(1e3).value.imag == -2e4
         meter.release()

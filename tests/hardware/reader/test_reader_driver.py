@@ -21,7 +21,7 @@ from rcskin.hardware.meter.meter_identity import sweep_origin
 from rcskin.hardware.reader import line_parser, line_port
 from rcskin.hardware.reader.line_format import LineFormat
 from rcskin.hardware.reader.line_port import check_line_resource, is_line_resource
-from rcskin.hardware.reader.reader_driver import ReaderTerminals, open_reader
+from rcskin.hardware.reader.reader_driver import ReaderDriver, ReaderTerminals
 from rcskin.simulator.sweeps import InputError, inputs
 from rcskin.tests.hardware.reader.reader_files import (
     COUNTED,
@@ -129,7 +129,7 @@ def opened(bench, line="tcp", **more):
     changed = {name: more.pop(name) for name in list(more) if name in LineFormat.model_fields}
     line_format = FORMAT.model_copy(update=changed)
     with LINES[line](bench) as resource:
-        reader = open_reader(
+        reader = ReaderDriver(
             resource,
             line_format,
             FREQUENCIES,
@@ -151,7 +151,7 @@ def swept(reader, terminals):
     found = {}
     for name, frequencies in FREQUENCIES.items():
         terminals.select(name)
-        found[name] = [complex(each.Rs, each.X) for each in reader.read_sweep(frequencies)]
+        found[name] = [each.value for each in reader.read_sweep(frequencies)]
     return found
 
 
@@ -311,7 +311,7 @@ def test_a_port_that_is_not_there_is_reported():
         port = free.getsockname()[1]
     for resource in (f"tcp:127.0.0.1:{port}", "serial:/dev/no-such-port"):
         with pytest.raises(NoConnectionError, match="cannot be opened"):
-            open_reader(resource, FORMAT, FREQUENCIES)
+            ReaderDriver(resource, FORMAT, FREQUENCIES)
 
 
 def test_a_device_that_is_silent_from_the_start_is_reported():
@@ -342,4 +342,4 @@ def test_a_reader_takes_no_settings_and_no_single_frequency():
 
 def test_an_interface_that_the_file_lacks_is_refused():
     with pytest.raises(InputError, match="lacks the interface top"):
-        open_reader("tcp:127.0.0.1:9", FORMAT, {"top": (1e3,)})
+        ReaderDriver("tcp:127.0.0.1:9", FORMAT, {"top": (1e3,)})

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from rcskin.hardware.meter.meter_reading import MeterReading
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
-from rcskin.hardware.record.press_detection import percent_change, undetected_press
+from rcskin.hardware.record.sweep_checks import percent_change, undetected_press
 
 FREQUENCY = np.geomspace(1e3, 2e5, 20)
 Q = np.sqrt(2j * np.pi * FREQUENCY * 1e-5)
@@ -18,9 +19,8 @@ seeds = st.integers(0, 2**32 - 1)
 def sweep_of(Z, random, noise=NOISE):
     real, imaginary = random.standard_normal((2, Z.size))
     Z = Z * (1 + noise * (real + 1j * imaginary))
-    return MeasuredSweep(
-        (InterfaceTrace((1e-9,) * Z.size, tuple(Z.real), tuple(Z.imag), (0,) * Z.size),)
-    )
+    readings = tuple(map(MeterReading, Z.tolist()))
+    return MeasuredSweep((InterfaceTrace(tuple(FREQUENCY[: Z.size].tolist()), readings),))
 
 
 @given(seeds, st.integers(2, 4))
@@ -82,4 +82,5 @@ def test_without_a_rest_nothing_is_said():
 
 
 def test_changes_are_in_percent_of_what_was_at_rest_also_of_nothing():
-    assert percent_change([1.1, 2.0], [1.0, 0.0, 5.0]) == pytest.approx([10, np.nan], nan_ok=True)
+    now, before = np.array([1.1, 2.0]), np.array([1.0, 0.0, 5.0])
+    assert percent_change(now, before) == pytest.approx([10, np.nan], nan_ok=True)

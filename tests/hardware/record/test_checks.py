@@ -7,11 +7,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.hardware.meter.hioki import IM3523
+from rcskin.hardware.meter.meter_reading import MeterReading
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
 from rcskin.hardware.record.sweep_checks import SweepChecker, SweepLimits, frozen_remarks
 from rcskin.hardware.virtual.hioki.meter_state import Settings, conditions
 from rcskin.simulator.meters.accuracy_table import read_table
 from rcskin.simulator.sweeps import parallel_capacitance
+from rcskin.simulator.sweeps.reading_quantities import GAIN, IMPEDANCE
 
 FREQUENCY = np.geomspace(1e3, 1e5, 9)
 SETTINGS = {
@@ -24,13 +26,20 @@ SETTINGS = {
     "averaging": 1,
     "cable": 0,
 }
-JUDGE = SweepChecker(FREQUENCY, read_table(), SETTINGS, SweepLimits(), IM3523.conditions)
+JUDGE = SweepChecker(read_table(), SETTINGS, SweepLimits(), IM3523.conditions)
 LINE = 1e5 / np.sqrt(1j * FREQUENCY / 1e4) / np.tanh(np.sqrt(1j * FREQUENCY / 1e4))
 
 
+def trace_of(Z, kind=IMPEDANCE, **shown):
+    readings = [
+        MeterReading(z, kind=kind, shown={name: float(of[k]) for name, of in shown.items()})
+        for k, z in enumerate(Z.tolist())
+    ]
+    return InterfaceTrace(tuple(FREQUENCY.tolist()), tuple(readings))
+
+
 def sweep_of(Z):
-    Cp = parallel_capacitance(Z, FREQUENCY)
-    return MeasuredSweep((InterfaceTrace(tuple(Cp), tuple(Z.real), tuple(Z.imag), (0,) * len(Z)),))
+    return MeasuredSweep((trace_of(Z),))
 
 
 def test_a_line_breaks_no_law():
@@ -66,8 +75,10 @@ def test_a_range_whose_error_is_not_known_is_reported():
 
 
 def test_a_frequency_that_is_another_shows_in_Cp():
-    Cp = tuple(parallel_capacitance(LINE, FREQUENCY / 2))
-    wrong = MeasuredSweep((dataclasses.replace(sweep_of(LINE).traces[0], Cp=Cp),))
+    Cp, digits = parallel_capacitance(LINE, FREQUENCY / 2), parallel_capacitance(LINE, FREQUENCY)
+    shown = MeasuredSweep((trace_of(LINE, Cp=1.0004 * digits),))
+    assert JUDGE.remarks(shown, [], unpressed=False) == []
+    wrong = MeasuredSweep((trace_of(LINE, Cp=Cp),))
     (remark,) = JUDGE.remarks(wrong, [], unpressed=False)
     assert remark.startswith("Cp does not follow from Rs, X and f at 9 frequencies")
 
@@ -102,10 +113,7 @@ def test_departures_are_measured_in_Z(unpressed, expected):
 
 
 def test_departures_of_gains_are_named_as_gains():
-    earlier, later = (
-        MeasuredSweep((dataclasses.replace(sweep_of(Z).traces[0], kind="gain"),))
-        for Z in (LINE, 1.08 * LINE)
-    )
+    earlier, later = (MeasuredSweep((trace_of(Z, GAIN),)) for Z in (LINE, 1.08 * LINE))
     (remark,) = JUDGE.remarks(later, [earlier], unpressed=True)
     assert "% of |V / V_s| at" in remark
 
@@ -120,9 +128,10 @@ def test_drift_is_counted_from_the_first_sweep_at_rest():
 def test_speed_and_fixed_range_enter_the_tolerance():
     fast = dataclasses.replace(JUDGE, settings={**SETTINGS, "speed": "FAST"})
     far = dataclasses.replace(JUDGE, settings={**SETTINGS, "auto_range": False, "range": 5})
-    usual = JUDGE.error_bounds(LINE)
-    assert fast.error_bounds(LINE).size == pytest.approx(2.5 * usual.size)
-    assert (far.error_bounds(LINE).size > usual.size).all()
+    line = trace_of(LINE)
+    usual = JUDGE.error_bounds(line)
+    assert fast.error_bounds(line).size == pytest.approx(2.5 * usual.size)
+    assert (far.error_bounds(line).size > usual.size).all()
 
 
 @pytest.mark.parametrize("zero", [0, 4, 8])

@@ -19,6 +19,7 @@ from rcskin.hardware.record.recording_terminal import (
     sparkline,
 )
 from rcskin.simulator.sweeps import InputError
+from rcskin.simulator.sweeps.reading_quantities import GAIN, MAGNITUDE
 from rich.console import Console
 
 
@@ -32,10 +33,9 @@ def shown():
         with RecordingScreen(console, plain) as screen:
             screen.begin("1/9  press 2,1", rest)
             screen.turn("left")
-            screen.reading(1e3, MeterReading(123.456e-12, 54.321e3, -1e5))
-            screen.reading(
-                2e3, MeterReading(99.5e-12, 43.21e3, -9e4, ReadingStatus.OUTSIDE_GUARANTEE)
-            )
+            screen.reading(1e3, MeterReading(54.321e3 - 1e5j, shown={"Cp": 123.456e-12}))
+            flag, shown = ReadingStatus.OUTSIDE_GUARANTEE, {"Cp": 99.5e-12}
+            screen.reading(2e3, MeterReading(43.21e3 - 9e4j, flag, shown=shown))
             screen.end(remarks)
         return file.getvalue()
 
@@ -54,9 +54,11 @@ def test_a_pipe_gets_nothing_but_what_is_wrong(shown):
     assert shown(False, ["it [slipped]"]) == "1/9  press 2,1: it [slipped]\n"
 
 
-REST = MeasuredSweep(
-    (InterfaceTrace((123.456e-12, 199e-12), (54.321e3, 86.42e3), (-1e5, -1e5), (0, 0), "left"),)
+AT_REST = (
+    MeterReading(54.321e3 - 1e5j, shown={"Cp": 123.456e-12}),
+    MeterReading(86.42e3 - 1e5j, shown={"Cp": 199e-12}),
 )
+REST = MeasuredSweep((InterfaceTrace((1e3, 2e3), AT_REST, "left"),))
 
 
 def test_a_terminal_shows_the_curve_against_rest_as_it_grows(shown):
@@ -74,6 +76,20 @@ def test_plain_text_states_the_span_of_the_curve_without_a_control_code(shown):
     assert second == "1/9  press 2,1: check" and "\x1b" not in text
 
 
+@pytest.mark.parametrize(("kind", "columns"), [(GAIN, ["gain", "phase"]), (MAGNITUDE, ["gain"])])
+def test_a_terminal_shows_of_gains_what_was_read(kind, columns):
+    """A magnitude has no phase, and none has a Cp."""
+    file = io.StringIO()
+    with RecordingScreen(Console(file=file, force_terminal=True, width=100)) as screen:
+        screen.begin("1/9  press 2,1", None)
+        screen.reading(1e3, MeterReading(0.5j if kind is GAIN else 0.5 + 0j, kind=kind))
+        screen.end([])
+    text = file.getvalue()
+    assert "0.5" in text and ("90" in text) == (kind is GAIN)
+    titles = ("gain", "phase", "Rs (kohm)", "Cp (pF)")
+    assert [title for title in titles if title in text] == columns
+
+
 def test_a_sweep_that_ends_early_gives_the_cursor_back():
     file = io.StringIO()
     with (
@@ -81,7 +97,7 @@ def test_a_sweep_that_ends_early_gives_the_cursor_back():
         RecordingScreen(Console(file=file, force_terminal=True, width=100)) as screen,
     ):
         screen.begin("1/9  press 2,1", None)
-        screen.reading(1e3, MeterReading(123.456e-12, 54.321e3, -1e5))
+        screen.reading(1e3, MeterReading(54.321e3 - 1e5j, shown={"Cp": 123.456e-12}))
         raise KeyboardInterrupt
     assert file.getvalue().rindex("\x1b[?25h") > file.getvalue().rindex("\x1b[?25l")
 

@@ -66,7 +66,9 @@ def test_a_fault_is_reported_and_the_next_readings_are_right_again(
         meter.prepare()
         for frequency in (2e3, 5e4):
             reading = meter.read_at(frequency)
-            assert reading.X == pytest.approx(pillow.impedance("none", frequency).imag, rel=1e-5)
+            assert reading.value.imag == pytest.approx(
+                pillow.impedance("none", frequency).imag, rel=1e-5
+            )
             assert reading.status is ReadingStatus.NORMAL
 
 
@@ -149,7 +151,7 @@ def _attempt(meter, pillow, dice):
             meter.prepare()
         return
     expected = [pillow.impedance("none", frequency) for frequency in frequencies]
-    assert [complex(each.Rs, each.X) for each in found] == pytest.approx(expected, rel=1e-5)
+    assert [each.value for each in found] == pytest.approx(expected, rel=1e-5)
 
 
 @pytest.mark.parametrize("model", INSTRUMENTS_SERVED)

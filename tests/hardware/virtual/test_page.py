@@ -25,9 +25,9 @@ def test_a_press_on_the_page_is_measured_by_a_driver(served, look):
     _, resource, control, url = served
     with open_meter(resource, 2.0) as meter, look(url) as viewer, look(url) as other:
         meter.frequency = 4e3
-        before = meter.read().X
+        before = meter.read().value.imag
         assert viewer.press("2,1") == {"do": "pressed", "press": "2,1"}
-        assert meter.read().X == pytest.approx(before / 1.02, rel=1e-3)
+        assert meter.read().value.imag == pytest.approx(before / 1.02, rel=1e-3)
         assert send_request(control, "state")["press"] == "2,1"
         state = other.until(lambda state: state["press"] == "2,1" and state["reading"])
         assert state["reading"]["frequency"] == 4e3

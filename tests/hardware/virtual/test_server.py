@@ -115,7 +115,7 @@ def test_a_thousand_bad_clients_do_not_stop_it(ports, meter, pillow):
         _hostile(ports.meter, KINDS[number % len(KINDS)], dice.randbytes(300))
     meter.prepare()
     meter.frequency = 2e3
-    assert meter.read().X == pytest.approx(pillow.impedance("none", 2e3).imag, rel=1e-5)
+    assert meter.read().value.imag == pytest.approx(pillow.impedance("none", 2e3).imag, rel=1e-5)
 
 
 def test_the_state_of_each_dialect_is_shown(served):
@@ -157,7 +157,7 @@ def test_bad_clients_of_the_side_door_are_answered_or_ignored(ports, raw):
 def test_the_skin_is_pressed_while_it_runs(ports, meter):
     at_rest = meter.read()
     assert send_request(control(ports), "press", press="9,1") == "9,1"
-    assert meter.read().Cp > at_rest.Cp
+    assert meter.read().shown["Cp"] > at_rest.shown["Cp"]
     send_request(control(ports), "press", press="none")
     assert meter.read() == at_rest
 

@@ -37,7 +37,7 @@ def test_a_skin_is_served_before_earth_and_touched_by_fingers(earthed, serve, co
         for press in ("none", "1,2:touch", "1,2:rod", "1,2:finger", "none"):
             pressed = command("press", press, "--control", f"127.0.0.1:{ports.control}")
             assert pressed.exit_code == 0
-            Rs[press] = driver.read_at(1e3).Rs
+            Rs[press] = driver.read_at(1e3).value.real
     assert Rs["none"] == pytest.approx(L / (3 * W) * (R + R * (1 + C_E / c)), rel=1e-4)
     finger = 8.8541878128e-12 * 3.0 / 1e-3 * L * W / 3
     x = np.linspace(L / 3, 2 * L / 3, 1001)

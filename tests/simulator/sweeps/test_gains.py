@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.sweeps import InputError, build, concatenate, impedance, read, write
 from rcskin.simulator.sweeps.joining import join
-from rcskin.simulator.sweeps.reading_quantities import GAIN, MAGNITUDE
+from rcskin.simulator.sweeps.reading_quantities import GAIN, IMPEDANCE, MAGNITUDE
 from rcskin.simulator.sweeps.reading_subset import restricted
 from rcskin.simulator.sweeps.schema import complex_readings
 
@@ -34,6 +34,21 @@ def test_gains_have_variables_of_their_own():
     assert sweeps["gain_error"].attrs["units"] == "1"
     assert not {"Rs", "X", "Cp"} & set(sweeps.variables)
     np.testing.assert_allclose(complex_readings(sweeps), G)
+
+
+@pytest.mark.parametrize("kind", [IMPEDANCE, GAIN, MAGNITUDE], ids=lambda kind: kind.name)
+def test_quantities_and_the_reading_follow_from_each_other(kind):
+    readings, frequency = np.abs(G) + 0j if kind is MAGNITUDE else G, np.array([1e3, 2e3])
+    values = kind.values(readings, frequency)
+    assert tuple(values) == kind.names
+    np.testing.assert_allclose(kind.reading(values), readings, rtol=1e-15)
+
+
+def test_what_a_meter_shows_is_not_computed():
+    Cp, frequency = np.full(G.shape, 7e-11), np.array([1e3, 2e3])
+    shown = IMPEDANCE.values(G, frequency, {"Cp": Cp})
+    assert shown["Cp"] is Cp
+    np.testing.assert_array_equal(shown["X"], G.imag)
 
 
 def test_magnitudes_have_no_phase():
