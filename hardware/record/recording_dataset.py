@@ -87,7 +87,7 @@ def sweep_dataset(
         taken=taken if of_each else None,
         kind=kind,
         **more,
-    )
+    ).dataset()
 
 
 def measured_mask(

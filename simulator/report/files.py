@@ -13,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from ..sweeps import InputError, made_folder, whole_file
 from ..sweeps.csv_cells import CsvWriter
-from ..sweeps.writing import check_all_replaceable, keep_beside
+from ..sweeps.output_files import check_all_replaceable
+from ..sweeps.writing import keep_beside
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -9,8 +9,7 @@ import numpy as np
 
 from .errors import InputError
 from .reading_quantities import kind_of
-from .schema import CONTACT, CONTACTS, LABELS, TAKEN, TIME, taken_of
-from .sweep_table import DIMENSIONS
+from .schema import CONTACT, CONTACTS, DIMENSIONS, LABELS, TAKEN, TIME, taken_of
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -18,7 +18,6 @@ import numpy as np
 
 from .concatenation import concatenate
 from .errors import InputError
-from .file_kinds import check_file_kind
 from .importing.account import account, repeated_readings, with_device_warnings
 from .importing.failures import left_out_text
 from .importing.grouping import grouped, reading_places
@@ -27,6 +26,7 @@ from .importing.readings.branch import branch_attributes, checked_branch, choose
 from .importing.readings.curves import curves
 from .importing.readings.reading_columns import imported_readings, joined_readings
 from .importing.tables.table import read_table
+from .inputs import check_file_kind
 from .joining import aligned
 from .schema import build
 
@@ -110,7 +110,7 @@ def import_file(
             "preamble": table.preamble,
             **rule,
         },
-    )
+    ).dataset()
     return with_device_warnings(imported)
 
 

@@ -77,7 +77,7 @@ def _as_impedances(sweeps: xr.Dataset) -> xr.Dataset:
     kept = ("interface", "press", "row", "column", "session")
     labels = {name: sweeps[name].values.tolist() for name in kept}
     G, f = complex_readings(sweeps), sweeps["frequency"].values
-    return build(G, f, **labels, taken=taken_of(sweeps))
+    return build(G, f, **labels, taken=taken_of(sweeps)).dataset()
 
 
 def _with_gain_laws(verdict: Verdict, limit: float, source_scale: float) -> Verdict:

@@ -34,7 +34,7 @@ def test_sweeps_with_such_names_are_written_and_read_back(tmp_path):
         column=[-1, -1, 0],
         session=[0, 0, 0],
         attributes={"scene": 'description = "x,=1+1;@y,-z"', "note": ",=2"},
-    )
+    ).dataset()
     write(sweeps, tmp_path / "named.csv")
     again = read(tmp_path / "named.csv")
     for name in ("interface", "press"):
