@@ -1,11 +1,10 @@
 """Sweeps: simulated and measured impedance spectra in one schema, and the files that hold them."""
 
-from .concatenation import concatenate, side_by_side
 from .errors import InputError, OutputError, ToleranceError
 from .formats.zarr import loaded, open_zarr
 from .impedance import branch_reactance, parallel_capacitance, series_capacitance
 from .input_files import read, sizes_text
-from .joining import read_joined
+from .joining import concatenate, read_joined, side_by_side
 from .laws.passivity import Violation, violations
 from .optional_packages import require_packages
 from .output_files import (

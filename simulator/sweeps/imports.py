@@ -16,10 +16,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .concatenation import concatenate
 from .errors import InputError
-from .importing.account import account, repeated_readings, with_device_warnings
-from .importing.failures import left_out_text
+from .importing.account import account, left_out_text, repeated_readings, with_device_warnings
 from .importing.grouping import grouped, reading_places
 from .importing.labels import Defaults, joined_labels, line_labels
 from .importing.readings.branch import branch_attributes, checked_branch, choose_branches
@@ -27,7 +25,7 @@ from .importing.readings.curves import curves
 from .importing.readings.reading_columns import imported_readings, joined_readings
 from .importing.tables.table import read_table
 from .inputs import check_file_kind
-from .joining import aligned
+from .joining import aligned, concatenate
 from .schema import build
 
 if TYPE_CHECKING:
