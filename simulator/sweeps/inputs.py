@@ -13,7 +13,8 @@ import stat
 import tomllib
 import warnings
 import zipfile
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any
@@ -62,6 +63,9 @@ LINE = MIB
 MAX_CHUNK_BYTES = GIB
 """Largest chunk of a Zarr array; chunks are decoded whole."""
 MAX_CHUNKS = 10**6
+MAX_REASON = 200
+"""Largest number of characters of a library's own message."""
+ANOTHER_COPY = "; use another copy"
 KIND_OF = {
     ".toml": "scene",
     **dict.fromkeys((".nc", ".csv", ".zarr"), "sweeps"),
@@ -148,6 +152,21 @@ def picture(path: Path) -> Image.Image:
         size = f"{found.width} x {found.height}"
         raise InputError(f"{path}: has {size} pixels; at most {MAX_PIXELS} are read")
     return found
+
+
+@contextmanager
+def named_damage(path: Path, failure: str, advice: str = "") -> Iterator[None]:
+    """Turns whatever a library raises for a damaged file into one line that names it.
+
+    failure: such as `cannot be read as .nc`. advice: follows the reason.
+    """
+    try:
+        yield
+    except InputError:
+        raise
+    except Exception as error:
+        reason = " ".join(str(error).split())[:MAX_REASON] or type(error).__name__
+        raise InputError(f"{path}: {failure}: {reason}{advice}") from error
 
 
 def tables(given: str) -> dict[str, Any]:

@@ -143,7 +143,8 @@ def join(parts: Sequence[xr.Dataset], sources: Sequence[Source]) -> xr.Dataset:
             part_aligned.drop_vars([name for name in part.variables if name not in common])
         )
     renumbered, names = _sessions(fitting)
-    return concatenate(renumbered).assign_attrs(_attributes(parts, names))
+    named = {SESSIONS: json.dumps(names)}
+    return concatenate(renumbered).assign_attrs(merged_attributes(parts) | named)
 
 
 def aligned(part: xr.Dataset, path: Source, first: xr.Dataset, other: Source) -> xr.Dataset:
@@ -200,7 +201,8 @@ def _sessions(parts: Sequence[xr.Dataset]) -> tuple[list[xr.Dataset], dict[int, 
     return renumbered, {number: key for key, number in numbers.items() if isinstance(key, str)}
 
 
-def _attributes(parts: Sequence[xr.Dataset], names: dict[int, str]) -> dict[str, Any]:
+def merged_attributes(parts: Sequence[xr.Dataset]) -> dict[str, Any]:
+    """Attributes of joined parts; values that differ are listed, separated by semicolons."""
     merged: dict[str, Any] = {}
     for name in dict.fromkeys(str(name) for part in parts for name in part.attrs):
         values = [part.attrs[name] for part in parts if name in part.attrs]
@@ -210,8 +212,8 @@ def _attributes(parts: Sequence[xr.Dataset], names: dict[int, str]) -> dict[str,
         elif name == "scene" or all(np.array_equal(value, values[0]) for value in values):
             merged[name] = values[0]
         else:
-            merged[name] = "; ".join(dict.fromkeys(map(str, values)))
-    return {**merged, SESSIONS: json.dumps(names)}
+            merged[name] = "; ".join(filter(None, dict.fromkeys(map(str, values))))
+    return merged
 
 
 def _listed(name: str, values: Iterable[str], parts: Sequence[xr.Dataset]) -> list[Any]:

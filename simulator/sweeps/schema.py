@@ -151,7 +151,12 @@ def build(
     if taken is not None:
         values = {name: np.where(taken, value, np.nan) for name, value in values.items()}
     quantities = {
-        name: SweepVariable(DIMENSIONS, value, _described(name)) for name, value in values.items()
+        name: SweepVariable(
+            DIMENSIONS,
+            value,
+            {"long_name": DESCRIBED[name].meaning, "units": DESCRIBED[name].units},
+        )
+        for name, value in values.items()
     }
     labels = {
         "press": np.array(list(press), dtype=object),
@@ -179,10 +184,6 @@ def build(
             ("sweep",), np.asarray(time, dtype=np.float64), described_time
         )
     return check(SweepTable(quantities, coordinates, dict(attributes or {})))
-
-
-def _described(name: str) -> dict[str, str]:
-    return {"long_name": DESCRIBED[name].meaning, "units": DESCRIBED[name].units}
 
 
 def _check_readings(name: str, values: Real, taken: Mask | None) -> None:

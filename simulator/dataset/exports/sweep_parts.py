@@ -6,8 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from ...sweeps import InputError
-from ...sweeps.formats.netcdf import DAMAGED
+from ...sweeps import inputs
 from ...sweeps.reading_quantities import kind_of
 
 if TYPE_CHECKING:
@@ -21,11 +20,8 @@ Part = TypeVar("Part", "xr.Dataset", "xr.Variable")
 
 def in_memory(part: Part, data: Path) -> Part:
     """Loads a part of a data set. Raises InputError naming the data set if it is corrupt."""
-    try:
+    with inputs.named_damage(data, "damaged, cannot be read", inputs.ANOTHER_COPY):
         return part.load()
-    except DAMAGED as error:
-        reason = " ".join(str(error).split())
-        raise InputError(f"{data}: damaged, cannot be read: {reason}; use another copy") from error
 
 
 def variable_parts(variable: xr.Variable, data: Path) -> Iterator[tuple[slice, NDArray[Any]]]:

@@ -221,7 +221,7 @@ def _text(path: Path, content: bytes, above: int) -> pd.DataFrame:
     """All cells below the comment lines as text, indexed by their line in the file."""
     import pandas as pd
 
-    try:
+    with inputs.named_damage(path, "not a CSV of sweeps", f"; {inputs.FOREIGN}"):
         cells = pd.read_csv(
             io.BytesIO(content),
             header=None,
@@ -231,9 +231,6 @@ def _text(path: Path, content: bytes, above: int) -> pd.DataFrame:
             skiprows=above,
             encoding="utf-8-sig",
         ).fillna("")
-    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
-        reason = " ".join(str(error).split())
-        raise InputError(f"{path}: not a CSV of sweeps: {reason}; {inputs.FOREIGN}") from error
     cells.index += above + 1
     cells = cells[(cells != "").any(axis=1)]
     table = cells.iloc[1:].set_axis([name.strip() for name in cells.iloc[0]], axis=1)

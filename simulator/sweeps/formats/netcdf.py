@@ -16,7 +16,6 @@ import numpy as np
 
 from .. import inputs
 from ..digests import check_binary, seal_binary
-from ..errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,8 +28,6 @@ LOCK = threading.RLock()
 even different files."""
 SHORTEST_TEXT = 57
 """Bytes of an empty text and of its reference in Python."""
-DAMAGED = (OSError, RuntimeError, ValueError, LookupError, TypeError, AttributeError, MemoryError)
-"""Exceptions that libraries raise for corrupt files without a digest."""
 
 
 def _whole(variable: Any) -> Iterable[tuple[Any, NDArray[Any]]]:
@@ -93,15 +90,9 @@ def read_netcdf(path: Path) -> xr.Dataset:
     check_binary(inputs.check_input(path, inputs.SWEEPS))
     import xarray as xr
 
-    try:
-        with LOCK:
-            inputs.check_memory(path, _declared(path))
-            return xr.load_dataset(path, engine="netcdf4")
-    except InputError:
-        raise
-    except DAMAGED as error:
-        reason = " ".join(str(error).split())
-        raise InputError(f"{path}: cannot be read as .nc: {reason}") from error
+    with inputs.named_damage(path, "cannot be read as .nc"), LOCK:
+        inputs.check_memory(path, _declared(path))
+        return xr.load_dataset(path, engine="netcdf4")
 
 
 def _declared(path: Path) -> int:

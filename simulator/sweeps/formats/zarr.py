@@ -16,7 +16,6 @@ from ..optional_packages import require_packages
 from ..reading_quantities import kind_of
 from ..schema import SweepTable
 from ..writing import present
-from .netcdf import DAMAGED
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -60,30 +59,21 @@ def open_zarr(path: Path) -> xr.Dataset:
     check_zarr(path)
     import xarray as xr
 
-    try:
+    with inputs.named_damage(path, "cannot be read as .zarr"):
         inputs.check_folder(path)
         sealed = check_store(path)
         _check_codecs(path)
         inputs.check_arrays(path, _declared(path))
         stored = xr.open_zarr(path)
         _check_whole(path, [*map(str, stored.variables)] if sealed else kind_of(stored).names)
-    except InputError:
-        raise
-    except DAMAGED as error:
-        raise InputError(f"{path}: cannot be read as .zarr: {error}") from error
-    return stored
+        return stored
 
 
 def loaded(stored: xr.Dataset, path: Path) -> xr.Dataset:
     """Loads sweeps of `open_zarr` into memory. Raises InputError naming a damaged file."""
     inputs.check_memory(path, stored.nbytes)
-    try:
+    with inputs.named_damage(path, "damaged, cannot be read as .zarr", inputs.ANOTHER_COPY):
         return stored.load()
-    except DAMAGED as error:
-        reason = " ".join(str(error).split())
-        raise InputError(
-            f"{path}: damaged, cannot be read as .zarr: {reason}; use another copy"
-        ) from error
 
 
 def zarr_marks(path: Path) -> tuple[set[str], dict[str, Any]]:
