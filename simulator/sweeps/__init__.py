@@ -2,10 +2,10 @@
 
 from .errors import InputError, OutputError, ToleranceError
 from .formats.zarr import loaded, open_zarr
-from .impedance import branch_reactance, parallel_capacitance, series_capacitance
+from .impedance import parallel_capacitance
 from .input_files import read, sizes_text
 from .joining import concatenate, read_joined, side_by_side
-from .laws.passivity import Violation, violations
+from .laws.passivity import violations
 from .optional_packages import require_packages
 from .output_files import (
     checked_data_folder,
@@ -32,8 +32,6 @@ __all__ = [
     "OutputError",
     "SweepTable",
     "ToleranceError",
-    "Violation",
-    "branch_reactance",
     "build",
     "check",
     "require_packages",
@@ -50,7 +48,6 @@ __all__ = [
     "parallel_capacitance",
     "read",
     "read_joined",
-    "series_capacitance",
     "side_by_side",
     "violations",
     "whole_file",

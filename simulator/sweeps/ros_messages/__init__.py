@@ -28,7 +28,7 @@ READINGS_TOPIC = "/skin/readings"
 TOUCH_TOPIC = "/skin/touch"
 DIAGNOSTICS_TOPIC = "/diagnostics"
 FRAME = "skin"
-"""Default frame: origin in the corner of row 1 and column 1, x along the length, y along the
+"""Frame: origin in the corner of row 1 and column 1, x along the length, y along the
 width."""
 
 STANDARD = {
@@ -82,18 +82,12 @@ def _fields(message: str) -> str:
     )
 
 
-def _header(time: float, frame: str = FRAME) -> dict[str, Any]:
-    sec, nanosec = divmod(round(time * NANOSECONDS), NANOSECONDS)
-    return {"stamp": {"sec": sec, "nanosec": nanosec}, "frame_id": frame}
-
-
 def readings_message(
     time: float,
     values: Mapping[str, ArrayLike],
     interfaces: Sequence[str],
     frequencies: ArrayLike,
     times: ArrayLike | None = None,
-    frame: str = FRAME,
 ) -> dict[str, Any]:
     """Content of a SkinReadings.
 
@@ -104,7 +98,7 @@ def readings_message(
     shape = (len(interfaces), np.size(frequencies))
     each_time = np.full(shape, math.nan) if times is None else np.asarray(times)
     return {
-        "header": _header(time, frame),
+        "header": _header(time),
         "quantities": list(values),
         "units": [DESCRIBED[name].units for name in values],
         "interfaces": list(interfaces),
@@ -119,60 +113,47 @@ def touch_message(
     label: str,
     *,
     pixel: tuple[int, int] = (-1, -1),
-    probability: float | None = None,
+    probability: float = math.nan,
     positions: Sequence[Sequence[float]] = (),
-    deviations: Sequence[Sequence[float]] = (),
     capacitance_factors: Sequence[float] = (),
-    pixel_probabilities: ArrayLike | None = None,
     forces: Sequence[float] = (),
     areas: Sequence[float] = (),
-    frame: str = FRAME,
 ) -> dict[str, Any]:
-    """Content of a SkinTouch.
+    """Content of a SkinTouch without probabilities of pixels.
 
-    time: as of `readings_message`. pixel: row and column, as in sweeps. positions, deviations: x
-    and y of each touch, m. pixel_probabilities: shape (row, column). forces, areas: of each touch,
-    N and m².
+    time: as of `readings_message`. pixel: row and column, as in sweeps. positions: x and y of each
+    touch, m. forces, areas: of each touch, N and m².
     """
-    pixels = np.zeros((0, 0)) if pixel_probabilities is None else np.asarray(pixel_probabilities)
     return {
-        "header": _header(time, frame),
+        "header": _header(time),
         "label": label,
         "row": int(pixel[0]),
         "column": int(pixel[1]),
-        "probability": math.nan if probability is None else float(probability),
-        "positions": [_point(each) for each in positions],
-        "deviations": [_point(each) for each in deviations],
+        "probability": float(probability),
+        "positions": [{"x": float(x), "y": float(y), "z": 0.0} for x, y in positions],
+        "deviations": [],
         "capacitance_factors": [float(each) for each in capacitance_factors],
-        "pixel_rows": pixels.shape[0],
-        "pixel_columns": pixels.shape[1],
-        "pixel_probabilities": _flat(pixels),
+        "pixel_rows": 0,
+        "pixel_columns": 0,
+        "pixel_probabilities": [],
         "forces": [float(each) for each in forces],
         "areas": [float(each) for each in areas],
     }
 
 
 def diagnostic_array(
-    time: float,
-    message: str,
-    values: Mapping[str, object],
-    *,
-    level: int = 0,
-    name: str = "skin",
-    hardware_id: str = "",
-    frame: str = "",
+    time: float, message: str, values: Mapping[str, object], hardware_id: str = ""
 ) -> dict[str, Any]:
-    """Content of a DiagnosticArray with one status.
+    """Content of a DiagnosticArray with one status, which is OK.
 
-    time: as of `readings_message`. level: 0 for OK, 1 for a warning, 2 for an error, 3 for stale
-    values. values: written as texts by key.
+    time: as of `readings_message`. values: written as texts by key.
     """
     return {
-        "header": _header(time, frame),
+        "header": _header(time, frame=""),
         "status": [
             {
-                "level": level,
-                "name": name,
+                "level": 0,
+                "name": "skin",
                 "message": message,
                 "hardware_id": hardware_id,
                 "values": [{"key": key, "value": str(value)} for key, value in values.items()],
@@ -181,9 +162,9 @@ def diagnostic_array(
     }
 
 
-def _point(position: Sequence[float]) -> dict[str, float]:
-    x, y = position
-    return {"x": float(x), "y": float(y), "z": 0.0}
+def _header(time: float, frame: str = FRAME) -> dict[str, Any]:
+    sec, nanosec = divmod(round(time * NANOSECONDS), NANOSECONDS)
+    return {"stamp": {"sec": sec, "nanosec": nanosec}, "frame_id": frame}
 
 
 def _flat(values: NDArray[Any]) -> list[float]:
