@@ -13,11 +13,11 @@ import stat
 import tomllib
 import warnings
 import zipfile
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any
 
 from .errors import InputError
 from .free_space import SHARE, free_memory
@@ -60,9 +60,6 @@ JOURNAL = InputKind("a journal", 512 * MIB)
 """Journal of a recording or a design: as large as a table of the same numbers."""
 LINE = MIB
 """Largest number of bytes in one line of a table: 100,000 columns."""
-MAX_CHUNK_BYTES = GIB
-"""Largest chunk of a Zarr array; chunks are decoded whole."""
-MAX_CHUNKS = 10**6
 MAX_REASON = 200
 """Largest number of characters of a library's own message."""
 ANOTHER_COPY = "; use another copy"
@@ -204,13 +201,9 @@ def check_memory(path: Path, size: float) -> None:
         )
 
 
-def check_archive(path: Path, file: IO[bytes]) -> None:
-    """Raises InputError if a ZIP archive unpacks to more than the limit of a model.
-
-    path: named in errors only. Raises zipfile.BadZipFile if it is no archive.
-    """
-    with zipfile.ZipFile(file) as archive:
-        size = sum(each.file_size for each in archive.infolist())
+def check_unpacked(path: Path, archive: zipfile.ZipFile) -> None:
+    """Raises InputError if an archive unpacks to more than the limit of a model."""
+    size = sum(each.file_size for each in archive.infolist())
     if size > min(MODEL.max_bytes, SHARE * free_memory()):
         raise InputError(f"{path}: unpacks to {size / GIB:.3g} GiB; {_limit_text(MODEL)}")
 
@@ -224,21 +217,6 @@ def check_folder(path: Path) -> None:
             check_folder(Path(entry.path))
         elif not entry.is_file(follow_symlinks=False):
             raise InputError(f"{entry.path}: must be a regular file, not a link, pipe or device")
-
-
-def check_arrays(path: Path, arrays: Iterable[tuple[str, int, int, int]]) -> None:
-    """Raises InputError if arrays of a Zarr declare more than can be read in parts.
-
-    arrays: name, number of dimensions, bytes of a chunk and number of chunks of each.
-    """
-    for name, dimensions, size, count in arrays:
-        if size > MAX_CHUNK_BYTES or count > MAX_CHUNKS:
-            raise InputError(
-                f"{path}: `{name}` declares {count} parts of {size} bytes; at most {MAX_CHUNKS} "
-                f"of {MAX_CHUNK_BYTES} are read"
-            )
-        if dimensions == 1:  # read whole when it is opened
-            check_memory(path, size * count)
 
 
 def _check(path: Path, kind: InputKind, status: os.stat_result) -> None:

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import inputs
-from ..csv_cells import CsvWriter, guarded_comment, unguarded
+from ..csv_cells import guarded_comment, unguarded, write_cells
 from ..digests import OWN_KEYS, UNSEALED, check_text, seal_text
 from ..errors import InputError
 from ..impedance import (
@@ -76,13 +76,12 @@ def write_csv_parts(parts: Iterable[xr.Dataset | SweepTable], path: Path) -> Non
     """Like `write_csv`, for sweeps that are in memory one part after the other."""
     first = 0
     with path.open("w", encoding="utf-8", newline="") as file:
-        rows = CsvWriter(file)
         for number, sweeps in enumerate(parts):
             table = _table(sweeps, first)
             if number == 0:
                 file.write(UNSEALED + _comment_text(sweeps.attrs))
-                rows.writerow(table)
-            rows.writerows(zip(*(column.tolist() for column in table.values()), strict=True))
+                write_cells(file, [table])
+            write_cells(file, zip(*(each.tolist() for each in table.values()), strict=True))
             first += sweeps.sizes["sweep"]
     seal_text(path)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Iterable, Iterator
 from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,6 +18,10 @@ from ..writing import present
 
 if TYPE_CHECKING:
     import xarray as xr
+
+MAX_CHUNK_BYTES = inputs.GIB
+"""Largest chunk of an array; chunks are decoded whole."""
+MAX_CHUNKS = 10**6
 
 
 def write_zarr(sweeps: xr.Dataset | SweepTable, path: Path) -> None:
@@ -61,12 +64,8 @@ def open_zarr(path: Path) -> xr.Dataset:
 
     with inputs.named_damage(path, "cannot be read as .zarr"):
         inputs.check_folder(path)
-        sealed = check_store(path)
-        _check_codecs(path)
-        inputs.check_arrays(path, _declared(path))
-        stored = xr.open_zarr(path)
-        _check_whole(path, [*map(str, stored.variables)] if sealed else kind_of(stored).names)
-        return stored
+        _check_arrays(path, sealed=check_store(path))
+        return xr.open_zarr(path)
 
 
 def loaded(stored: xr.Dataset, path: Path) -> xr.Dataset:
@@ -90,33 +89,31 @@ def zarr_marks(path: Path) -> tuple[set[str], dict[str, Any]]:
     return {*group.keys()}, group.attrs.asdict()
 
 
-def _check_whole(path: Path, names: Iterable[str]) -> None:
-    """Raises InputError if chunks of these arrays are missing; Zarr would read them as zeros."""
-    for name, array in _arrays(path):
-        if name in names and array.nchunks_initialized < array.nchunks:
-            held = f"{array.nchunks_initialized} of {array.nchunks} parts of `{name}`"
-            raise InputError(f"{path}: cut off, holds {held}")
+def _check_arrays(path: Path, *, sealed: bool) -> None:
+    """Raises InputError if an array cannot be read safely or is not whole.
 
+    Some versions of numcodecs run what is in a pickle. Zarr reads missing chunks as zeros; in a
+    folder that other programs wrote, those of readings must be there.
+    """
+    import zarr
 
-def _check_codecs(path: Path) -> None:
-    """Raises InputError if an array is a pickle, which some versions of numcodecs would run."""
-    for name, array in _arrays(path):
+    arrays = sorted(zarr.open_group(path, mode="r").arrays())
+    needed = kind_of([name for name, _ in arrays]).names
+    for name, array in arrays:
         codecs = (*array.filters, *array.compressors)
         if any(getattr(codec, "codec_id", None) == "pickle" for codec in codecs):
             raise InputError(f"{path}: `{name}` is a pickle, which may run anything; not read")
-
-
-def _declared(path: Path) -> Iterator[tuple[str, int, int, int]]:
-    """Name, number of dimensions, bytes of a chunk and number of chunks of each array."""
-    for name, each in _arrays(path):
-        yield name, each.ndim, math.prod(each.chunks) * each.dtype.itemsize, each.nchunks
-
-
-def _arrays(path: Path) -> list[tuple[str, Any]]:
-    """The arrays of a `.zarr` sorted by name, not read yet."""
-    import zarr
-
-    return sorted(zarr.open_group(path, mode="r").arrays())
+        size, count = math.prod(array.chunks) * array.dtype.itemsize, array.nchunks
+        if size > MAX_CHUNK_BYTES or count > MAX_CHUNKS:
+            raise InputError(
+                f"{path}: `{name}` declares {count} parts of {size} bytes; at most {MAX_CHUNKS} "
+                f"of {MAX_CHUNK_BYTES} are read"
+            )
+        if array.ndim == 1:  # read whole when it is opened
+            inputs.check_memory(path, size * count)
+        if (sealed or name in needed) and array.nchunks_initialized < count:
+            held = f"{array.nchunks_initialized} of {count} parts of `{name}`"
+            raise InputError(f"{path}: cut off, holds {held}")
 
 
 def check_zarr(path: Path) -> None:
