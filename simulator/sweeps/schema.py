@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from ..arrays import Complex, Mask, Real
 
-    Sweeps = TypeVar("Sweeps", xr.Dataset, "SweepTable")
+    Sweeps = TypeVar("Sweeps", bound="xr.Dataset | SweepTable")
 
 DIMENSIONS = ("sweep", "interface", "frequency")
 UNPRESSED = "none"
@@ -241,7 +241,7 @@ def check(sweeps: Sweeps) -> Sweeps:
     Raises InputError naming the variable and what is wrong with it: absent, of other dimensions,
     not finite, names that are not printable, or frequencies that are not positive and ascending.
     """
-    found: Mapping[Hashable, SweepVariable | xr.Variable] = sweeps.variables
+    found: Mapping[Any, Any] = sweeps.variables
     kind = kind_of(found)
     for name in (*kind.names, *LABELS, "frequency", "interface"):
         if name not in found:

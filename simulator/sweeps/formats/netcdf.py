@@ -45,10 +45,11 @@ def write_netcdf(
     """
     from netCDF4 import Dataset
 
+    variables: Any = sweeps.variables
     labels = {*sweeps.coords} - {*sweeps.sizes}
     of_each = {
-        name: {label for label in labels if {*sweeps.coords[label].dims} <= {*each.dims}}
-        for name, each in sweeps.variables.items()
+        name: {label for label in labels if {*variables[label].dims} <= {*each.dims}}
+        for name, each in variables.items()
         if name not in sweeps.coords
     }
     of_none = labels.difference(*of_each.values())
@@ -56,24 +57,27 @@ def write_netcdf(
         file.setncatts(_attributes(sweeps.attrs, of_none))
         for name, size in sweeps.sizes.items():
             file.createDimension(str(name), size)
-        for name, each in sweeps.variables.items():
-            stored = each
-            if each.dtype.kind in "bmM":  # none of NetCDF
-                from xarray.conventions import encode_cf_variable
-
-                stored = encode_cf_variable(each)
-            text = stored.dtype.kind in "OUST"
-            target = file.createVariable(
-                str(name),
-                str if text else stored.dtype.newbyteorder("="),
-                stored.dims,
-                fill_value=np.nan if stored.dtype.kind == "f" else None,
-                fletcher32=not text and bool(stored.dims),
-            )
-            target.setncatts(_attributes(stored.attrs, of_each.get(name, ())))
-            for place, values in parts(stored):
-                target[place] = values.astype(object) if text else values
+        for name, each in variables.items():
+            _write_variable(file, str(name), each, of_each.get(name, ()), parts)
     seal_binary(path)
+
+
+def _write_variable(file: Any, name: str, variable: Any, labels: Iterable[Any], parts: Any) -> None:
+    if variable.dtype.kind in "bmM":  # NetCDF has no truth values and no dates
+        from xarray.conventions import encode_cf_variable
+
+        variable = encode_cf_variable(variable)
+    text = variable.dtype.kind in "OUST"
+    target = file.createVariable(
+        name,
+        str if text else variable.dtype.newbyteorder("="),
+        variable.dims,
+        fill_value=np.nan if variable.dtype.kind == "f" else None,
+        fletcher32=not text and bool(variable.dims),
+    )
+    target.setncatts(_attributes(variable.attrs, labels))
+    for place, values in parts(variable):
+        target[place] = values.astype(object) if text else values
 
 
 def _attributes(attributes: Any, labels: Iterable[Any]) -> dict[str, Any]:
