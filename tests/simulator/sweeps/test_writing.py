@@ -159,6 +159,25 @@ def test_a_writer_leaves_nothing_where_another_frees_the_name_just_then(tmp_path
     assert names(path.parent) == []
 
 
+KILLED = """
+import os, signal, sys
+from pathlib import Path
+from rcskin.simulator.sweeps import whole_file
+with whole_file(Path(sys.argv[1])) as unfinished:
+    (unfinished / "file" if unfinished.is_dir() else unfinished).write_text("half")
+    os.kill(os.getpid(), signal.SIGKILL)
+"""
+
+
+@posix
+def test_a_killed_writer_leaves_an_unfinished_file_and_no_output(path):
+    subprocess.run([sys.executable, "-c", KILLED, str(path)])
+    (left,) = path.parent.iterdir()
+    assert left.name.startswith(".rcskin-")
+    put(path, "whole")
+    assert content(path).read_text() == "whole"
+
+
 LIMITED = """
 import resource, signal, sys
 from pathlib import Path
