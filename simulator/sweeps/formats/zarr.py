@@ -45,9 +45,7 @@ def write_zarr(sweeps: xr.Dataset | SweepTable, path: Path) -> None:
 
 def read_zarr(path: Path) -> xr.Dataset:
     """Reads the sweeps of a folder into memory. Raises InputError as `open_zarr` and `loaded`."""
-    sweeps = loaded(open_zarr(path), path)
-    texts = [name for name, variable in sweeps.variables.items() if variable.dtype.kind == "T"]
-    return sweeps.assign_coords({name: sweeps[name].astype(object) for name in texts})
+    return loaded(open_zarr(path), path)
 
 
 def open_zarr(path: Path) -> xr.Dataset:
@@ -72,7 +70,9 @@ def loaded(stored: xr.Dataset, path: Path) -> xr.Dataset:
     """Loads sweeps of `open_zarr` into memory. Raises InputError naming a damaged file."""
     inputs.check_memory(path, stored.nbytes)
     with inputs.named_damage(path, "damaged, cannot be read as .zarr", inputs.ANOTHER_COPY):
-        return stored.load()
+        whole = stored.load()
+    texts = [name for name, variable in whole.variables.items() if variable.dtype.kind == "T"]
+    return whole.assign_coords({name: whole[name].astype(object) for name in texts})
 
 
 def zarr_marks(path: Path) -> tuple[set[str], dict[str, Any]]:
