@@ -16,44 +16,6 @@ from ..tables.table import ImportedTable
 from .agreement import agreeing_columns, all_zeros, bare_letters, refuse
 from .quantities import GAIN_PAIRS, PAIRS, gain_of, impedance_of
 
-
-def gain_columns(table: ImportedTable) -> tuple[Column, ...]:
-    """The columns of a gain; empty without them or with an impedance.
-
-    Raises InputError if the unit of one is not understood.
-    """
-    if any(all(map(table.holding, pair)) for pair in PAIRS):
-        return ()
-    for holds in GAIN_PAIRS:
-        found = [table.holding(each) for each in holds]
-        if not all(found):
-            continue
-        columns = tuple(each[0] for each in found)
-        for each in columns:
-            if each.problem:
-                raise InputError(f"{table.path}: {each.problem}")
-        if not all_zeros(table, columns[0]):
-            return columns
-    return ()
-
-
-def shown_gains(holds: tuple[str, ...], numbers: list[Real]) -> dict[str, Real]:
-    """The quantities of gains that a file holds as they are, by their names in sweeps."""
-    names = {"gain": "gain", "gain phase": "gain_phase", "phase": "gain_phase"}
-    pairs = zip(holds, numbers, strict=True)
-    return {names[each]: values for each, values in pairs if each in names}
-
-
-def gain_kind(columns: tuple[Column, ...]) -> ReadingKind:
-    """The kind of the readings that these columns give."""
-    return GAIN if len(columns) > 1 else MAGNITUDE
-
-
-def amplifying(G: Complex) -> Mask:
-    """True where |V / V_s| exceeds one by more than the last digits of a table."""
-    return np.abs(G) > 1.001
-
-
 DIGITS = 12
 """Digits to which frequencies are rounded, so that 0.1 kHz equals 100 Hz."""
 ROUNDING = 1.01
@@ -107,7 +69,7 @@ def imported_readings(table: ImportedTable) -> ImportedReadings:
     letters = bare_letters(table)
     kept = [each for each in table.columns if each not in letters]
     table = replace(table, columns=kept)
-    by, gains = _frequency(table), gain_columns(table)
+    by, gains = _frequency(table), _gain_columns(table)
     pair = gains or _pair(table)
     table = table.written([by, *pair])
     f = _frequencies(table, by)
@@ -124,7 +86,7 @@ def imported_readings(table: ImportedTable) -> ImportedReadings:
     checked = table.without(reasons)
     numbers = [each[good] for each in numbers]
     _check_numbers(checked, pair, numbers)
-    kind = gain_kind(gains) if gains else IMPEDANCE
+    kind = IMPEDANCE if not gains else GAIN if len(gains) > 1 else MAGNITUDE
     Z = _complex(checked, pair, numbers, f[good], kind)
     zero, letter = ("the gain is 0", "the gain") if gains else ("Z is 0 ohm", "Z")
     refuse(checked, Z == 0, f"{zero}, which no reading is")
@@ -135,7 +97,7 @@ def imported_readings(table: ImportedTable) -> ImportedReadings:
     if kind is IMPEDANCE:
         shown = {"Cp": _capacitance(checked, pair, compared, Z, f[good])}
     else:
-        shown = shown_gains(tuple(each.holds for each in pair), numbers)
+        shown = _shown_gains(tuple(each.holds for each in pair), numbers)
     every = {name: np.full(len(f), np.nan) for name in shown}
     for name, values in shown.items():
         every[name][good] = values
@@ -347,3 +309,35 @@ def _failure_reasons(table: ImportedTable, values: dict[str, Real]) -> list[str]
         for place in np.flatnonzero(~np.isfinite(numbers)):
             reasons[place] = reasons[place] or f"`{name}` is no reading"
     return reasons
+
+
+def _gain_columns(table: ImportedTable) -> tuple[Column, ...]:
+    """The columns of a gain; empty without them or with an impedance.
+
+    Raises InputError if the unit of one is not understood.
+    """
+    if any(all(map(table.holding, pair)) for pair in PAIRS):
+        return ()
+    for holds in GAIN_PAIRS:
+        found = [table.holding(each) for each in holds]
+        if not all(found):
+            continue
+        columns = tuple(each[0] for each in found)
+        for each in columns:
+            if each.problem:
+                raise InputError(f"{table.path}: {each.problem}")
+        if not all_zeros(table, columns[0]):
+            return columns
+    return ()
+
+
+def _shown_gains(holds: tuple[str, ...], numbers: list[Real]) -> dict[str, Real]:
+    """The quantities of gains that a file holds as they are, by their names in sweeps."""
+    names = {"gain": "gain", "gain phase": "gain_phase", "phase": "gain_phase"}
+    pairs = zip(holds, numbers, strict=True)
+    return {names[each]: values for each, values in pairs if each in names}
+
+
+def amplifying(G: Complex) -> Mask:
+    """True where |V / V_s| exceeds one by more than the last digits of a table."""
+    return np.abs(G) > 1.001
