@@ -20,7 +20,7 @@ from shutil import which
 from typing import TypeVar
 
 import pandas as pd
-from rcskin.simulator.sweeps.writing.replacing import WriteContext, in_write_context
+from rcskin.simulator.sweeps.output_files import replacing
 
 HERE = Path(__file__).parent
 RESULTS = HERE / "results"
@@ -86,7 +86,7 @@ def launch(
         folder = asked.into or (Path(scratch) if asked.quick else HERE)
         run = Run(asked.quick, folder, asked)
         run.results.mkdir(parents=True, exist_ok=True)
-        with in_write_context(WriteContext(overwrite=True)):
+        with replacing():
             sys.exit(main(run))
 
 

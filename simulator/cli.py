@@ -157,6 +157,9 @@ def sweep(
     ] = False,
 ) -> None:
     """Simulate sweeps, noise-free, and write them with their estimated errors."""
+    from .sweeps import checked_output, sizes_text, write
+
+    checked_output(output)  # before the solvers are imported, which takes half a second
     from .measure.creeping_sweeps import describe_timing
     from .measure.simulate import answered, check_fits, gather
     from .models.mechanics.force_depths import depths_in_words
@@ -166,9 +169,7 @@ def sweep(
     from .requests.console import note, report_written
     from .requests.requested_scene import requested_scene, warn_of_model
     from .requests.time_estimates import with_time_estimate
-    from .sweeps import checked_output, sizes_text, write
 
-    checked_output(output)
     loaded = requested_scene(scene)
     warn_of_model(scene, loaded)
     presses = [press_on(loaded, text) for text in press or []] or every_press(loaded)

@@ -108,7 +108,7 @@ class _StandardStream(io.TextIOWrapper):
 def _output_failure(error: OSError) -> Exception:
     """Exception that ends a command whose standard output cannot be written."""
     from .sweeps.errors import OutputError
-    from .sweeps.writing.failures import DISKS
+    from .sweeps.writing import DISKS
 
     if error.errno == errno.EPIPE:
         return error

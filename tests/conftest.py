@@ -15,7 +15,7 @@ from pydantic import ValidationError
 from rcskin import __main__ as rcskin
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
-from rcskin.simulator.sweeps.writing import WriteContext, in_write_context
+from rcskin.simulator.sweeps import output_files
 from rcskin.tests.library.scenes import build_scene
 
 EDGES = ("left", "right", "bottom", "top")
@@ -132,7 +132,7 @@ def library(tmp_path_factory):
 @pytest.fixture
 def replacing():
     """In the test every file may be replaced."""
-    with in_write_context(WriteContext(overwrite_measured=True)):
+    with output_files.replacing(measured=True):
         yield
 
 

@@ -46,7 +46,7 @@ def sweeps_of(rests: int, sessions: int) -> xr.Dataset:
         row=[min(column, 1) for column in columns],
         column=columns,
         session=np.repeat(np.arange(sessions), rests + COLUMNS).tolist(),
-    )
+    ).dataset()
 
 
 def by_own_label(sweeps: xr.Dataset, samples: Samples) -> NDArray[np.float64]:

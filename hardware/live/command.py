@@ -185,11 +185,11 @@ def _check_options(
 def _session_journal(log: Path) -> RecordingJournal:
     """Journal of the log. Raises InputError if it holds sweeps that would be lost."""
     from ...simulator.sweeps import InputError, checked_output
-    from ...simulator.sweeps.writing import write_context
+    from ...simulator.sweeps.output_files import may_replace
     from ..record.recording_journal import RecordingJournal
 
     journal = RecordingJournal(checked_output(log))
-    if write_context().overwrite_measured or journal.header() is None:
+    if may_replace(measured=True) or journal.header() is None:
         return journal
     raise InputError(
         f"{journal.folder}: holds an interrupted session; `rcskin meter gather {log} -o "

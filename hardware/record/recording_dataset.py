@@ -81,7 +81,7 @@ def sweep_dataset(
         taken=None if taken.all() else taken,
         kind=kind,
         **more,
-    )
+    ).dataset()
 
 
 def measured_mask(own: Iterable[Sequence[float]], frequencies: Sequence[float]) -> Mask:

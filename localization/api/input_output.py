@@ -41,9 +41,9 @@ def write(
     measured sweeps. Raises InputError for another ending, an absent folder, or a file that exists
     and may not be replaced.
     """
-    from ...simulator.sweeps.writing import WriteContext, in_write_context
+    from ...simulator.sweeps.output_files import replacing
 
-    with in_write_context(WriteContext(overwrite, overwrite_measured)):
+    with replacing(overwrite, overwrite_measured):
         _written(given, path_of(path))
 
 
@@ -83,7 +83,7 @@ def plot(
     folder, or a file that exists and may not be replaced.
     """
     from ...simulator.check.curve_page import draw
-    from ...simulator.sweeps.writing import WriteContext, in_write_context
+    from ...simulator.sweeps.output_files import replacing
 
-    with in_write_context(WriteContext(overwrite)):
+    with replacing(overwrite):
         return draw([sweeps_of(sweeps)], path_of(path), what)

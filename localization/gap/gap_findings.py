@@ -89,10 +89,10 @@ class GapFindings(Tabular):
         folder: made if absent. overwrite: True replaces files that exist. Raises InputError if the
         folder cannot be made, or if files exist that may not be replaced.
         """
-        from ...simulator.sweeps.writing import WriteContext, in_write_context
+        from ...simulator.sweeps.output_files import replacing
         from .report.html_report import write_report
 
-        with in_write_context(WriteContext(overwrite)):
+        with replacing(overwrite):
             write_report(Path(folder), self)
 
     def _table(self) -> tuple[str, list[tuple[str, ...]]]:

@@ -38,9 +38,7 @@ def _some_of(path: Path, most: int, in_parts: bool) -> xr.Dataset:
     if "session" not in stored.variables:
         return check(stored)
     some = stored.isel(sweep=_whole_sessions(stored["session"].values, most))
-    texts = [name for name, variable in some.variables.items() if variable.dtype.kind == "T"]
     known = check(loaded(some.copy(), path))
-    known = known.assign_coords({name: known[name].astype(object) for name in texts})
     left = kind_of(some).names if in_parts else ()
     return known.assign({name: some[name].variable for name in left})
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...simulator.sweeps import InputError, checked_output, inputs, whole_file
 from ...simulator.sweeps.array_files import ForeignFileError, read_arrays, write_arrays
-from ...simulator.sweeps.file_kinds import check_file_kind
+from ...simulator.sweeps.inputs import check_file_kind
 from ..parts.plain import UnsoundError
 from ..parts.predictor import Chain
 from .localizer_model import Model

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...simulator.report.files import write_frame
 from ...simulator.sweeps import whole_file
-from ...simulator.sweeps.formats.netcdf import write_dataset
+from ...simulator.sweeps.formats.netcdf import write_netcdf
 from .axis import Axis
 from .scene_keys import ALL_PIXELS, BOTH_SHEETS, Key, with_values
 
@@ -29,7 +29,7 @@ def write_table(findings: xr.Dataset, path: Path) -> None:
     if path.suffix == ".csv":
         return write_frame(path, findings.rename(IN_HERTZ).to_dataframe().reset_index())
     with whole_file(path) as unfinished:
-        return write_dataset(findings, unfinished)
+        write_netcdf(findings, unfinished)
 
 
 def answers(findings: xr.Dataset, axes: Sequence[Axis]) -> list[str]:

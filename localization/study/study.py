@@ -12,7 +12,7 @@ from ...simulator.notebook_display import Tabular
 from ...simulator.progress import ProgressCallback, silent
 from ...simulator.scene.scene import Scene
 from ...simulator.sweeps import checked_output
-from ...simulator.sweeps.writing import WriteContext, in_write_context
+from ...simulator.sweeps.output_files import replacing
 from . import execution
 from .axis import READY_MADE, Axis, axes_of
 from .point import EvaluationSettings
@@ -57,7 +57,7 @@ class Study(Tabular):
         path: .csv or .nc. overwrite: True replaces a file that exists. Raises InputError for
         another ending, an absent folder, or a file that exists and may not be replaced.
         """
-        with in_write_context(WriteContext(overwrite)):
+        with replacing(overwrite):
             write_table(self.findings, checked_output(path, ENDINGS))
 
     def plot(self, path: str | Path, *, overwrite: bool = False) -> None:
@@ -66,7 +66,7 @@ class Study(Tabular):
         path: .png, .svg or .pdf. overwrite: True replaces a file that exists. Raises InputError for
         another ending, an absent folder, or a file that exists and may not be replaced.
         """
-        with in_write_context(WriteContext(overwrite)):
+        with replacing(overwrite):
             draw_study(self.findings, self.axes, self.experiment, checked_chart(path))
 
     def _table(self) -> tuple[str, list[tuple[str, ...]]]:

@@ -80,11 +80,12 @@ def import_sweeps(
     from ..requests.console import note, report_written, warn
     from ..sweeps import checked_output, sizes_text, write
     from ..sweeps.importing.readings.branch import checked_branch
-    from ..sweeps.imports import ImportOptions, import_files
+    from ..sweeps.imports import import_files
 
     checked_output(output)
-    options = ImportOptions(checked_branch(branch), columns, strict)
-    sweeps = import_files(files, _defaults(len(files), press, interface, session), options=options)
+    checked_branch(branch)
+    defaults = _defaults(len(files), press, interface, session)
+    sweeps = import_files(files, defaults, branch=branch, columns=columns, strict=strict)
     write(sweeps, output)
     name = f"{files[0]}: " if len(files) == 1 else ""
     say(f"{name}{sweeps.attrs['columns']}")

@@ -15,8 +15,8 @@ from ..processes import worker_pool
 from ..progress import ProgressCallback, silent
 from ..sweeps import InputError, inputs, kept_file
 from ..sweeps.free_space import check_disk
-from ..sweeps.output_files import checked_place, locked
-from ..sweeps.writing import check_replaceable, named_failures, present, put, sync, write_context
+from ..sweeps.output_files import check_replaceable, checked_place, locked, may_replace
+from ..sweeps.writing import named_failures, present, put
 from . import store, workers
 from .audit import rounded_up
 from .dataset_plan import Plan, first_difference, readings
@@ -103,7 +103,7 @@ def is_complete(plan: Plan, output: Path) -> bool:
     Raises InputError as `checked_place`, and if something else exists that may not be replaced.
     """
     checked_place(output, (ENDING,))
-    if write_context().overwrite or not present(output):
+    if may_replace() or not present(output):
         check_replaceable(output)
         return False
     existing = store.finished_attributes(output)
@@ -179,7 +179,6 @@ def _finish(workshop: WorkFolder, plan: Plan, output: Path) -> None:
             **_cell_errors(workshop, plan),
         },
     )
-    sync(workshop.data)
     check_replaceable(output)
     put(workshop.data, output)
     workshop.plan_file.unlink()

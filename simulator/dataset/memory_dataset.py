@@ -72,7 +72,7 @@ def sweeps_of_sessions(
             "readout": plan.scene.readout.model_dump_json(),
             "software": plan.software,
         },
-    )
+    ).dataset()
     declared = touch_variables(plan.scene)
     touches = {each.name: (each.dimensions, arrays[each.name]) for each in declared}
     found = sweeps.assign(touches)

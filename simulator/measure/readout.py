@@ -102,7 +102,7 @@ def read_out(
         kind=kind,
         taken=taken_of(sweeps),
         attributes={**sweeps.attrs, "readout": readout.model_dump_json()},
-    )
+    ).dataset()
 
 
 def observed(Z: Complex, taken: Mask | None = None) -> Real:

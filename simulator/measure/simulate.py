@@ -17,7 +17,7 @@ from ..press.press import Press, check_press, label_of, press_on
 from ..scene.readings.changed_readings import with_frequencies
 from ..scene.scene import Scene
 from ..scene.scene_files import scene_text
-from ..sweeps import InputError, SweepTable, concatenate, tabled
+from ..sweeps import InputError, SweepTable, build, concatenate
 from ..sweeps.free_space import check_memory
 from ..sweeps.reading_subset import read_mask, restricted
 from ..sweeps.schema import complex_readings
@@ -74,7 +74,7 @@ def gather(solver: Solver, pairs: Iterable[tuple[Press, Solution]]) -> SweepTabl
     if not found:
         raise InputError("`presses` must hold at least one press, got none")
     presses, answers = zip(*found, strict=True)
-    return tabled(
+    return build(
         np.stack([answer.Z for answer in answers]),
         answers[0].frequency,
         interface=[interface.name for interface in solver.scene.interfaces],

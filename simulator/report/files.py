@@ -7,13 +7,15 @@ import shutil
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from glob import escape
+from itertools import chain
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
 from ..sweeps import InputError, made_folder, whole_file
-from ..sweeps.csv_cells import CsvWriter
-from ..sweeps.writing import check_all_replaceable, keep_beside
+from ..sweeps.csv_cells import write_cells
+from ..sweeps.output_files import check_all_replaceable
+from ..sweeps.writing import keep_beside
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -33,9 +35,7 @@ def write_json(path: Path, content: Any, indent: int = 2) -> None:
 def write_rows(path: Path, header: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
     """Writes a header and rows as CSV; no text in it is a formula to a spreadsheet."""
     with whole_file(path) as unfinished, unfinished.open("w", newline="", encoding="utf-8") as file:
-        writer = CsvWriter(file)
-        writer.writerow(header)
-        writer.writerows(rows)
+        write_cells(file, chain([header], rows))
 
 
 def write_frame(path: Path, table: pd.DataFrame) -> None:

@@ -1,4 +1,4 @@
-"""Options of every command that writes: what it may replace (see `sweeps.writing`)."""
+"""Options of every command that writes: what it may replace (see `sweeps.output_files`)."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ def with_overwrite_options(commands: typer.Typer) -> None:
 def _with_overwrite(command: Callable[..., Any]) -> Callable[..., Any]:
     @wraps(command)
     def run(*, overwrite: bool, overwrite_measured: bool, **given: Any) -> Any:
-        from ..sweeps.writing import WriteContext, in_write_context
+        from ..sweeps.output_files import replacing
 
-        with in_write_context(WriteContext(overwrite, overwrite_measured)):
+        with replacing(overwrite, overwrite_measured):
             return command(**given)
 
     signature = inspect.signature(command, eval_str=True)

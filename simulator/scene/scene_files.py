@@ -16,7 +16,7 @@ from pydantic import ValidationError
 from ..sweeps import InputError, checked_output, inputs, whole_file
 from ..sweeps.builtin import BUILTIN, builtin_names
 from ..sweeps.csv_cells import printable
-from ..sweeps.file_kinds import check_file_kind
+from ..sweeps.inputs import check_file_kind
 from ..sweeps.units import in_si
 from .maps.map_file import with_grids
 from .scene import Scene

@@ -71,7 +71,7 @@ def as_dataset(
             "seed": seed,
             "software": f"rcskin {version('rcskin')}",
         },
-    )
+    ).dataset()
     contacts = [press.contacts for press in presses]
     most = max(map(len, contacts))
     if not most:

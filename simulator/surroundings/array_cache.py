@@ -6,8 +6,6 @@ No file there is needed: one that is missing, damaged or cannot be written is ig
 from __future__ import annotations
 
 import hashlib
-import os
-import tempfile
 from contextlib import suppress
 from pathlib import Path
 
@@ -15,6 +13,7 @@ import numpy as np
 import platformdirs
 
 from ..arrays import Real
+from ..sweeps import InputError, OutputError, kept_file
 
 VERSION = 2
 """Version of the computation: a higher one ignores everything cached before."""
@@ -33,16 +32,10 @@ def read(key: str) -> Real | None:
 def write(key: str, values: Real) -> None:
     """Caches an array for a key, whole or not at all."""
     path = _path(key)
-    with suppress(OSError):
+    with suppress(OSError, InputError, OutputError):
         path.parent.mkdir(parents=True, exist_ok=True)
-        number, unfinished = tempfile.mkstemp(dir=path.parent, suffix=".npz")
-        try:
-            with os.fdopen(number, "wb") as file:
-                np.savez(file, key=key, values=values)
-            os.replace(unfinished, path)
-        except BaseException:
-            Path(unfinished).unlink(missing_ok=True)
-            raise
+        with kept_file(path) as unfinished, unfinished.open("wb") as file:
+            np.savez(file, key=key, values=values)
 
 
 def folder() -> Path:

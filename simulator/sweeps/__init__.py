@@ -1,23 +1,29 @@
 """Sweeps: simulated and measured impedance spectra in one schema, and the files that hold them."""
 
-from .concatenation import concatenate, side_by_side
 from .errors import InputError, OutputError, ToleranceError
-from .impedance import branch_reactance, parallel_capacitance, series_capacitance
-from .input_files import loaded, open_zarr, read, sizes_text
-from .joining import read_joined
-from .laws.passivity import Violation, violations
+from .formats.zarr import loaded, open_zarr
+from .impedance import parallel_capacitance
+from .input_files import read, sizes_text
+from .joining import concatenate, read_joined, side_by_side
+from .laws.passivity import violations
 from .optional_packages import require_packages
-from .output_files import checked_data_folder, checked_folder, checked_output, made_folder, write
+from .output_files import (
+    checked_data_folder,
+    checked_folder,
+    checked_output,
+    made_folder,
+    whole_file,
+    write,
+)
 from .schema import (
     OPENING,
     UNPRESSED,
+    SweepTable,
     build,
     check,
     impedance,
-    tabled,
 )
-from .sweep_table import SweepTable
-from .writing import kept_file, whole_file
+from .writing import kept_file
 
 __all__ = [
     "OPENING",
@@ -26,8 +32,6 @@ __all__ = [
     "OutputError",
     "SweepTable",
     "ToleranceError",
-    "Violation",
-    "branch_reactance",
     "build",
     "check",
     "require_packages",
@@ -44,9 +48,7 @@ __all__ = [
     "parallel_capacitance",
     "read",
     "read_joined",
-    "series_capacitance",
     "side_by_side",
-    "tabled",
     "violations",
     "whole_file",
     "write",

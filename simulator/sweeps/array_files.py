@@ -49,7 +49,7 @@ def write_arrays(
         for name, array in arrays.items():
             with archive.open(zipfile.ZipInfo(f"{name}{ENDING}"), "w", force_zip64=True) as member:
                 np.lib.format.write_array(member, np.asanyarray(array), allow_pickle=False)
-    digests.seal_archive(path)
+        digests.seal_archive(archive)
 
 
 def read_arrays(path: Path, kind: str, layout: int) -> tuple[dict[str, Any], dict[str, NDArray]]:
@@ -62,10 +62,10 @@ def read_arrays(path: Path, kind: str, layout: int) -> tuple[dict[str, Any], dic
     if not data.getbuffer().nbytes:
         raise ValueError("it is empty")
     try:
-        inputs.check_archive(path, data)
         with zipfile.ZipFile(data) as archive:
+            inputs.check_unpacked(path, archive)
             _check_description(archive, kind, layout)
-            digests.check_archive(path, data)
+            digests.check_archive(path, archive)
             names = [each for each in archive.namelist() if each.endswith(ENDING)]
             arrays = {name.removesuffix(ENDING): _array(archive.read(name)) for name in names}
             description = inputs.objects(archive.read(DESCRIPTION).decode())

@@ -15,19 +15,10 @@ BEYOND_ASCII = re.compile(r"[^\n -~]")
 WITHIN_COMMENT = re.compile(r"(?<=[,;\t])[=+\-@]")
 
 
-class CsvWriter:
-    """Writes rows as `csv.writer` does; text that begins like a formula is preceded by a quote."""
-
-    def __init__(self, file: IO[str]) -> None:
-        self._rows = csv.writer(file, lineterminator="\n")
-
-    def writerow(self, row: Iterable[Any]) -> None:
-        """Write one row."""
-        self._rows.writerow([guarded(cell) for cell in row])
-
-    def writerows(self, rows: Iterable[Iterable[Any]]) -> None:
-        """Write many rows."""
-        self._rows.writerows([guarded(cell) for cell in row] for row in rows)
+def write_cells(file: IO[str], rows: Iterable[Iterable[Any]]) -> None:
+    """Writes rows of CSV; text that begins like a formula is preceded by a quote."""
+    cells = ([guarded(cell) for cell in row] for row in rows)
+    csv.writer(file, lineterminator="\n").writerows(cells)
 
 
 def guarded(cell: Any) -> Any:

@@ -13,7 +13,7 @@ import re
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
-from typing import IO, Any, BinaryIO
+from typing import Any, BinaryIO
 
 from .errors import InputError
 from .inputs import objects
@@ -91,22 +91,15 @@ def check_text(path: Path, content: bytes) -> bool:
     return True
 
 
-def seal_archive(path: Path) -> None:
-    """Adds the digest of all members to a ZIP archive."""
-    with zipfile.ZipFile(path, "a") as archive:
-        archive.writestr(zipfile.ZipInfo(MEMBER), _members_digest(archive))
+def seal_archive(archive: zipfile.ZipFile) -> None:
+    """Adds the digest of all members to a ZIP archive that is open for reading and appending."""
+    archive.writestr(zipfile.ZipInfo(MEMBER), _members_digest(archive))
 
 
-def check_archive(path: Path, file: IO[bytes]) -> None:
-    """Raises InputError if the members of an archive do not match its digest.
-
-    path: named in errors only. Raises as zipfile for a file that is no archive or is damaged.
-    """
-    with zipfile.ZipFile(file) as archive:
-        if MEMBER not in archive.namelist():
-            return
-        if archive.read(MEMBER) != _members_digest(archive):
-            raise _corrupt_error(path)
+def check_archive(path: Path, archive: zipfile.ZipFile) -> None:
+    """Raises InputError if the members of an archive do not match its digest; path: its name."""
+    if MEMBER in archive.namelist() and archive.read(MEMBER) != _members_digest(archive):
+        raise _corrupt_error(path)
 
 
 def seal_store(folder: Path) -> None:

@@ -10,62 +10,45 @@ interface or session label the lines; without them a sweep begins where frequenc
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .concatenation import concatenate
 from .errors import InputError
-from .file_kinds import check_file_kind
-from .importing.account import account, repeated_readings, with_device_warnings
-from .importing.failures import left_out_text
+from .importing.account import account, left_out_text, repeated_readings, with_device_warnings
 from .importing.grouping import grouped, reading_places
 from .importing.labels import Defaults, joined_labels, line_labels
 from .importing.readings.branch import branch_attributes, checked_branch, choose_branches
 from .importing.readings.curves import curves
 from .importing.readings.reading_columns import imported_readings, joined_readings
 from .importing.tables.table import read_table
-from .joining import aligned
+from .inputs import check_file_kind
+from .joining import aligned, concatenate, merged_attributes
 from .schema import build
 
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Defaults", "ImportOptions", "import_file", "import_files"]
+__all__ = ["Defaults", "import_file", "import_files"]
 FILE_ATTRIBUTES = ("columns", "left_out", "warnings", "branch_doubt")
 """Attributes that name the file where they differ between files."""
-
-
-@dataclass(frozen=True)
-class ImportOptions:
-    """How files are read.
-
-    branch: choice between the two reactances if a file has Rs and Cp alone: `followed` along the
-    frequencies, `capacitive` or `resistive`. columns: names of all columns, separated by commas, in
-    place of those of a header; `-` for one that is not used. strict: a line that is no reading is
-    refused.
-    """
-
-    branch: str = "followed"
-    columns: str | None = None
-    strict: bool = False
-
-    def names(self) -> list[str] | None:
-        """The names of the columns, if they were given."""
-        if self.columns is None:
-            return None
-        return [name.strip() for name in self.columns.split(",")]
 
 
 def import_file(
     path: str | Path,
     defaults: Defaults = Defaults(),  # noqa: B008
+    *,
     branch: str = "followed",
-    options: ImportOptions | None = None,
+    columns: str | None = None,
+    strict: bool = False,
 ) -> xr.Dataset:
     """The sweeps of one file.
+
+    branch: choice between the two reactances if a file has Rs and Cp alone: `followed` along the
+    frequencies, `capacitive` or `resistive`. columns: names of all columns, separated by commas, in
+    place of those of a header; `-` for one that is not used. strict: a line that is no reading is
+    refused.
 
     The attribute `branch_rule` states the rule of the branch, `branch_doubt` the readings that may
     be on the wrong one; `quantities` names what gave Z, `columns` the columns and what they were
@@ -73,16 +56,16 @@ def import_file(
     holds the text above the header.
     Raises InputError naming the file, and the line if there is one, that cannot be read.
     """
-    options = options or ImportOptions(branch)
     path = Path(path)
     check_file_kind(path, "sweeps")
-    parts = [imported_readings(each) for each in curves(read_table(path, options.names()))]
+    names = None if columns is None else [name.strip() for name in columns.split(",")]
+    parts = [imported_readings(each) for each in curves(read_table(path, names))]
     labels = [line_labels(each.table, each.frequency, defaults) for each in parts]
     readings, labels = joined_readings(parts), joined_labels(labels)
     table = readings.table
     grouping = grouped(table, readings.frequency, readings.failed, labels)
     left_out = [*table.left_out, *repeated_readings(readings, grouping)]
-    if options.strict and left_out:
+    if strict and left_out:
         raise InputError(f"{path}: {left_out_text(left_out)}: no reading, as --strict asks")
     sweeps = grouping.sweeps
     hint = " (columns of other curves stand beside it; --columns with - for them reads one curve)"
@@ -90,8 +73,8 @@ def import_file(
     interfaces, frequency, taken, where = places
     Z, rule = np.where(taken, readings.Z[where], np.nan), {}
     if readings.quantities == ("Rs", "Cp"):
-        found = choose_branches(Z, frequency, checked_branch(options.branch), taken)
-        Z, rule = found.Z, branch_attributes(found, options.branch, frequency, interfaces)
+        found = choose_branches(Z, frequency, checked_branch(branch), taken)
+        Z, rule = found.Z, branch_attributes(found, branch, frequency, interfaces)
     imported = build(
         Z,
         frequency,
@@ -104,50 +87,37 @@ def import_file(
         kind=readings.kind,
         taken=None if taken.all() else taken,
         attributes={
-            "source": Path(path).name,
+            "source": path.name,
             "quantities": " and ".join(readings.quantities),
             **account(readings, labels, grouping, left_out),
             "preamble": table.preamble,
             **rule,
         },
-    )
+    ).dataset()
     return with_device_warnings(imported)
 
 
 def import_files(
-    paths: Sequence[str | Path],
-    defaults: Sequence[Defaults],
-    branch: str = "followed",
-    options: ImportOptions | None = None,
+    paths: Sequence[str | Path], defaults: Sequence[Defaults], **options: Any
 ) -> xr.Dataset:
     """The sweeps of several files in their order; `defaults` has one entry for each.
 
-    branch, options: as in `import_file`; sweeps in `branch_doubt` are counted in each file.
-    Attributes that differ between files are listed, separated by semicolons.
+    options: as in `import_file`; sweeps in `branch_doubt` are counted in each file. Attributes that
+    differ between files are listed, separated by semicolons.
     Raises InputError if a file cannot be read, or if its frequencies or interfaces differ from
     those of the first.
     """
-    parts = [
-        import_file(path, each, branch, options) for path, each in zip(paths, defaults, strict=True)
-    ]
+    pairs = zip(paths, defaults, strict=True)
+    parts = [import_file(path, each, **options) for path, each in pairs]
     differing = [name for name in FILE_ATTRIBUTES if len({p.attrs.get(name) for p in parts}) > 1]
     parts = [_with_file_name(part, differing) for part in parts]
-    aligned_parts = [
+    whole = [
         aligned(part, path, parts[0], paths[0]) for part, path in zip(parts, paths, strict=True)
     ]
-    joined = concatenate(aligned_parts)
-    texts = {name: [part.attrs.get(name, "") for part in parts] for name in _attribute_names(parts)}
-    return joined.assign_attrs(
-        {name: "; ".join(filter(None, dict.fromkeys(each))) for name, each in texts.items()}
-    )
+    return concatenate(whole).assign_attrs(merged_attributes(parts))
 
 
 def _with_file_name(part: xr.Dataset, names: Sequence[str]) -> xr.Dataset:
     """Adds the file's name to the named attributes."""
-    attributes = {name: part.attrs[name] for name in names if name in part.attrs}
-    source = part.attrs["source"]
-    return part.assign_attrs({name: f"{source}: {text}" for name, text in attributes.items()})
-
-
-def _attribute_names(parts: Sequence[xr.Dataset]) -> list[str]:
-    return list(dict.fromkeys(str(name) for part in parts for name in part.attrs))
+    source, there = part.attrs["source"], [name for name in names if name in part.attrs]
+    return part.assign_attrs({name: f"{source}: {part.attrs[name]}" for name in there})

@@ -1,29 +1,24 @@
-"""Reads sweeps from NetCDF, Zarr and CSV by file ending."""
+"""Reads sweeps by file ending; units and the order of dimensions may be those of other programs."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from . import inputs
-from .digests import check_store
+import numpy as np
+
 from .errors import InputError
-from .file_kinds import FOREIGN, check_file_kind
-from .formats.csv import read_csv
-from .formats.netcdf import DAMAGED, read_dataset
-from .optional_packages import require_packages
-from .reading_quantities import kind_of
-from .schema import check
-from .stored_units import conventional
-from .sweep_table import DIMENSIONS
-from .writing import present
+from .formats import ENDINGS, FORMATS
+from .importing.tables.columns import spelled, unit_factor
+from .inputs import FOREIGN, check_file_kind
+from .reading_quantities import DESCRIBED
+from .schema import DIMENSIONS, check
 
 if TYPE_CHECKING:
     import xarray as xr
 
-ENDINGS = (".nc", ".csv", ".zarr")
+UNITS = {"frequency": "Hz", **{name: each.units for name, each in DESCRIBED.items()}}
 
 
 def sizes_text(sizes: Mapping[Any, int]) -> str:
@@ -43,13 +38,12 @@ def read(path: str | Path) -> xr.Dataset:
     Raises InputError naming the file if it is absent, of another kind, or violates the schema.
     """
     path = Path(path)
-    readers = {".nc": read_dataset, ".zarr": _read_zarr, ".csv": read_csv}
-    if path.suffix not in readers:
+    if path.suffix not in FORMATS:
         check_file_kind(path, "sweeps")
         given = f"got {path.suffix!r}" if path.suffix else "got no ending"
         raise InputError(f"{path}: sweeps are read from {', '.join(ENDINGS)}, {given}; {FOREIGN}")
     try:
-        return check(conventional(readers[path.suffix](path), path))
+        return check(_conventional(FORMATS[path.suffix].read(path), path))
     except OSError as error:
         raise InputError(f"{path}: cannot be read as {path.suffix}: {error}") from error
     except InputError as error:
@@ -57,79 +51,39 @@ def read(path: str | Path) -> xr.Dataset:
         raise InputError(named) from error
 
 
-def _read_zarr(path: Path) -> xr.Dataset:
-    sweeps = loaded(open_zarr(path), path)
-    texts = [name for name, variable in sweeps.variables.items() if variable.dtype.kind == "T"]
-    return sweeps.assign_coords({name: sweeps[name].astype(object) for name in texts})
+def _conventional(sweeps: xr.Dataset, path: Path) -> xr.Dataset:
+    """The sweeps in SI units, with the dimensions of quantities in the order of DIMENSIONS.
 
-
-def open_zarr(path: Path) -> xr.Dataset:
-    """Opens the sweeps of a `.zarr` without checking the schema; arrays are read lazily in chunks.
-
-    Raises InputError if it cannot be read or the required extra is not installed.
+    Raises InputError for a unit that is none of the quantity's in `importing.tables.columns`.
     """
-    if not present(path):
-        raise InputError(f"{path}: no such file")
-    if not path.is_dir():
-        raise InputError(f"{path}: is a file; a .zarr is a folder")
-    check_zarr(path)
-    import xarray as xr
-
-    try:
-        inputs.check_folder(path)
-        sealed = check_store(path)
-        _check_codecs(path)
-        inputs.check_arrays(path, _declared(path))
-        stored = xr.open_zarr(path)
-        _check_whole(path, [*map(str, stored.variables)] if sealed else kind_of(stored).names)
-    except InputError:
-        raise
-    except DAMAGED as error:
-        raise InputError(f"{path}: cannot be read as .zarr: {error}") from error
-    return stored
+    for name, unit in UNITS.items():
+        if name not in sweeps.variables:
+            continue
+        given = spelled(str(sweeps[name].attrs.get("units", unit)))
+        if given != unit:
+            values = sweeps[name].values * _factor(name, given, unit, path)
+            if name == "frequency":
+                values = np.array([float(f"{each:.12g}") for each in values])
+            attributes = {**sweeps[name].attrs, "units": unit}
+            sweeps = sweeps.assign({name: (sweeps[name].dims, values, attributes)})
+    ordered = {
+        name: each.transpose(*DIMENSIONS)
+        for name, each in sweeps.data_vars.items()
+        if set(each.dims) == set(DIMENSIONS) and each.dims != DIMENSIONS
+    }
+    return sweeps.assign(ordered)
 
 
-def loaded(stored: xr.Dataset, path: Path) -> xr.Dataset:
-    """Loads sweeps of `open_zarr` into memory. Raises InputError naming a damaged file."""
-    inputs.check_memory(path, stored.nbytes)
-    try:
-        return stored.load()
-    except DAMAGED as error:
-        reason = " ".join(str(error).split())
-        raise InputError(
-            f"{path}: damaged, cannot be read as .zarr: {reason}; use another copy"
-        ) from error
+def _factor(name: str, given: str, unit: str, path: Path) -> float:
+    """The factor from a given unit to another; raises InputError if there is none."""
+    quantity = name.removesuffix("_error").replace("_", " ")
+    factor = None if _may_be_milli_or_mega(given, unit) else unit_factor(quantity, given)
+    if factor is None:
+        raise InputError(f"{path}: `{name}` must be in {unit}, got {given[:40]!r}")
+    return factor
 
 
-def _check_whole(path: Path, names: Iterable[str]) -> None:
-    """Raises InputError if chunks of these arrays are missing; Zarr would read them as zeros."""
-    for name, array in _arrays(path):
-        if name in names and array.nchunks_initialized < array.nchunks:
-            present = f"{array.nchunks_initialized} of {array.nchunks} parts of `{name}`"
-            raise InputError(f"{path}: cut off, holds {present}")
-
-
-def _check_codecs(path: Path) -> None:
-    """Raises InputError if an array is a pickle, which some versions of numcodecs would run."""
-    for name, array in _arrays(path):
-        codecs = (*array.filters, *array.compressors)
-        if any(getattr(codec, "codec_id", None) == "pickle" for codec in codecs):
-            raise InputError(f"{path}: `{name}` is a pickle, which may run anything; not read")
-
-
-def _declared(path: Path) -> Iterator[tuple[str, int, int, int]]:
-    """Name, number of dimensions, bytes of a chunk and number of chunks of each array."""
-    for name, each in _arrays(path):
-        yield name, each.ndim, math.prod(each.chunks) * each.dtype.itemsize, each.nchunks
-
-
-def _arrays(path: Path) -> list[tuple[str, Any]]:
-    """The arrays of a `.zarr` sorted by name, not read yet."""
-    import zarr
-
-    return sorted(zarr.open_group(path, mode="r").arrays())
-
-
-def check_zarr(path: Path) -> None:
-    """Raises InputError if the extra that reads and writes `.zarr` is not installed."""
-    require_packages(path, "scale", "zarr", "dask")
+def _may_be_milli_or_mega(given: str, unit: str) -> bool:
+    """Whether a unit begins with m or M but ignores case: `mhz`, `MOHM`."""
+    plain = unit.lower() if given.islower() else unit.upper() if given.isupper() else unit
+    return given[:1] in ("m", "M") and plain != unit

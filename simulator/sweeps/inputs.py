@@ -13,10 +13,11 @@ import stat
 import tomllib
 import warnings
 import zipfile
-from collections.abc import Iterable
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO, TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any
 
 from .errors import InputError
 from .free_space import SHARE, free_memory
@@ -59,9 +60,34 @@ JOURNAL = InputKind("a journal", 512 * MIB)
 """Journal of a recording or a design: as large as a table of the same numbers."""
 LINE = MIB
 """Largest number of bytes in one line of a table: 100,000 columns."""
-MAX_CHUNK_BYTES = GIB
-"""Largest chunk of a Zarr array; chunks are decoded whole."""
-MAX_CHUNKS = 10**6
+MAX_REASON = 200
+"""Largest number of characters of a library's own message."""
+ANOTHER_COPY = "; use another copy"
+KIND_OF = {
+    ".toml": "scene",
+    **dict.fromkeys((".nc", ".csv", ".zarr"), "sweeps"),
+    ".npz": "model",
+}
+GIVEN = {"scene": "this is a scene", "sweeps": "these are sweeps", "model": "this is a model"}
+EXPECTED = {
+    "scene": "a scene is expected here: a .toml or a built-in name",
+    "sweeps": "sweeps are expected here: a .nc, .csv or .zarr",
+    "model": "a model is expected here: a .npz, as rcskin train writes",
+}
+FOREIGN = "tables of instruments and other programs are read by rcskin import"
+
+
+def check_file_kind(path: Path, expected: str) -> None:
+    """Raises InputError if the ending belongs to another kind of file than `expected`.
+
+    expected: a key of EXPECTED. Unknown endings pass.
+    """
+    given = KIND_OF.get(path.suffix, expected)
+    if given == expected:
+        return
+    simulated = f"; rcskin sweep {path} -o {path.stem}.nc simulates some"
+    hint = simulated if (given, expected) == ("scene", "sweeps") else ""
+    raise InputError(f"{path}: {GIVEN[given]}, {EXPECTED[expected]}{hint}")
 
 
 def check_input(path: Path, kind: InputKind) -> Path:
@@ -125,6 +151,21 @@ def picture(path: Path) -> Image.Image:
     return found
 
 
+@contextmanager
+def named_damage(path: Path, failure: str, advice: str = "") -> Iterator[None]:
+    """Turns whatever a library raises for a damaged file into one line that names it.
+
+    failure: such as `cannot be read as .nc`. advice: follows the reason.
+    """
+    try:
+        yield
+    except InputError:
+        raise
+    except Exception as error:
+        reason = " ".join(str(error).split())[:MAX_REASON] or type(error).__name__
+        raise InputError(f"{path}: {failure}: {reason}{advice}") from error
+
+
 def tables(given: str) -> dict[str, Any]:
     """The tables of a TOML text. Raises TOMLDecodeError, also for nesting that is too deep."""
     if len(given) > SCENE.max_bytes:  # within sweeps or a model
@@ -160,13 +201,9 @@ def check_memory(path: Path, size: float) -> None:
         )
 
 
-def check_archive(path: Path, file: IO[bytes]) -> None:
-    """Raises InputError if a ZIP archive unpacks to more than the limit of a model.
-
-    path: named in errors only. Raises zipfile.BadZipFile if it is no archive.
-    """
-    with zipfile.ZipFile(file) as archive:
-        size = sum(each.file_size for each in archive.infolist())
+def check_unpacked(path: Path, archive: zipfile.ZipFile) -> None:
+    """Raises InputError if an archive unpacks to more than the limit of a model."""
+    size = sum(each.file_size for each in archive.infolist())
     if size > min(MODEL.max_bytes, SHARE * free_memory()):
         raise InputError(f"{path}: unpacks to {size / GIB:.3g} GiB; {_limit_text(MODEL)}")
 
@@ -180,21 +217,6 @@ def check_folder(path: Path) -> None:
             check_folder(Path(entry.path))
         elif not entry.is_file(follow_symlinks=False):
             raise InputError(f"{entry.path}: must be a regular file, not a link, pipe or device")
-
-
-def check_arrays(path: Path, arrays: Iterable[tuple[str, int, int, int]]) -> None:
-    """Raises InputError if arrays of a Zarr declare more than can be read in parts.
-
-    arrays: name, number of dimensions, bytes of a chunk and number of chunks of each.
-    """
-    for name, dimensions, size, count in arrays:
-        if size > MAX_CHUNK_BYTES or count > MAX_CHUNKS:
-            raise InputError(
-                f"{path}: `{name}` declares {count} parts of {size} bytes; at most {MAX_CHUNKS} "
-                f"of {MAX_CHUNK_BYTES} are read"
-            )
-        if dimensions == 1:  # read whole when it is opened
-            check_memory(path, size * count)
 
 
 def _check(path: Path, kind: InputKind, status: os.stat_result) -> None:

@@ -1,34 +1,123 @@
-"""Writes sweeps as NetCDF, Zarr or CSV by file ending, and checks output paths."""
+"""Outputs of users: where one may be written, what it may replace, and sweeps by file ending.
+
+Nothing that exists is replaced without an option. Measured sweeps need an option of their own,
+because nobody can make them again.
+"""
 
 from __future__ import annotations
 
 import errno
 import os
 import shutil
-import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .digests import seal_store
 from .errors import InputError
-from .formats.csv import write_csv, write_rows
-from .formats.netcdf import write_dataset, write_table
-from .input_files import ENDINGS, check_zarr
-from .schema import check
-from .sweep_table import SweepTable
-from .writing import (
-    PREFIX,
-    check_all_replaceable,
-    check_replaceable,
-    named_failures,
-    present,
-    whole_file,
-)
+from .formats import ENDINGS, FORMATS
+from .formats.zarr import check_zarr
+from .schema import MEASURED, VIRTUAL, SweepTable, check
+from .writing import PREFIX, keep_beside, kept_file, named_failures, present
 
 if TYPE_CHECKING:
     import xarray as xr
+
+FILES, MEASURED_TOO = 1, 2
+_replaceable: ContextVar[int] = ContextVar("replaceable", default=0)
+"""What may be replaced: nothing, FILES and folders, or MEASURED_TOO: even measured sweeps."""
+DERIVED_NAME_LENGTH = 32
+"""Extra characters of names that are derived from an output's name, such as journals."""
+
+
+@contextmanager
+def replacing(files: bool = True, measured: bool = False) -> Iterator[None]:
+    """Within the block, files and folders may be replaced too, or even measured sweeps."""
+    more = MEASURED_TOO if measured else FILES * files
+    token = _replaceable.set(max(_replaceable.get(), more))
+    try:
+        yield
+    finally:
+        _replaceable.reset(token)
+
+
+def may_replace(measured: bool = False) -> bool:
+    """True within `replacing`; measured: True if even measured sweeps may be replaced."""
+    return _replaceable.get() >= (MEASURED_TOO if measured else FILES)
+
+
+def check_replaceable(path: Path) -> None:
+    """Raises InputError with reason and advice if something exists that may not be replaced.
+
+    Without an option the file is not read, so that a command refuses at once.
+    """
+    if not present(path) or may_replace(measured=True):
+        return
+    if not may_replace():
+        reason, option = "already exists", "--overwrite replaces it"
+        if path.suffix in FORMATS:
+            option += " (--overwrite-measured if its sweeps were measured)"
+    elif reason := _measured(path):
+        option = "--overwrite-measured replaces it"
+    else:
+        return
+    raise InputError(f"{path}: {reason}; {option}, or give another name")
+
+
+def check_all_replaceable(folder: Path, patterns: Iterable[str]) -> None:
+    """Applies `check_replaceable` to all files in `folder` whose names match the patterns."""
+    for pattern in patterns:
+        for path in sorted(folder.glob(pattern)):
+            check_replaceable(path)
+
+
+def _measured(path: Path) -> str | None:
+    """Why a file counts as measured sweeps; None if it does not.
+
+    A damaged file with an ending of sweeps counts as measured, so that damage never makes measured
+    sweeps easier to lose. Only a tolerance shows that sweeps were simulated.
+    """
+    if path.suffix not in FORMATS:
+        return None
+    before = _identity(path)
+    try:
+        names, attributes = FORMATS[path.suffix].marks(path)
+    except Exception:  # of whatever library
+        if (now := _identity(path)) is None:
+            return None
+        if now != before:  # another writer replaced it meanwhile
+            return _measured(path)
+        return "already exists, and cannot be read whole: it may hold measured sweeps"
+    recorded = attributes.get("model") in (MEASURED, VIRTUAL)
+    if not recorded and ("rtol" in attributes or not names & {"Rs", "Cp", "gain"}):
+        return None
+    begun = attributes.get("begun")
+    return "already exists with measured sweeps" + (f", begun {begun}" if begun else "")
+
+
+def _identity(path: Path) -> tuple[int, int] | None:
+    """Number and time of what is at a path, which differ once it was replaced; None if nothing."""
+    with suppress(FileNotFoundError):
+        found = path.stat()
+        return found.st_ino, found.st_mtime_ns
+    return None
+
+
+@contextmanager
+def whole_file(path: Path, folder: bool = False) -> Iterator[Path]:
+    """Like `kept_file`, for a user's output, which replaces only what it may.
+
+    Raises InputError if `path` may not be replaced (see `check_replaceable`). If something appeared
+    there while the block ran, the finished output stays next to it, and the error names both.
+    """
+    check_replaceable(path)
+    with kept_file(path, folder) as unfinished:
+        yield unfinished
+        try:
+            check_replaceable(path)
+        except InputError as error:
+            raise InputError(f"{error}. {keep_beside(unfinished, path)}") from error
 
 
 def write(sweeps: xr.Dataset | SweepTable, path: str | Path) -> None:
@@ -38,18 +127,13 @@ def write(sweeps: xr.Dataset | SweepTable, path: str | Path) -> None:
     """
     path = checked_output(path)
     with whole_file(path) as unfinished:
-        if isinstance(sweeps, SweepTable) and path.suffix in TABLE_WRITERS:
-            TABLE_WRITERS[path.suffix](sweeps, unfinished)
-        else:
-            whole = sweeps.dataset() if isinstance(sweeps, SweepTable) else sweeps
-            DATASET_WRITERS[path.suffix](check(whole), unfinished)
+        FORMATS[path.suffix].write(check(sweeps), unfinished)
 
 
 def checked_output(path: str | Path, endings: Sequence[str] = ENDINGS) -> Path:
     """Returns the path if a file can be written there; call it before any work is done.
 
-    Raises InputError as `checked_place`, and if a file exists that may not be replaced (see
-    `writing`).
+    Raises InputError as `checked_place`, and if a file exists that may not be replaced.
     """
     path = checked_place(path, endings)
     check_replaceable(path)
@@ -66,10 +150,10 @@ def checked_place(path: str | Path, endings: Sequence[str]) -> Path:
     if path.suffix not in endings:
         raise InputError(f"{path}: must end in {' or '.join(endings)}, got {path.suffix!r}")
     _check_parent(path)
-    if path.suffix != ".zarr" and path.is_dir():
-        raise InputError(f"{path}: is a folder, not a file to write to")
     if path.suffix == ".zarr":
         check_zarr(path)
+    elif path.is_dir():
+        raise InputError(f"{path}: is a folder, not a file to write to")
     return path
 
 
@@ -110,10 +194,6 @@ def made_folder(path: Path) -> Path:
     with named_failures(path):
         path.mkdir(parents=True, exist_ok=True)
     return path
-
-
-DERIVED_NAME_LENGTH = 32
-"""Extra characters of names that are derived from an output's name, such as journals."""
 
 
 def _check_parent(path: Path) -> None:
@@ -159,24 +239,3 @@ def locked(folder: Path, begun: str, busy: str) -> Iterator[Path]:
             with suppress(OSError):  # another process has begun there
                 file.unlink(missing_ok=True)
                 folder.rmdir()
-
-
-def _write_zarr(sweeps: xr.Dataset, path: Path) -> None:
-    from zarr.codecs import Crc32cCodec, ZstdCodec
-
-    checked = {"compressors": (ZstdCodec(), Crc32cCodec())}
-    with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "Consolidated metadata is currently not part")
-        sweeps.to_zarr(
-            path,
-            mode="w",
-            zarr_format=3,
-            consolidated=True,
-            encoding=dict.fromkeys(sweeps.variables, checked),
-            write_empty_chunks=True,
-        )
-    seal_store(path)
-
-
-TABLE_WRITERS = {".nc": write_table, ".csv": write_rows}
-DATASET_WRITERS = {".nc": write_dataset, ".zarr": _write_zarr, ".csv": write_csv}

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .reading_quantities import DESCRIBED
-from .schema import TAKEN, UNNAMED, taken_of
-from .sweep_table import DIMENSIONS
+from .schema import DIMENSIONS, TAKEN, UNNAMED, taken_of
 
 if TYPE_CHECKING:
     import xarray as xr

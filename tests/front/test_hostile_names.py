@@ -178,7 +178,7 @@ def test_every_output_shows_hostile_names_and_obeys_none(tmp_path, command, char
 def test_sweeps_have_no_names_that_are_obeyed(name):
     labels = {"interface": ["left"], "press": ["none"], "row": [0], "column": [0]}
     with pytest.raises(InputError, match=f"`{name}` must be printable, on one line") as refused:
-        build([[[1 - 1j]]], [1e3], **{**labels, name: [OBEYED]})
+        build([[[1 - 1j]]], [1e3], **{**labels, name: [OBEYED]}).dataset()
     assert str(refused.value).isprintable()
 
 

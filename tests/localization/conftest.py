@@ -80,7 +80,7 @@ def make_sweeps():
             column=[j for _, j in pixels],
             session=[session] * len(pixels),
             attributes={"scene": 'name = "line"\n'},
-        )
+        ).dataset()
 
     return make
 

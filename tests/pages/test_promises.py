@@ -193,9 +193,8 @@ PROMISES = {
             f"{SWEEPS}test_writing.py"
             "::test_what_is_finished_stays_where_the_target_is_open_elsewhere"
         ),
-        "deletes unfinished files, `.rcskin-*`, of its folder that nobody changed for a day": (
-            f"{SWEEPS}test_writing.py"
-            "::test_what_nobody_changed_for_a_day_is_cleared_and_nothing_else"
+        "A command that is killed may leave an unfinished file, `.rcskin-*`": (
+            f"{SWEEPS}test_writing.py::test_a_killed_writer_leaves_an_unfinished_file_and_no_output"
         ),
         "the next command that looks for that `.zarr` puts the earlier one back.": (
             f"{SWEEPS}test_writing.py"

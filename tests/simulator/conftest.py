@@ -21,7 +21,7 @@ def made_sweeps(sweeps=2, interfaces=("left", "bottom"), frequency=FREQUENCY, Z=
         "row": [0, *[1] * (sweeps - 1)],
         "column": [*range(sweeps)],
     }
-    return build(Z, frequency, interface=interfaces, **{**labels, **more})
+    return build(Z, frequency, interface=interfaces, **{**labels, **more}).dataset()
 
 
 @pytest.fixture(scope="session")

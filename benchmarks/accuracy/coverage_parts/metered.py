@@ -51,7 +51,7 @@ def metered(
         column=[step.column for step in steps],
         shown={"Cp": Cp},
         attributes={"settings": json.dumps({"auto_range": True})},
-    )
+    ).dataset()
 
 
 def _trace(bench: MeasurementSetup, scene: Scene, press: str) -> list[MeterReading]:

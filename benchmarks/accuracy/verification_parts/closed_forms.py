@@ -192,7 +192,9 @@ def passivity(skins: int) -> Iterator[Check]:
             continue
         answered += 1
         labels = {"interface": ["meter"], "press": [UNPRESSED], "row": [0], "column": [0]}
-        broken += len(violations(build(Z[None], scene.frequencies, **labels), tolerance=1e-4))
+        broken += len(
+            violations(build(Z[None], scene.frequencies, **labels).dataset(), tolerance=1e-4)
+        )
         total = capacitance_map(scene, press).mean() * scene.skin.length * scene.skin.width
         off.append(abs(parallel_capacitance(Z, scene.frequencies)[0, 0] / total - 1))
     what = f"4 laws of passive networks, {answered} random skins, u from 1e-6 to 30"

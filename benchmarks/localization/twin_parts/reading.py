@@ -29,7 +29,7 @@ def read_at_once(twin: Twin, presses: list[str], session: int = 0, ranges: str =
         row=[press.pixel[0] for press in asked],
         column=[press.pixel[1] for press in asked],
         session=[session] * len(presses),
-    )
+    ).dataset()
 
 
 def _measured(Z: np.ndarray, scene: Scene, random: np.random.Generator, ranges: str) -> np.ndarray:

@@ -14,7 +14,7 @@ from ...report.files import files_in, filled_at_once, write_json, write_rows, wr
 from ...report.terminal import table as in_columns
 from ...safe_text import escaped
 from ...scene.scene_files import scene_text
-from ...sweeps.writing import WriteContext, in_write_context
+from ...sweeps.output_files import replacing
 from .estimates import HEADER
 from .explanations import assumptions, readings_of
 from .residual_chart import draw_residuals
@@ -63,7 +63,7 @@ def write_report(
 
 def write_remarks(calibration: Calibration, source: str, folder: Path) -> None:
     """Writes the numbers and remarks of a report anew, once trials have added theirs."""
-    with in_write_context(WriteContext(overwrite=True)):
+    with replacing():
         write_json(folder / NUMBERS, numbers(calibration, source))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from ...sweeps import (
@@ -15,12 +16,13 @@ from ...sweeps import (
     require_packages,
     whole_file,
 )
+from ...sweeps.formats.netcdf import write_netcdf
 from ...sweeps.schema import DIMENSIONS
 from . import lerobot
 from .exported_sweeps import Exported
 from .lerobot import write_lerobot
 from .mcap import write_mcap
-from .netcdf_copy import write_netcdf
+from .sweep_parts import variable_parts
 from .tables import write_csv, write_parquet
 
 
@@ -39,8 +41,13 @@ class ExportFormat:
     marker: str = ""
 
 
+def _write_netcdf(exported: Exported, path: Path) -> None:
+    """Writes NetCDF with all variables and attributes, part by part."""
+    write_netcdf(exported.sweeps, path, partial(variable_parts, data=exported.data))
+
+
 FORMATS = {
-    "netcdf": ExportFormat(".nc", write_netcdf),
+    "netcdf": ExportFormat(".nc", _write_netcdf),
     "csv": ExportFormat(".csv", write_csv),
     "parquet": ExportFormat(".parquet", write_parquet, "scale", ("pyarrow",)),
     "mcap": ExportFormat(".mcap", write_mcap, packages=("mcap_ros2",)),

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from ...sweeps import InputError
-from ...sweeps.formats import netcdf
+from ...sweeps import inputs
 from ...sweeps.reading_quantities import kind_of
 
 if TYPE_CHECKING:
     import xarray as xr
+    from numpy.typing import NDArray
 
 VALUES_AT_ONCE = 2**20
 """Largest number of values of a variable that are in memory at once."""
@@ -20,11 +20,16 @@ Part = TypeVar("Part", "xr.Dataset", "xr.Variable")
 
 def in_memory(part: Part, data: Path) -> Part:
     """Loads a part of a data set. Raises InputError naming the data set if it is corrupt."""
-    try:
+    with inputs.named_damage(data, "damaged, cannot be read", inputs.ANOTHER_COPY):
         return part.load()
-    except netcdf.DAMAGED as error:
-        reason = " ".join(str(error).split())
-        raise InputError(f"{data}: damaged, cannot be read: {reason}; use another copy") from error
+
+
+def variable_parts(variable: xr.Variable, data: Path) -> Iterator[tuple[slice, NDArray[Any]]]:
+    """Yields the place and the values of each part of a variable along its first dimension."""
+    rows = max(1, VALUES_AT_ONCE * variable.shape[0] // max(1, variable.size))
+    for first in range(0, variable.shape[0], rows):
+        place = slice(first, first + rows)
+        yield place, in_memory(variable[place], data).values
 
 
 def parts(sweeps: xr.Dataset, data: Path) -> Iterator[tuple[int, xr.Dataset]]:

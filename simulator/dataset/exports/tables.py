@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...sweeps.digests import seal_text
-from ...sweeps.formats.csv import append_csv
+from ...sweeps.formats.csv import write_csv_parts
 from ...sweeps.reading_quantities import kind_of
 from ...sweeps.schema import CONTACT, DIMENSIONS, TAKEN, taken_of
 from .exported_sweeps import Exported
@@ -24,9 +23,7 @@ def write_csv(exported: Exported, path: Path) -> None:
     sweeps = exported.sweeps
     written = (*kind_of(sweeps).names, TAKEN)
     kept = sweeps.drop_vars([name for name in sweeps.data_vars if name not in written])
-    for first, part in parts(kept, exported.data):
-        append_csv(part, path, first)
-    seal_text(path)
+    write_csv_parts((part for _, part in parts(kept, exported.data)), path)
 
 
 def write_parquet(exported: Exported, path: Path) -> None:

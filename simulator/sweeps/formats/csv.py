@@ -9,7 +9,7 @@ from __future__ import annotations
 import io
 import json
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import dropwhile, takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,10 +17,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import inputs
-from ..csv_cells import CsvWriter, guarded_comment, unguarded
+from ..csv_cells import guarded_comment, unguarded, write_cells
 from ..digests import OWN_KEYS, UNSEALED, check_text, seal_text
 from ..errors import InputError
-from ..file_kinds import FOREIGN
 from ..impedance import (
     UNRELATED,
     branch_reactance,
@@ -30,8 +29,17 @@ from ..impedance import (
 )
 from ..importing.readings.branch import branch_attributes, choose_branches
 from ..reading_quantities import GAIN, IMPEDANCE, KINDS, MAGNITUDE, kind_of
-from ..schema import SESSIONS, TAKEN, TIME, UNKNOWN_PRESS, UNNAMED, build
-from ..sweep_table import SweepTable, table_of
+from ..schema import (
+    DIMENSIONS,
+    SESSIONS,
+    TIME,
+    UNKNOWN_PRESS,
+    UNNAMED,
+    SweepTable,
+    build,
+    ordered,
+    taken_of,
+)
 from ..units import plain_number
 
 if TYPE_CHECKING:
@@ -43,7 +51,6 @@ LABELS = ("press", "row", "column", "session")
 COLUMN_OF = {each.name: each.column for kind in KINDS for each in kind.quantities}
 """Column of each quantity."""
 HEADER = ["sweep", *LABELS, SECONDS, "interface", "frequency_Hz", *COLUMN_OF.values()]
-WRITTEN_VARIABLES = (*COLUMN_OF, *LABELS, TIME, "interface", "frequency", TAKEN)
 TEXT_COLUMNS = ("press", "session", "interface")
 """Columns that hold text."""
 DEFAULT_LABELS = {
@@ -60,48 +67,45 @@ NO_SESSIONS = "the file has no column `session`: all its sweeps are taken for on
 """Value of the attribute `session_rule` for files without that column."""
 
 
-def write_csv(sweeps: xr.Dataset, path: Path) -> None:
+def write_csv(sweeps: xr.Dataset | SweepTable, path: Path) -> None:
     """Writes sweeps in long form, one line per reading; they read back to the same bits."""
-    write_rows(table_of(sweeps, WRITTEN_VARIABLES), path)
+    write_csv_parts([sweeps], path)
 
 
-def write_rows(sweeps: SweepTable, path: Path) -> None:
-    """Like `write_csv`, for a `SweepTable`."""
-    _append(sweeps, path, 0)
+def write_csv_parts(parts: Iterable[xr.Dataset | SweepTable], path: Path) -> None:
+    """Like `write_csv`, for sweeps that are in memory one part after the other."""
+    first = 0
+    with path.open("w", encoding="utf-8", newline="") as file:
+        for number, sweeps in enumerate(parts):
+            table = _table(sweeps, first)
+            if number == 0:
+                file.write(UNSEALED + _comment_text(sweeps.attrs))
+                write_cells(file, [table])
+            write_cells(file, zip(*(each.tolist() for each in table.values()), strict=True))
+            first += sweeps.sizes["sweep"]
     seal_text(path)
 
 
-def append_csv(sweeps: xr.Dataset, path: Path, first: int) -> None:
-    """Appends sweeps in long form to a file; their numbers start at `first`.
-
-    Attributes and header precede sweep 0. Call `seal_text` at the end to fill in the digest.
-    """
-    _append(table_of(sweeps, WRITTEN_VARIABLES), path, first)
-
-
-def _append(sweeps: SweepTable, path: Path, first: int) -> None:
-    axes, shape = sweeps.coordinates, tuple(sweeps.sizes.values())
-    taken = axes[TAKEN].values.astype(bool) if TAKEN in axes else np.ones(shape[1:], dtype=bool)
-    read = sweep, interface, frequency = np.nonzero(np.broadcast_to(taken, shape))
+def _table(sweeps: xr.Dataset | SweepTable, first: int) -> dict[str, np.ndarray]:
+    """Columns of the readings that were taken. first: number of the first sweep."""
+    variables, taken = sweeps.variables, taken_of(sweeps)
+    shape = [sweeps.sizes[name] for name in DIMENSIONS]
+    read = sweep, interface, frequency = np.nonzero(
+        np.ones(shape) if taken is None else np.broadcast_to(taken, shape)
+    )
     table = {
         "sweep": first + sweep,
-        **{name: axes[name].values[sweep] for name in LABELS},
-        **({SECONDS: axes[TIME].values[sweep]} if TIME in axes else {}),
-        "interface": axes["interface"].values[interface],
-        "frequency_Hz": axes["frequency"].values[frequency],
+        **{name: variables[name].values[sweep] for name in LABELS},
+        **({SECONDS: variables[TIME].values[sweep]} if TIME in variables else {}),
+        "interface": variables["interface"].values[interface],
+        "frequency_Hz": variables["frequency"].values[frequency],
         **{
-            COLUMN_OF[name]: each.values[read]
-            for name, each in sweeps.quantities.items()
-            if name in COLUMN_OF
+            column: ordered(variables[name])[read]
+            for name, column in COLUMN_OF.items()
+            if name in variables
         },
     }
-    columns = [name for name in HEADER if name in table]
-    with path.open("w" if first == 0 else "a", encoding="utf-8", newline="") as file:
-        rows = CsvWriter(file)
-        if first == 0:
-            file.write(UNSEALED + _comment_text(sweeps.attrs))
-            rows.writerow(columns)
-        rows.writerows(zip(*(table[name].tolist() for name in columns), strict=True))
+    return {name: table[name] for name in HEADER if name in table}
 
 
 def read_csv(path: Path) -> xr.Dataset:
@@ -151,10 +155,10 @@ def read_csv(path: Path) -> xr.Dataset:
         kind=kind,
         taken=None if taken.all() else taken,
         attributes={**attributes, **names},
-    )
+    ).dataset()
 
 
-def quantities_and_attributes(path: Path) -> tuple[set[str], dict[str, Any]]:
+def csv_marks(path: Path) -> tuple[set[str], dict[str, Any]]:
     """Names of the quantities that a CSV has columns of, and its attributes; cells are not read.
 
     Raises InputError or UnicodeDecodeError if the file is damaged, or cut off above its columns.
@@ -216,7 +220,7 @@ def _text(path: Path, content: bytes, above: int) -> pd.DataFrame:
     """All cells below the comment lines as text, indexed by their line in the file."""
     import pandas as pd
 
-    try:
+    with inputs.named_damage(path, "not a CSV of sweeps", f"; {inputs.FOREIGN}"):
         cells = pd.read_csv(
             io.BytesIO(content),
             header=None,
@@ -226,9 +230,6 @@ def _text(path: Path, content: bytes, above: int) -> pd.DataFrame:
             skiprows=above,
             encoding="utf-8-sig",
         ).fillna("")
-    except (pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError) as error:
-        reason = " ".join(str(error).split())
-        raise InputError(f"{path}: not a CSV of sweeps: {reason}; {FOREIGN}") from error
     cells.index += above + 1
     cells = cells[(cells != "").any(axis=1)]
     table = cells.iloc[1:].set_axis([name.strip() for name in cells.iloc[0]], axis=1)
@@ -254,7 +255,7 @@ def _check_columns(path: Path, there: list[str]) -> None:
         absent.append("X_ohm` or `Cp_F")
     if absent:
         missing = f"column `{absent[0]}` is missing; found {', '.join(there)}"
-        raise InputError(f"{path}: {missing}; {FOREIGN}")
+        raise InputError(f"{path}: {missing}; {inputs.FOREIGN}")
 
 
 def _numbers(path: Path, table: pd.DataFrame) -> pd.DataFrame:

@@ -1,16 +1,14 @@
 """Sweeps as NetCDF 4: a checksum for each chunk of numbers, and a digest of the whole file.
 
 HDF5 has no checksum of texts, attributes and much of its own structure, and a flipped bit there may
-end the process. Therefore the digest behind its end is checked before the file is opened. A file
-can be written from plain arrays, because importing xarray takes longer than simulating the sweeps;
-the result equals that of `xarray.Dataset.to_netcdf`.
+end the process. Therefore the digest behind its end is checked before the file is opened.
 """
 
 from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Hashable, Mapping
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,63 +16,77 @@ import numpy as np
 
 from .. import inputs
 from ..digests import check_binary, seal_binary
-from ..errors import InputError
-from ..sweep_table import DIMENSIONS, SweepTable
 
 if TYPE_CHECKING:
     import xarray as xr
+    from numpy.typing import NDArray
+
+    from ..schema import SweepTable
 
 LOCK = threading.RLock()
 """Lock for any open NetCDF file: the libraries below crash if two threads read or write at once,
 even different files."""
 SHORTEST_TEXT = 57
 """Bytes of an empty text and of its reference in Python."""
-DAMAGED = (OSError, RuntimeError, ValueError, LookupError, TypeError, AttributeError, MemoryError)
-"""Exceptions that libraries raise for corrupt files without a digest."""
 
 
-def write_table(sweeps: SweepTable, path: Path) -> None:
-    """Writes sweeps as NetCDF 4; texts as strings, numbers to the last bit."""
+def _whole(variable: Any) -> Iterable[tuple[Any, NDArray[Any]]]:
+    return [(..., variable.values)]
+
+
+def write_netcdf(
+    sweeps: xr.Dataset | SweepTable,
+    path: Path,
+    parts: Callable[[Any], Iterable[tuple[Any, NDArray[Any]]]] = _whole,
+) -> None:
+    """Writes sweeps, or any data set, as xarray reads them: texts as strings, numbers to the bit.
+
+    parts: the places and the values of the parts of a variable, for arrays that are not in memory.
+    """
     from netCDF4 import Dataset
 
-    indices = {name for name in sweeps.coordinates if name in DIMENSIONS}
-    named = " ".join(sorted(set(sweeps.coordinates) - indices))
-    with LOCK, Dataset(path, "w", format="NETCDF4") as file:
-        file.setncatts({name: _attribute(value) for name, value in sweeps.attrs.items()})
-        for name, size in sweeps.sizes.items():
-            file.createDimension(name, size)
-        for name, each in sweeps.variables.items():
-            variable = create_variable(file, name, each.values.dtype, each.dims)
-            attributes = {
-                **each.attrs,
-                **({"coordinates": named} if name in sweeps.quantities else {}),
-            }
-            variable.setncatts(attributes)
-            variable[:] = each.values
-    seal_binary(path)
-
-
-def create_variable(file: Any, name: str, dtype: np.dtype, dims: tuple[Hashable, ...]) -> Any:
-    """Creates a variable in an open file; numbers get a checksum of each chunk."""
-    text = dtype.kind in "OUT"
-    fill = np.nan if dtype.kind == "f" else None
-    kind = str if text else dtype.newbyteorder("=")
-    return file.createVariable(name, kind, dims, fill_value=fill, fletcher32=not text)
-
-
-def write_dataset(sweeps: xr.Dataset, path: Path) -> None:
-    """Writes any `xarray.Dataset` as NetCDF 4, in the same way as `write_table`."""
-    encoding: Mapping[Hashable, dict[str, bool]] = {
-        name: {"fletcher32": True}
-        for name, variable in sweeps.variables.items()
-        if variable.dtype.kind not in "OUT" and variable.ndim
+    variables: Any = sweeps.variables
+    labels = {*sweeps.coords} - {*sweeps.sizes}
+    of_each = {
+        name: {label for label in labels if {*variables[label].dims} <= {*each.dims}}
+        for name, each in variables.items()
+        if name not in sweeps.coords
     }
-    with LOCK:
-        sweeps.to_netcdf(path, engine="netcdf4", encoding=encoding)
+    of_none = labels.difference(*of_each.values())
+    with LOCK, Dataset(path, "w", format="NETCDF4") as file:
+        file.setncatts(_attributes(sweeps.attrs, of_none))
+        for name, size in sweeps.sizes.items():
+            file.createDimension(str(name), size)
+        for name, each in variables.items():
+            _write_variable(file, str(name), each, of_each.get(name, ()), parts)
     seal_binary(path)
 
 
-def read_dataset(path: Path) -> xr.Dataset:
+def _write_variable(file: Any, name: str, variable: Any, labels: Iterable[Any], parts: Any) -> None:
+    if variable.dtype.kind in "bmM":  # NetCDF has no truth values and no dates
+        from xarray.conventions import encode_cf_variable
+
+        variable = encode_cf_variable(variable)
+    text = variable.dtype.kind in "OUST"
+    target = file.createVariable(
+        name,
+        str if text else variable.dtype.newbyteorder("="),
+        variable.dims,
+        fill_value=np.nan if variable.dtype.kind == "f" else None,
+        fletcher32=not text and bool(variable.dims),
+    )
+    target.setncatts(_attributes(variable.attrs, labels))
+    for place, values in parts(variable):
+        target[place] = values.astype(object) if text else values
+
+
+def _attributes(attributes: Any, labels: Iterable[Any]) -> dict[str, Any]:
+    """Attributes with the names of coordinates that are no dimensions."""
+    named = {"coordinates": " ".join(sorted(map(str, labels)))} if labels else {}
+    return {str(name): value for name, value in attributes.items()} | named
+
+
+def read_netcdf(path: Path) -> xr.Dataset:
     """Reads the data set of a file into memory.
 
     Raises InputError if the file does not match its digest or cannot be read.
@@ -82,15 +94,9 @@ def read_dataset(path: Path) -> xr.Dataset:
     check_binary(inputs.check_input(path, inputs.SWEEPS))
     import xarray as xr
 
-    try:
-        with LOCK:
-            inputs.check_memory(path, _declared(path))
-            return xr.load_dataset(path, engine="netcdf4")
-    except InputError:
-        raise
-    except DAMAGED as error:
-        reason = " ".join(str(error).split())
-        raise InputError(f"{path}: cannot be read as .nc: {reason}") from error
+    with inputs.named_damage(path, "cannot be read as .nc"), LOCK:
+        inputs.check_memory(path, _declared(path))
+        return xr.load_dataset(path, engine="netcdf4")
 
 
 def _declared(path: Path) -> int:
@@ -104,5 +110,25 @@ def _declared(path: Path) -> int:
         )
 
 
-def _attribute(value: object) -> object:
-    return np.asarray(value) if isinstance(value, int | float) else value
+def netcdf_marks(path: Path) -> tuple[set[str], dict[str, Any]]:
+    """Names of the variables in a file, and its attributes; both empty if it is no NetCDF.
+
+    Raises any exception if it is damaged.
+    """
+    from netCDF4 import Dataset
+
+    check_binary(path)
+    if _is_text(path):
+        return set(), {}
+    with LOCK, Dataset(path) as file:
+        return {*file.variables}, {name: file.getncattr(name) for name in file.ncattrs()}
+
+
+def _is_text(path: Path) -> bool:
+    """True if a file begins with text, as no NetCDF file does, or is empty."""
+    with path.open("rb") as file:
+        beginning = file.read(2**16)
+    try:
+        return "\0" not in beginning.decode()
+    except UnicodeDecodeError:
+        return False

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,11 +10,10 @@ import numpy as np
 from ...arrays import Complex, Integer
 from ..laws.device_faults import device_faults
 from ..reading_quantities import IMPEDANCE
-from .failures import left_out_text
 from .grouping import Grouping
 from .labels import LineLabels
-from .readings.gain_columns import amplifying
-from .readings.reading_columns import ImportedReadings
+from .readings.branch import runs_text
+from .readings.reading_columns import ImportedReadings, amplifying
 from .tables.columns import Column
 from .tables.table import LeftOut
 
@@ -24,6 +24,8 @@ PASSIVE = np.pi / 2 + np.radians(1)
 """Phase of a passive part, with 1 degree of allowance, in rad."""
 SEGMENTS = 0.1
 """Largest relative difference of Z between segments of one spectrum at a frequency of both."""
+MAX_NAMED = 12
+"""Number of kinds of lines, and of runs of lines, that are named."""
 
 
 def account(
@@ -166,3 +168,16 @@ def _impedance_warnings(readings: ImportedReadings, Z: Complex, lines: Integer) 
             "holds the negative, name it with a minus in --columns"
         )
     return found
+
+
+def left_out_text(left_out: Sequence[LeftOut]) -> str:
+    """The lines that were left out, by reason; empty if there are none."""
+    by_reason: dict[str, list[int]] = {}
+    for each in left_out:
+        by_reason.setdefault(each.reason, []).append(each.line)
+    listed = [
+        f"line{'s' * (len(lines) > 1)} {runs_text(sorted(lines), MAX_NAMED)} ({reason})"
+        for reason, lines in by_reason.items()
+    ]
+    more = f" and {len(listed) - MAX_NAMED} more kinds" if len(listed) > MAX_NAMED else ""
+    return "; ".join(listed[:MAX_NAMED]) + more

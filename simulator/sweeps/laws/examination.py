@@ -16,7 +16,7 @@ from ..reading_subset import read_at
 from ..schema import DIMENSIONS, impedance
 from .kramers_kronig import RESOLUTION, fit_passive
 from .noise import NEIGHBOURS, Allowance, local_scale, repeatability, roughness, scaled_by
-from .passivity import Violation
+from .passivity import Violation, violations_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -236,11 +236,7 @@ def _violations(
     slack = DISPLAY_ROUNDING + limits.limit * limits.noise
     Z, frequency = spectrum.Z, spectrum.frequency
     laws[CP_CONSISTENCY] = contradicting(Z.real, Z.imag, Cp, frequency, slack)
-    return tuple(
-        Violation(sweep, interface, law, tuple(spectrum.frequency[broken].tolist()))
-        for law, broken in laws.items()
-        if broken.any()
-    )
+    return violations_of(sweep, interface, frequency, laws)
 
 
 def _signs(spectrum: Spectrum, limits: _Limits) -> dict[str, Mask]:

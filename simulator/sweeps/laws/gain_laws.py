@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...arrays import Mask, Real
+from ...arrays import Real
 from ..errors import InputError
 from ..reading_quantities import GAIN, kind_of
 from ..reading_subset import read_at
@@ -31,7 +31,7 @@ from .examination import (
     examine,
 )
 from .noise import NEIGHBOURS, Allowance, roughness, scaled_by
-from .passivity import Violation
+from .passivity import violations_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,14 +77,14 @@ def _as_impedances(sweeps: xr.Dataset) -> xr.Dataset:
     kept = ("interface", "press", "row", "column", "session")
     labels = {name: sweeps[name].values.tolist() for name in kept}
     G, f = complex_readings(sweeps), sweeps["frequency"].values
-    return build(G, f, **labels, taken=taken_of(sweeps))
+    return build(G, f, **labels, taken=taken_of(sweeps)).dataset()
 
 
 def _with_gain_laws(verdict: Verdict, limit: float, source_scale: float) -> Verdict:
     renamed = (replace(each, law=NAMES.get(each.law, each.law)) for each in verdict.broken)
     spectrum = verdict.spectrum
     above = np.abs(spectrum.Z) > source_scale * (1 + limit * verdict.noise)
-    own = _violations(verdict.sweep, verdict.interface, spectrum.frequency, {AT_MOST_ONE: above})
+    own = violations_of(verdict.sweep, verdict.interface, spectrum.frequency, {AT_MOST_ONE: above})
     return replace(verdict, broken=(*renamed, *own))
 
 
@@ -118,7 +118,7 @@ def _of_magnitudes(
             }
             nothing = np.zeros(len(f), dtype=np.bool_)
             spectrum = Spectrum(own.astype(complex), f, nothing.astype(complex), nothing, 0.0, 0)
-            broken = _violations(sweep, name, f, laws) if single_source else ()
+            broken = violations_of(sweep, name, f, laws) if single_source else ()
             press, origin = str(part["press"].values[sweep]), "fit" if noise is None else "given"
             yield Verdict(sweep, name, press, spectrum, (0.0, 0.0), spread, origin, allowed, broken)
 
@@ -128,13 +128,3 @@ def _limit(sweeps: xr.Dataset, noise: float | None) -> float:
     tests = 2 * LAWS * int(np.prod([sweeps.sizes[name] for name in sweeps["gain"].dims]))
     points = 2 * sweeps.sizes["sweep"] * min(sweeps.sizes["frequency"], NEIGHBOURS)
     return Allowance(tests, points if noise is None else np.inf).limit
-
-
-def _violations(
-    sweep: int, interface: str, frequency: Real, laws: Mapping[str, Mask]
-) -> tuple[Violation, ...]:
-    return tuple(
-        Violation(sweep, interface, law, tuple(frequency[broken].tolist()))
-        for law, broken in laws.items()
-        if broken.any()
-    )

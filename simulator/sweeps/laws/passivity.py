@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -31,6 +31,17 @@ class Violation:
         where = f"sweep {self.sweep}, interface {self.interface}"
         broken = f"{self.law} is broken at {frequencies_text(self.frequency)}"
         return f"{where}: {self.text or broken}"
+
+
+def violations_of(
+    sweep: int, interface: str, frequency: Real, laws: Mapping[str, Mask]
+) -> tuple[Violation, ...]:
+    """The laws that one spectrum breaks. laws: masks of the frequencies [Hz] at which, by name."""
+    return tuple(
+        Violation(sweep, interface, law, tuple(frequency[broken].tolist()))
+        for law, broken in laws.items()
+        if broken.any()
+    )
 
 
 def frequencies_text(frequency: Sequence[float] | Real) -> str:
@@ -65,10 +76,12 @@ def violations(sweeps: xr.Dataset, tolerance: float | ErrorBounds = 1e-9) -> lis
     """
     frequency = sweeps["frequency"].values
     return [
-        Violation(sweep, str(name), law, tuple(float(f) for f in frequency[broken]))
+        violation
         for sweep, by_interface in enumerate(impedance(sweeps))
         for name, Z in zip(sweeps["interface"].values, by_interface, strict=True)
-        for law, broken in broken_laws(Z, frequency, tolerance).items()
+        for violation in violations_of(
+            sweep, str(name), frequency, broken_laws(Z, frequency, tolerance)
+        )
     ]
 
 

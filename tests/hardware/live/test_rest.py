@@ -42,7 +42,9 @@ def test_live_and_evaluation_compare_a_sweep_with_the_same_baseline_of_a_skin_th
     row = np.isin(np.arange(150), taken).astype(int) ^ 1
     Z = np.array([[trace.Z for trace in each.traces] for each in sweeps])
     press = ["none" if k in taken else "1,1" for k in range(150)]
-    recording = build(Z, MODEL.frequencies, interface=["left"], press=press, row=row, column=row)
+    recording = build(
+        Z, MODEL.frequencies, interface=["left"], press=press, row=row, column=row
+    ).dataset()
     judged = log_baselines(recording)
     place = {k: number for number, k in enumerate(judged.rows.tolist())}
     same = [(k, *means) for k, *means in known if k - 1 not in taken]

@@ -13,7 +13,9 @@ TAKEN = np.array([[1, 1, 1, 1, 0, 0, 0], [0, 1, 0, 1, 0, 1, 1]], dtype=bool)
 def sweeps():
     Z = (1 + 1 / (2j * np.pi * FREQUENCY * 1e-9)) * np.array([[[1.0], [2.0]]])
     labels = {"interface": ["left", "right"], "press": ["none"], "row": [0], "column": [0]}
-    return build(np.where(TAKEN, Z, np.nan), FREQUENCY, **labels, session=[0], taken=TAKEN)
+    return build(
+        np.where(TAKEN, Z, np.nan), FREQUENCY, **labels, session=[0], taken=TAKEN
+    ).dataset()
 
 
 def test_an_interface_plays_back_what_it_was_read_at(sweeps):

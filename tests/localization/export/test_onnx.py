@@ -87,7 +87,7 @@ def test_gains(kind, relative):
         row=np.minimum(column, 1),
         column=column,
         kind=kind,
-    )
+    ).dataset()
     phases = kind is GAIN
     quantities = ("dlnG", "dphaseG") if relative else ("gain", "lnG", "phaseG")
     names = [name for name in quantities if phases or "phase" not in name]

@@ -81,7 +81,7 @@ def placing():
 def rest():
     Z = np.full((3, 2, 3), ABOUT_REST)
     none = {"press": ["none"] * 3, "row": [0] * 3, "column": [0] * 3}
-    return build(Z, FREQUENCIES, interface=list(INTERFACES), **none)
+    return build(Z, FREQUENCIES, interface=list(INTERFACES), **none).dataset()
 
 
 def asked(model, rest, x, turn=0.0 * TURN, follower=None, **how):

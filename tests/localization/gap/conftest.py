@@ -64,7 +64,7 @@ def exact(skin, presses, session, interfaces, frequency):
         session=session,
         errors={name: np.zeros(np.shape(Z)) for name in ("Rs_error", "Cp_error")},
         attributes={"scene": skin.text, "rtol": 1e-9},
-    )
+    ).dataset()
 
 
 def seen_by_meter(sweeps, noise, seed):
@@ -77,7 +77,7 @@ def seen_by_meter(sweeps, noise, seed):
         interface=list(sweeps["interface"].values),
         **{name: list(sweeps[name].values) for name in ("press", "row", "column", "session")},
         attributes={**sweeps.attrs, "readout": f"{noise}"},
-    )
+    ).dataset()
 
 
 @pytest.fixture(scope="session")

@@ -19,7 +19,7 @@ def shifted(sweeps, ohm):
         interface=list(sweeps["interface"].values),
         **{name: list(sweeps[name].values) for name in ("press", "row", "column", "session")},
         attributes=sweeps.attrs,
-    )
+    ).dataset()
 
 
 @pytest.fixture(scope="module")

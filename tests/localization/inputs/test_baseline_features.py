@@ -22,7 +22,7 @@ def recorded(columns, *sessions):
         row=np.minimum(columns, 1).tolist(),
         column=columns.tolist(),
         session=np.repeat(sessions, columns.size // len(sessions)).tolist(),
-    )
+    ).dataset()
 
 
 def logarithm(sweeps):

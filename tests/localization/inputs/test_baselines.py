@@ -15,7 +15,7 @@ def seen_by(meter, sweeps):
         sweeps["frequency"].values,
         interface=list(sweeps["interface"].values),
         **labels,
-    )
+    ).dataset()
 
 
 def test_logarithm_and_phase_are_those_of_the_impedance(sheet):

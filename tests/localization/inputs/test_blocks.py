@@ -65,7 +65,7 @@ def test_room_is_taken_for_little_more_than_the_features(monkeypatch):
         row=(~rested).astype(int).tolist(),
         column=(~rested).astype(int).tolist(),
         session=(np.arange(count) % sessions).tolist(),
-    )
+    ).dataset()
     monkeypatch.setattr(features, "BLOCK", 200)
     by_blocks = peak_of(sweeps)
     monkeypatch.setattr(features, "BLOCK", 10 * count)

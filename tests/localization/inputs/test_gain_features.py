@@ -26,7 +26,7 @@ def sweeps(kind=GAIN, seed=1, count=60):
         row=np.minimum(column, 1),
         column=column,
         kind=kind,
-    )
+    ).dataset()
 
 
 def test_features_of_gains_are_logarithm_and_phase():

@@ -44,7 +44,7 @@ def session(skin):
             press=texts,
             row=np.concatenate([none, cells[:, 0] // 5 + 1, other]),
             column=np.concatenate([none, cells[:, 0] % 5 + 1, other]),
-        )
+        ).dataset()
         return read_out(sweeps, SCENE.readout, random, number)
 
     return read

@@ -182,7 +182,7 @@ def test_a_measured_knitted_pad_is_fitted_as_it_comes():
         column=list(some),
         session=[0] * len(some),
         kind=scene.reading.kind,
-    )
+    ).dataset()
     found = calibrate(scene, sweeps, Options(trials=False))
     assert lines(found, "taken: interfaces left and right exchanged")
     assert found.values["source_scale"] == pytest.approx(0.56, abs=0.03)

@@ -50,7 +50,7 @@ def recorded(scene, sweeps, automatic, seed):
         scene.frequencies,
         **{name: list(sweeps[name].values) for name in kept},
         attributes={"settings": json.dumps({"auto_range": automatic})},
-    )
+    ).dataset()
 
 
 @pytest.mark.parametrize("automatic", [True, False])

@@ -228,7 +228,7 @@ def test_intervals_hold_the_truth(scene, model):
             column=[0, 0, 0, 1, 2, 3],
             session=[0] * 6,
             attributes={},
-        )
+        ).dataset()
         found = calibrate(
             around,
             read_out(sweeps, around.readout, random),

@@ -39,7 +39,7 @@ def test_gains_are_drawn(run, refused, make_sweeps, file, tmp_path, magnitude_on
     kind = MAGNITUDE if magnitude_only else GAIN
     presses = {"press": ["none", "1,1", "none"], "row": [0, 1, 0], "column": [0, 1, 0]}
     gains = 0.5 * np.exp(-0.3j) * np.ones((3, 1, 3))
-    sweeps = build(gains, [1e3, 2e3, 3e3], interface=["left"], kind=kind, **presses)
+    sweeps = build(gains, [1e3, 2e3, 3e3], interface=["left"], kind=kind, **presses).dataset()
     write(sweeps, tmp_path / "gains.nc")
     output = tmp_path / "gains.svg"
     assert run("plot", tmp_path / "gains.nc", "-o", output)[0] == 0

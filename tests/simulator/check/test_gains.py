@@ -29,7 +29,7 @@ def gains(G, kind=GAIN):
         row=[0] * 4,
         column=[0] * 4,
         kind=kind,
-    )
+    ).dataset()
 
 
 def broken(sweeps, **more):

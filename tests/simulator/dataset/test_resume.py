@@ -12,7 +12,7 @@ import pytest
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.models.reduced.model_file import load
 from rcskin.simulator.sweeps import InputError, read
-from rcskin.simulator.sweeps.writing import WriteContext, in_write_context
+from rcskin.simulator.sweeps.output_files import replacing
 
 RUN = [sys.executable, "-c", "import toy_family; toy_family.main()"]
 SWEEPS = 400
@@ -106,7 +106,7 @@ def test_another_plan_is_refused_unfinished_or_whole(make, toy, tmp_path, other,
 def test_a_whole_data_set_is_left_alone_unless_it_is_to_be_replaced(make, toy):
     before = os.stat(make("out", toy.small_plan(50))).st_mtime_ns
     assert os.stat(make("out", toy.small_plan(50))).st_mtime_ns == before
-    with in_write_context(WriteContext(overwrite=True)):
+    with replacing():
         assert os.stat(make("out", toy.small_plan(50))).st_mtime_ns > before
         assert read(make("out", toy.small_plan(60))).sizes["sweep"] == 60
 

@@ -8,7 +8,7 @@ import pytest
 import rcskin
 from rcskin.simulator.robots.mujoco_skin import MujocoSkin
 from rcskin.simulator.sweeps import InputError
-from rcskin.simulator.sweeps.concatenation import concatenate
+from rcskin.simulator.sweeps.joining import concatenate
 from rcskin.simulator.sweeps.press_text import parse_touches
 
 from .conftest import RTOL, SIDES, small_scene

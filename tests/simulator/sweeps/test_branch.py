@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.sweeps import InputError, branch_reactance, impedance, parallel_capacitance
+from rcskin.simulator.sweeps import InputError, impedance, parallel_capacitance
+from rcskin.simulator.sweeps.impedance import branch_reactance
 from rcskin.simulator.sweeps.importing.labels import Defaults
 from rcskin.simulator.sweeps.importing.readings.branch import checked_branch, choose_branch
 from rcskin.simulator.sweeps.imports import import_file, import_files

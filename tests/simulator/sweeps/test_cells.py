@@ -6,7 +6,7 @@ import io
 import numpy as np
 import pytest
 from rcskin.simulator.sweeps import build, read, write
-from rcskin.simulator.sweeps.csv_cells import CsvWriter, guarded, unguarded
+from rcskin.simulator.sweeps.csv_cells import guarded, unguarded, write_cells
 
 NAMES = ["=1+1", "+cmd", "-left", "@sum", "\tx", "\rx", "'=x", "''", "'it", "-3", "+1e-3", "[red]"]
 
@@ -20,7 +20,7 @@ def test_a_name_comes_back_and_is_no_formula(name):
 
 def test_numbers_stay_as_they_are():
     file = io.StringIO()
-    CsvWriter(file).writerows([[-1.5e-3, -2, "-4.5"]])
+    write_cells(file, [[-1.5e-3, -2, "-4.5"]])
     assert file.getvalue() == "-0.0015,-2,-4.5\n"
 
 
@@ -34,7 +34,7 @@ def test_sweeps_with_such_names_are_written_and_read_back(tmp_path):
         column=[-1, -1, 0],
         session=[0, 0, 0],
         attributes={"scene": 'description = "x,=1+1;@y,-z"', "note": ",=2"},
-    )
+    ).dataset()
     write(sweeps, tmp_path / "named.csv")
     again = read(tmp_path / "named.csv")
     for name in ("interface", "press"):

@@ -111,7 +111,7 @@ def test_sweeps_of_a_file_name_interface_and_frequencies():
     Z[1, 0, :3] = Z[1, 0, 0]
     sweeps = build(
         Z, f, interface=["left"], press=["none"] * 2, row=[0] * 2, column=[0] * 2, session=[0] * 2
-    )
+    ).dataset()
     (fault,) = device_faults(sweeps)
     assert (fault.sweep, fault.interface, fault.frequency) == (1, "left", tuple(FEW))
     assert str(fault) == (

@@ -22,7 +22,7 @@ def gains(kind=GAIN, **more):
         column=[0, 1],
         kind=kind,
         **more,
-    )
+    ).dataset()
 
 
 def test_gains_have_variables_of_their_own():

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.sweeps import (
-    InputError,
+from rcskin.simulator.sweeps import InputError
+from rcskin.simulator.sweeps.impedance import (
     branch_reactance,
     parallel_capacitance,
     series_capacitance,

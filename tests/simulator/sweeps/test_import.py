@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.sweeps import InputError, impedance, parallel_capacitance, write
 from rcskin.simulator.sweeps.importing.tables.columns import recognised
-from rcskin.simulator.sweeps.imports import ImportOptions, import_file
+from rcskin.simulator.sweeps.imports import import_file
 
 
 def test_the_files_of_this_project_are_read_too(make_sweeps, tmp_path):
@@ -296,12 +296,12 @@ def test_what_was_taken_is_reported(table):
 def test_columns_may_be_named_by_hand(tmp_path):
     path = tmp_path / "bare.txt"
     path.write_text("some text\n1 7 3 4\n2 7 3 5\nend\n")
-    sweeps = import_file(path, options=ImportOptions(columns="f (kHz),-,Rs,-X"))
+    sweeps = import_file(path, columns="f (kHz),-,Rs,-X")
     assert impedance(sweeps).ravel().tolist() == [3 - 4j, 3 - 5j]
     assert sweeps["frequency"].values.tolist() == [1000, 2000]
     assert sweeps.attrs["left_out"] == "line 4 (text from `end` on)"
     with pytest.raises(InputError, match="line 2: has 4 cells where --columns names 3"):
-        import_file(path, options=ImportOptions(columns="f,Rs,X"))
+        import_file(path, columns="f,Rs,X")
 
 
 @pytest.mark.parametrize(

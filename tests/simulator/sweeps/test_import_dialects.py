@@ -123,7 +123,9 @@ def sweeps_of_one_interface(draw):
     rounded = [float(f"{f:.{DIGITS}g}") for f in frequency]
     labels = {name: [-1] * count for name in ("row", "column")}
     shaped = Z.reshape(count, 1, points)
-    return build(shaped, rounded, interface=["unnamed"], press=["unknown"] * count, **labels)
+    return build(
+        shaped, rounded, interface=["unnamed"], press=["unknown"] * count, **labels
+    ).dataset()
 
 
 @pytest.fixture(scope="module")

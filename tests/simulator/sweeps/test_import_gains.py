@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.sweeps import InputError, read, write
-from rcskin.simulator.sweeps.imports import ImportOptions, import_file
+from rcskin.simulator.sweeps.imports import import_file
 from rcskin.simulator.sweeps.reading_quantities import GAIN, MAGNITUDE, kind_of
 from rcskin.simulator.sweeps.schema import complex_readings
 
@@ -95,5 +95,5 @@ def test_gains_that_cannot_be_are_refused(table, header, columns, refusal):
 
 def test_columns_named_by_the_user_may_hold_gains(table):
     path = table("1,2,3", F, np.abs(G), DEGREES)
-    named = ImportOptions(columns="f,gain,phase (deg)")
-    np.testing.assert_allclose(complex_readings(import_file(path, options=named))[0, 0, -1], G[-1])
+    named = "f,gain,phase (deg)"
+    np.testing.assert_allclose(complex_readings(import_file(path, columns=named))[0, 0, -1], G[-1])

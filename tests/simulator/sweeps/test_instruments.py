@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.sweeps import InputError, impedance
-from rcskin.simulator.sweeps.imports import ImportOptions, import_file
+from rcskin.simulator.sweeps.imports import import_file
 from rcskin.tests.simulator.sweeps.shared_files import COLUMNS, parsed, shared
 
 FREQUENCY = [100, 200, 500, 1e3, 2e3, 5e3, 1e4, 2e4, 5e4, 8e4]
@@ -110,7 +110,7 @@ def test_failed_readings_are_left_out_and_named(name, note):
     assert sweeps["frequency"].values.tolist() == [f for f in FREQUENCY if f != 2000]
     assert sweeps.attrs["left_out"].startswith(note)
     with pytest.raises(InputError, match=r"line 6 .* no reading, as --strict asks"):
-        import_file(path, options=ImportOptions(strict=True))
+        import_file(path, strict=True)
 
 
 F3, Z3 = [1e5, 1e4, 1e3], [110.1 - 7.2j, 115.8 - 71.9j, 463.3 - 439.5j]

@@ -34,7 +34,7 @@ def recorded(name="", begun=0.0, frequency=(1e3, 2e3, 4e3), interface=("left", "
         column=[0, 1],
         time=[begun, begun + 1],
         attributes=attributes,
-    )
+    ).dataset()
 
 
 def test_each_recording_is_a_session_of_its_own():

@@ -25,11 +25,11 @@ MESSAGES = {
         pixel=(2, 3),
         probability=0.5,
         positions=[(0.01, 0.02)],
-        pixel_probabilities=np.eye(2, 3),
+        capacitance_factors=[2.0],
         forces=[1.5],
         areas=[2.0**-12],
     ),
-    DIAGNOSTICS: diagnostic_array(0, "simulated", {"seed": 3, "scene": 'name = "x"\n'}, level=1),
+    DIAGNOSTICS: diagnostic_array(0, "simulated", {"seed": 3, "scene": 'name = "x"\n'}),
 }
 
 

@@ -49,7 +49,9 @@ def test_the_order_of_dimensions_does_not_matter(make_sweeps):
 
 def test_impedance_of_another_shape_is_refused():
     with pytest.raises(InputError, match=r"must have shape \(sweep, 1, 2\), got \(1, 2\)"):
-        build(np.ones((1, 2)), [1, 2], interface=["a"], press=["none"], row=[0], column=[0])
+        build(
+            np.ones((1, 2)), [1, 2], interface=["a"], press=["none"], row=[0], column=[0]
+        ).dataset()
 
 
 @pytest.mark.parametrize("name", ["Rs", "X", "Cp", "press", "row", "session", "interface"])

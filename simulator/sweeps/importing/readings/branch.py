@@ -10,6 +10,7 @@ pass, the right one is nearest to a passive RC network (see `kramers_kronig`).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -159,7 +160,7 @@ def _begins(Z: Complex) -> str:
     resistive = (np.abs(first.imag) < first.real).any(axis=-1)
     if resistive.all() or not resistive.any():
         return "|X| <= Rs" if resistive.all() else "|X| >= Rs"
-    return f"|X| >= Rs, and in sweeps {_ranges(np.flatnonzero(resistive).tolist())} |X| <= Rs"
+    return f"|X| >= Rs, and in sweeps {runs_text(np.flatnonzero(resistive).tolist())} |X| <= Rs"
 
 
 def _doubts(found: BranchChoice, frequency: Real, interfaces: Sequence[str]) -> str:
@@ -172,7 +173,7 @@ def _doubts(found: BranchChoice, frequency: Real, interfaces: Sequence[str]) -> 
         return ""
     listed = [
         f"interface {interfaces[place]} {_range(frequency[list(readings)])} in "
-        f"sweep{'s' if len(sweeps) > 1 else ''} {_ranges(sweeps)}"
+        f"sweep{'s' if len(sweeps) > 1 else ''} {runs_text(sweeps)}"
         for (place, readings), sweeps in sorted(groups.items())
     ]
     further = [f"{len(listed) - MAX_LISTED} groups more"] if len(listed) > MAX_LISTED else []
@@ -190,12 +191,13 @@ def _range(frequency: Real) -> str:
     return f"from {frequency[0]:.6g} to {frequency[-1]:.6g} Hz"
 
 
-def _ranges(numbers: Sequence[int]) -> str:
-    """Ascending numbers as text with consecutive ones joined: `0, 2-4`."""
+def runs_text(numbers: Sequence[int], most: float = math.inf) -> str:
+    """Ascending numbers as text with consecutive ones joined: `0, 2-4`; at most so many runs."""
     runs: list[list[int]] = []
     for number in numbers:
         if runs and number == runs[-1][-1] + 1:
             runs[-1].append(number)
         else:
             runs.append([number])
-    return ", ".join(f"{run[0]}-{run[-1]}" if len(run) > 1 else str(run[0]) for run in runs)
+    shown = [f"{run[0]}-{run[-1]}" if len(run) > 1 else str(run[0]) for run in runs]
+    return ", ".join(shown if len(shown) <= most else [*shown[: int(most)], "..."])

@@ -16,17 +16,26 @@ from ....arrays import Complex, Real
 from ...impedance import branch_reactance
 from ..tables.columns import ANGLES
 
-BASIC: dict[str, tuple[str, Callable[[Real, Real], Real]]] = {
-    "Cs": ("X", lambda value, omega: -1 / (omega * value)),
-    "Ls": ("X", lambda value, omega: omega * value),
-    "Cp": ("B", lambda value, omega: omega * value),
-    "Lp": ("B", lambda value, omega: -1 / (omega * value)),
-    "Rp": ("G", lambda value, omega: 1 / value),
-    "D": ("loss", lambda value, omega: np.arctan(value)),
-    "Q": ("loss", lambda value, omega: np.arctan2(np.sign(value), np.abs(value))),
-    "gain level": ("gain", lambda value, omega: 10 ** (value / 20)),
+Convert = Callable[[Real, Real], Real]
+BASIC: dict[str, tuple[str, Convert, Convert]] = {
+    "Cs": ("X", lambda Cs, omega: -1 / (omega * Cs), lambda X, omega: -1 / (omega * X)),
+    "Ls": ("X", lambda Ls, omega: omega * Ls, lambda X, omega: X / omega),
+    "Cp": ("B", lambda Cp, omega: omega * Cp, lambda B, omega: B / omega),
+    "Lp": ("B", lambda Lp, omega: -1 / (omega * Lp), lambda B, omega: -1 / (omega * B)),
+    "Rp": ("G", lambda Rp, omega: 1 / Rp, lambda G, omega: 1 / G),
+    "D": ("loss", lambda D, omega: np.arctan(D), lambda loss, omega: np.tan(loss)),
+    "Q": (
+        "loss",
+        lambda Q, omega: np.arctan2(np.sign(Q), np.abs(Q)),
+        lambda loss, omega: 1 / np.tan(loss),
+    ),
+    "gain level": (
+        "gain",
+        lambda level, omega: 10 ** (level / 20),
+        lambda gain, omega: 20 * np.log10(gain),
+    ),
 }
-"""Basic quantity of each derived one, and the function of its value and of omega that gives it."""
+"""Basic quantity of each derived one, and the functions of a value and of omega to it and back."""
 FROM_Z: dict[str, Callable[[Complex], Real]] = {
     "Rs": np.real,
     "X": np.imag,
@@ -81,7 +90,7 @@ def basic(holds: str, value: Real, frequency: Real) -> tuple[str, Real]:
     """The basic quantity that a value stands for, and its value. frequency: Hz."""
     if holds not in BASIC:
         return holds, value
-    name, convert = BASIC[holds]
+    name, convert, _ = BASIC[holds]
     with np.errstate(divide="ignore", over="ignore"):
         return name, convert(value, 2 * np.pi * frequency)
 
@@ -137,18 +146,6 @@ def deviation(
 
 def derived(holds: str, Z: Complex, frequency: Real) -> Real:
     """The value of a quantity in SI units that follows from Z. frequency: Hz."""
-    omega = 2 * np.pi * frequency
-    name = BASIC[holds][0] if holds in BASIC else holds
-    found = FROM_Z[name](Z)
-    inverse = {
-        "Cs": lambda: -1 / (omega * found),
-        "Ls": lambda: found / omega,
-        "Cp": lambda: found / omega,
-        "Lp": lambda: -1 / (omega * found),
-        "Rp": lambda: 1 / found,
-        "D": lambda: np.tan(found),
-        "Q": lambda: 1 / np.tan(found),
-        "gain level": lambda: 20 * np.log10(found),
-    }
+    name, _, back = BASIC.get(holds, (holds, None, lambda value, omega: value))
     with np.errstate(divide="ignore", over="ignore"):
-        return inverse[holds]() if holds in inverse else found
+        return back(FROM_Z[name](Z), 2 * np.pi * frequency)

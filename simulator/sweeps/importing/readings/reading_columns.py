@@ -10,13 +10,11 @@ import numpy as np
 from ....arrays import Complex, Mask, Real
 from ...errors import InputError
 from ...impedance import parallel_capacitance
-from ...reading_quantities import IMPEDANCE, ReadingKind
-from ..failures import failure_reasons, status_reasons
+from ...reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, ReadingKind
 from ..tables.columns import ANGLES, UNITS, Column
 from ..tables.table import ImportedTable
 from .agreement import agreeing_columns, all_zeros, bare_letters, refuse
-from .gain_columns import gain_columns, gain_kind, shown_gains
-from .quantities import PAIRS, gain_of, impedance_of
+from .quantities import GAIN_PAIRS, PAIRS, gain_of, impedance_of
 
 DIGITS = 12
 """Digits to which frequencies are rounded, so that 0.1 kHz equals 100 Hz."""
@@ -26,6 +24,8 @@ MEGA = 1e9
 """Mega over milli."""
 PLAUSIBLE = {True: (1e-3, 1e9), False: (1e-3, 1e12)}
 """Frequencies of readings in Hz, and the largest impedance of a table in ohm."""
+GOOD = ("0", "ok", "normal", "valid", "good", "no error", "none", "")
+"""Status of a good reading."""
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def imported_readings(table: ImportedTable) -> ImportedReadings:
     letters = bare_letters(table)
     kept = [each for each in table.columns if each not in letters]
     table = replace(table, columns=kept)
-    by, gains = _frequency(table), gain_columns(table)
+    by, gains = _frequency(table), _gain_columns(table)
     pair = gains or _pair(table)
     table = table.written([by, *pair])
     f = _frequencies(table, by)
@@ -79,14 +79,14 @@ def imported_readings(table: ImportedTable) -> ImportedReadings:
     table, f = table.without(idle), f[[not reason for reason in idle]]
     refuse(table, f <= 0, f"the frequency must be > 0 Hz (`{by.name}`)")
     numbers = [table.numbers(column) for column in pair]
-    status = status_reasons(table)
-    failing = failure_reasons(table, {c.name: n for c, n in zip(pair, numbers, strict=True)})
+    status = _status_reasons(table)
+    failing = _failure_reasons(table, {c.name: n for c, n in zip(pair, numbers, strict=True)})
     reasons = [one or other for one, other in zip(status, failing, strict=True)]
     good = np.array([not reason for reason in reasons])
     checked = table.without(reasons)
     numbers = [each[good] for each in numbers]
     _check_numbers(checked, pair, numbers)
-    kind = gain_kind(gains) if gains else IMPEDANCE
+    kind = IMPEDANCE if not gains else GAIN if len(gains) > 1 else MAGNITUDE
     Z = _complex(checked, pair, numbers, f[good], kind)
     zero, letter = ("the gain is 0", "the gain") if gains else ("Z is 0 ohm", "Z")
     refuse(checked, Z == 0, f"{zero}, which no reading is")
@@ -97,7 +97,7 @@ def imported_readings(table: ImportedTable) -> ImportedReadings:
     if kind is IMPEDANCE:
         shown = {"Cp": _capacitance(checked, pair, compared, Z, f[good])}
     else:
-        shown = shown_gains(tuple(each.holds for each in pair), numbers)
+        shown = _shown_gains(tuple(each.holds for each in pair), numbers)
     every = {name: np.full(len(f), np.nan) for name in shown}
     for name, values in shown.items():
         every[name][good] = values
@@ -273,3 +273,71 @@ def _capacitance(
             values = table.readable(column)
             return np.where(np.isfinite(values), values, found)
     return found
+
+
+def _status_reasons(table: ImportedTable) -> list[str]:
+    """A reason for each row whose status is bad while most are good; empty for the others.
+
+    A status that is never good has another meaning.
+    """
+    reasons = [""] * len(table.rows)
+    for column in table.holding("status"):
+        texts = table.text(column)
+        good = [_good(text) for text in texts]
+        if 2 * sum(good) <= len(good):
+            continue
+        for place, text in enumerate(texts):
+            if not good[place]:
+                reasons[place] = reasons[place] or f"`{column.name}` is {text[:20]}"
+    return reasons
+
+
+def _good(text: str) -> bool:
+    try:
+        return float(text) == 0
+    except ValueError:
+        return text.casefold() in GOOD
+
+
+def _failure_reasons(table: ImportedTable, values: dict[str, Real]) -> list[str]:
+    """A reason for each row in which a number of these columns says that there is no reading.
+
+    values: by the name of the column.
+    """
+    reasons = [""] * len(table.rows)
+    for name, numbers in values.items():
+        for place in np.flatnonzero(~np.isfinite(numbers)):
+            reasons[place] = reasons[place] or f"`{name}` is no reading"
+    return reasons
+
+
+def _gain_columns(table: ImportedTable) -> tuple[Column, ...]:
+    """The columns of a gain; empty without them or with an impedance.
+
+    Raises InputError if the unit of one is not understood.
+    """
+    if any(all(map(table.holding, pair)) for pair in PAIRS):
+        return ()
+    for holds in GAIN_PAIRS:
+        found = [table.holding(each) for each in holds]
+        if not all(found):
+            continue
+        columns = tuple(each[0] for each in found)
+        for each in columns:
+            if each.problem:
+                raise InputError(f"{table.path}: {each.problem}")
+        if not all_zeros(table, columns[0]):
+            return columns
+    return ()
+
+
+def _shown_gains(holds: tuple[str, ...], numbers: list[Real]) -> dict[str, Real]:
+    """The quantities of gains that a file holds as they are, by their names in sweeps."""
+    names = {"gain": "gain", "gain phase": "gain_phase", "phase": "gain_phase"}
+    pairs = zip(holds, numbers, strict=True)
+    return {names[each]: values for each, values in pairs if each in names}
+
+
+def amplifying(G: Complex) -> Mask:
+    """True where |V / V_s| exceeds one by more than the last digits of a table."""
+    return np.abs(G) > 1.001

@@ -9,6 +9,7 @@ from pathlib import Path
 from ...errors import InputError
 from .header import (
     DIGITS_ONLY,
+    MAX_SHOWN,
     Scan,
     count_numbers,
     has_number,
@@ -18,7 +19,6 @@ from .header import (
     take_units_above,
     unit_row,
 )
-from .no_table import listed, no_table
 from .number_format import number_like
 from .text_lines import (
     ALL_SEPARATORS,
@@ -26,6 +26,7 @@ from .text_lines import (
     SPACE,
     WIDE,
     Lines,
+    header_cells,
     is_comment,
     line_cells,
     trimmed,
@@ -94,13 +95,13 @@ def _open(scans: list[Scan], new: Scan) -> None:
 def _only(path: Path, lines: Lines, scans: list[Scan], given: list[str] | None) -> tuple[Scan, str]:
     filled = [scan for scan in scans if scan.rows]
     if not filled:
-        raise no_table(path, lines, scans, given)
+        raise _no_table(path, lines, scans, given)
     first, *others = filled
     for other in others:
         if other.columns != first.columns:
             raise InputError(
                 f"{path}: line {first.line} and line {other.line} both begin tables, with columns "
-                f"{listed(first.names)} and {listed(other.names)}; import one file for each"
+                f"{_listed(first.names)} and {_listed(other.names)}; import one file for each"
             )
         first.rows += other.rows
         first.left_out += other.left_out
@@ -227,3 +228,50 @@ def _leave_out(path: Path, scan: Scan, number: int, text: str) -> None:
         scan.foreign = number
     scan.ended = True
     scan.left_out.append((number, text.strip()))
+
+
+def _no_table(path: Path, lines: Lines, scans: list[Scan], given: list[str] | None) -> InputError:
+    """Says why a file has no table, with the columns that were seen."""
+    misfits = [scan for scan in scans if scan.misfit]
+    if misfits:
+        return InputError(f"{path}: {misfits[0].misfit}")
+    if given is not None:
+        return InputError(f"{path}: no line has {len(given)} numbers, as many as --columns names")
+    if scans:
+        scan = scans[-1]
+        return InputError(
+            f"{path}: no line of readings below the header in line {scan.line}, whose columns are "
+            f"{_listed(scan.readings[0][0])}"
+        )
+    return InputError(
+        f"{path}: no line names a frequency column (as `Frequency (kHz)`, `f/Hz`) and a column of "
+        f"impedance or gain beside it, separated by {', '.join(SEPARATORS.values())} or spaces"
+        f"{_likely_header(lines)}; --columns f,Rs,X names columns"
+    )
+
+
+def _likely_header(lines: Lines) -> str:
+    """The cells of the line above the first line of numbers, as the header that may be meant."""
+    above: tuple[int, str] | None = None
+    for number, text in lines:
+        for separator in ALL_SEPARATORS:
+            try:
+                cells = trimmed(line_cells(text, separator))
+            except csv.Error:
+                continue
+            if len(cells) > 2 and all(map(number_like, cells)):
+                if above is None:
+                    return f"; line {number} has {len(cells)} numbers and no names above it"
+                names = trimmed(header_cells(above[1], separator))
+                if len(names) < 2:
+                    names = trimmed(header_cells(above[1], " "))
+                return f"; line {above[0]} has {_listed(names)}"
+        if text.strip():
+            above = number, text
+    return ""
+
+
+def _listed(names: list[str]) -> str:
+    shown = [name for name in names if name]
+    more = f" and {len(shown) - 30} more" if len(shown) > 30 else ""
+    return ", ".join(f"`{name[:MAX_SHOWN]}`" for name in shown[:30]) + more

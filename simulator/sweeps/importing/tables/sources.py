@@ -92,11 +92,8 @@ def _touchstone(path: Path) -> Lines:
 
     content = io.StringIO(text)
     content.name = path.name  # its ending tells Touchstone the number of ports
-    try:
+    with inputs.named_damage(path, "cannot be read as Touchstone"):
         read = Touchstone(content)
-    except Exception as error:
-        reason = " ".join(str(error).split())[:200] or type(error).__name__
-        raise InputError(f"{path}: cannot be read as Touchstone: {reason}") from error
     numbers = [number for number, line in lines if re.match(r"\s*[-+.\d]", line)]
     if not numbers or len(numbers) != len(read.f):
         lengths = f"{len(read.f)} frequencies in {len(numbers)} lines of numbers"
@@ -167,17 +164,12 @@ def _sheets(path: Path) -> list[Lines]:
     import openpyxl
 
     file = io.BytesIO(inputs.content(path, inputs.TABLE))
-    try:
+    with inputs.named_damage(path, "cannot be read as a workbook"):
         _check_xml(path, file)
         with warnings.catch_warnings(action="ignore"):  # of styles and rules that openpyxl lacks
             book = openpyxl.load_workbook(file, read_only=True, data_only=True, keep_links=False)
             cells = itertools.count(1)
             return [_rows(path, sheet, cells) for sheet in book.worksheets]
-    except InputError:
-        raise
-    except Exception as error:
-        reason = " ".join(str(error).split())[:200] or type(error).__name__
-        raise InputError(f"{path}: cannot be read as a workbook: {reason}") from error
 
 
 def _rows(path: Path, sheet: Any, cells: Iterator[int]) -> Lines:

@@ -3,7 +3,7 @@
 import pytest
 from rcskin.simulator.dataset.exports.export import export
 from rcskin.simulator.sweeps import InputError, write
-from rcskin.simulator.sweeps.writing import WriteContext, in_write_context
+from rcskin.simulator.sweeps.output_files import replacing
 
 FOLDERS = "a folder needs --format lerobot"
 REFUSED = {
@@ -58,14 +58,14 @@ def test_an_export_replaces_another_one_on_demand_only(folder):
     with pytest.raises(InputError, match="out: already exists; --overwrite replaces it"):
         export(folder / "data.nc", folder / "out", "lerobot")
     assert (folder / "out/mine.txt").exists()
-    with in_write_context(WriteContext(overwrite=True)):
+    with replacing():
         export(folder / "data.nc", folder / "out", "lerobot")
     assert not (folder / "out/mine.txt").exists()
 
 
 def test_no_option_replaces_a_folder_of_other_files(folder):
     (folder / "README.md").write_text("a project of its own")
-    with in_write_context(WriteContext(overwrite=True)):
+    with replacing():
         with pytest.raises(InputError, match="it holds other files than such a data set"):
             export(folder / "data.nc", folder, "lerobot")
     assert (folder / "data.nc").exists()

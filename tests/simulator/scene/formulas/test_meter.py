@@ -49,7 +49,7 @@ def test_what_the_meter_shows(rng):
     Cp = Im(1 / Z_m) / omega
     """
     Z = rng.uniform(1, 1e5, (1, 1, 30)) - 1j * rng.uniform(1, 1e5, (1, 1, 30))
-    sweeps = build(Z, FREQUENCY, interface=["left"], press=["none"], row=[0], column=[0])
+    sweeps = build(Z, FREQUENCY, interface=["left"], press=["none"], row=[0], column=[0]).dataset()
     np.testing.assert_allclose(sweeps["Rs"], Z.real)
     np.testing.assert_allclose(sweeps["X"], Z.imag)
     np.testing.assert_allclose(sweeps["Cp"], (1 / Z).imag / OMEGA)
