@@ -51,7 +51,7 @@ def drawn(name: str, odds: dict[str, float], run: Run) -> xr.Dataset:
 def outcomes(model: Model, sweeps: xr.Dataset) -> pd.DataFrame:
     """Share of each outcome in %, a row for each kind of fault."""
     answers, samples = model.answers(sweeps), model.samples(sweeps)
-    right = evaluated(model, samples, answers).score.right
+    right = evaluated(model.learned, samples, answers).score.right
     named = model.faults(sweeps, answers)[samples.rows]
     answered = answers.answered[samples.rows]
     kinds = [kind_of_fault(text) or NO_FAULT for text in faults_of(sweeps)[samples.rows]]

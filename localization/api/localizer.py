@@ -128,4 +128,5 @@ def evaluate(
 
     baselines = None if rest is None else sweeps_of(rest, "rest")
     known, given = model_of(model), sweeps_of(sweeps)
-    return evaluated(known, known.samples(given, baselines), known.answers(given, baselines))
+    samples, answers = known.samples(given, baselines), known.answers(given, baselines)
+    return evaluated(known.learned, samples, answers)

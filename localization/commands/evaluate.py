@@ -74,7 +74,7 @@ def evaluate(
         model = load_model_for(sweeps, recordings, files[0], any_skin=anyway)
         samples = model.samples(sweeps, baselines)
         answers = model.answers(sweeps, baselines)
-        found = evaluated(model, samples, answers)
+        found = evaluated(model.learned, samples, answers)
         named = model.faults(sweeps, answers)
         by_fault = fault_scores(sweeps, answers, named, samples, found.score)
         problem, scored = model.problem, "given sweeps"

@@ -22,8 +22,8 @@ from .evaluation import (
 
 if TYPE_CHECKING:
     from ..inputs.samples import Samples
-    from ..model.localizer_model import Model
     from ..trust.answers import Answers
+    from ..trust.fitted import Classifier, Regressor
 
 Figures = Mapping[str, tuple[float, float | None]]
 """Value of each figure by name, and its spread over folds if there are any."""
@@ -96,13 +96,13 @@ class Evaluation(Tabular):
         return small_chart(self.score)
 
 
-def evaluated(model: Model, samples: Samples, answers: Answers) -> Evaluation:
-    """Evaluate a model on sweeps that it was not trained on.
+def evaluated(learned: Classifier | Regressor, samples: Samples, answers: Answers) -> Evaluation:
+    """Evaluate a trained localizer on samples that it was not trained on.
 
-    samples, answers: of the same sweeps. Sweeps with a reading that is no finite number count as
+    answers: of its model, to all sweeps from which the samples are. Sweeps with a reading that is no finite number count as
     not answered.
     """
-    scored, own = score(model.learned, samples), answers.part(samples.rows)
+    scored, own = score(learned, samples), answers.part(samples.rows)
     unread = samples.left_out.not_finite
     if isinstance(scored, ClassScore):
         scored = replace(scored, answers=own, unread=unread)

@@ -46,7 +46,7 @@ def model(request, parts, tmp_path_factory):
 
 def test_dead_foils_are_refused_and_named_and_healthy_skins_are_not(model, parts):
     samples, answers = model.samples(parts[1]), model.answers(parts[1])
-    score = evaluated(model, samples, answers).score
+    score = evaluated(model.learned, samples, answers).score
     named = model.faults(parts[1], answers)
     found = fault_scores(parts[1], answers, named, samples, score)
     scores = {each.kind: each for each in found}
