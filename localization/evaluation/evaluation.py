@@ -275,7 +275,10 @@ def join_scores(folds: Sequence[Score]) -> Score:
     first = folds[0]
     if isinstance(first, PositionScore):
         names = ("truth", "predicted", "deviation", "content", "sessions", "answered")
-        return PositionScore(*(_column(folds, name) for name in names), first.examples)
+        truth, predicted, *rest = (_column(folds, name) for name in names)
+        deviation, content, sessions, answered = rest
+        known = truth, predicted, deviation, content, sessions, answered
+        return PositionScore(*known, first.examples)
     answers = [fold.answers for fold in folds if isinstance(fold, ClassScore)]
     joined = Answers(*(_column(answers, field.name) for field in fields(Answers)))
     truth, predicted = _column(folds, "truth"), _column(folds, "predicted")

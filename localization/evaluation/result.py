@@ -99,8 +99,8 @@ class Evaluation(Tabular):
 def evaluated(learned: Classifier | Regressor, samples: Samples, answers: Answers) -> Evaluation:
     """Evaluate a trained localizer on samples that it was not trained on.
 
-    answers: of its model, to all sweeps from which the samples are. Sweeps with a reading that is no finite number count as
-    not answered.
+    answers: of its model, to all sweeps from which the samples are. Sweeps with a reading that is
+    no finite number count as not answered.
     """
     scored, own = score(learned, samples), answers.part(samples.rows)
     unread = samples.left_out.not_finite
