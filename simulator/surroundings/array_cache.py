@@ -9,12 +9,14 @@ import hashlib
 import os
 import tempfile
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import platformdirs
 
 from ..arrays import Real
+from ..cleanup import cleanup_after
 
 VERSION = 2
 """Version of the computation: a higher one ignores everything cached before."""
@@ -36,13 +38,10 @@ def write(key: str, values: Real) -> None:
     with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         number, unfinished = tempfile.mkstemp(dir=path.parent, suffix=".npz")
-        try:
+        with cleanup_after(partial(Path(unfinished).unlink, missing_ok=True)):
             with os.fdopen(number, "wb") as file:
                 np.savez(file, key=key, values=values)
             os.replace(unfinished, path)
-        except BaseException:
-            Path(unfinished).unlink(missing_ok=True)
-            raise
 
 
 def folder() -> Path:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import atexit
 import os
 import select
 import sys
@@ -12,6 +11,8 @@ from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
+
+from ....simulator.cleanup import cleanup_after
 
 PREFIXES = ("\0", "\xe0")
 """First character of arrow and function keys, as `msvcrt.getwch` gives them."""
@@ -39,13 +40,9 @@ def key_reader() -> Iterator[Callable[[], str]]:
         with suppress(termios.error):  # the terminal is gone
             termios.tcsetattr(terminal, termios.TCSADRAIN, before)
 
-    atexit.register(restore)  # in case the process ends without leaving the block
-    try:
+    with cleanup_after(restore):
         tty.setcbreak(terminal)
         yield lambda: _last_key(terminal)
-    finally:
-        restore()
-        atexit.unregister(restore)
 
 
 def _last_console_key(msvcrt: Any) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import atexit
 import os
 import secrets
 import shutil
@@ -13,6 +12,7 @@ from glob import escape
 from pathlib import Path
 from time import monotonic, sleep, time
 
+from ...cleanup import cleanup_after
 from ..errors import OutputError
 from .failures import named_failures
 
@@ -45,16 +45,11 @@ def kept_file(path: Path, folder: bool = False) -> Iterator[Path]:
         place = Path(os.path.realpath(path))
         _clear_left_overs(place.parent)
         unfinished = _new(place, folder or place.suffix in FOLDERS)
-        remove = partial(delete, unfinished)
-        atexit.register(remove)
-        try:
+        with cleanup_after(partial(delete, unfinished)):
             yield unfinished
             _check_written(unfinished)
             sync(unfinished)
             put(unfinished, place)
-        finally:
-            remove()
-            atexit.unregister(remove)
 
 
 def put(unfinished: Path, place: Path) -> None:
