@@ -20,7 +20,7 @@ LEAVE = 0.4
 _left = threading.Condition()
 _blocks = 0
 _pending: dict[object, Callable[[], object]] = {}
-"""What is called at the end of the process. No lock guards it: a signal may interrupt its owner."""
+"""What `end_process` calls first. No lock guards it: a signal may interrupt its owner."""
 
 
 @contextmanager
@@ -45,16 +45,16 @@ def wait_for_cleanup() -> bool:
     return some
 
 
-def at_end(key: Hashable, action: Callable[[], object]) -> None:
-    """Calls `action` when the process ends, once for a key."""
+def before_end_process(key: Hashable, action: Callable[[], object]) -> None:
+    """Calls `action` if `end_process` ends the process, once for a key."""
     _pending[key] = action
 
 
 @contextmanager
-def at_early_end(action: Callable[[], object]) -> Iterator[None]:
-    """Calls `action` only if the process ends within the block."""
+def if_ended_within(action: Callable[[], object]) -> Iterator[None]:
+    """Calls `action` only if `end_process` ends the process within the block."""
     key = object()
-    at_end(key, action)
+    before_end_process(key, action)
     try:
         yield
     finally:
@@ -67,11 +67,13 @@ def cleanup_after(action: Callable[[], object]) -> Iterator[None]:
 
     It may be called twice, in two threads at once.
     """
-    with at_early_end(action):
+    atexit.register(action)
+    with if_ended_within(action):
         try:
             yield
         finally:
             action()
+            atexit.unregister(action)
 
 
 @contextmanager
@@ -85,21 +87,17 @@ def temporary_folder() -> Iterator[Path]:
 
 
 def end_process(code: int) -> NoReturn:
-    """Ends the process at once, from any thread; cleanup has LEAVE seconds."""
+    """Ends the process at once, from any thread; cleanup has LEAVE seconds.
+
+    The functions of `atexit` are not called.
+    """
     timer = threading.Timer(LEAVE, os._exit, (code,))
     timer.daemon = True
     timer.start()
     for stream in (sys.stdout, sys.stderr):
         with suppress(Exception):
             stream.flush()
-    _clean_up()
-    os._exit(code)
-
-
-def _clean_up() -> None:
     for action in reversed([*_pending.values()]):
         with suppress(Exception):
             action()
-
-
-atexit.register(_clean_up)
+    os._exit(code)

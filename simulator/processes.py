@@ -17,7 +17,7 @@ from multiprocessing.context import BaseContext
 from multiprocessing.process import BaseProcess
 from typing import TypeVar
 
-from .cleanup import at_early_end, at_end, end_process
+from .cleanup import before_end_process, end_process, if_ended_within
 
 Given = TypeVar("Given")
 Made = TypeVar("Made")
@@ -57,7 +57,7 @@ def worker_pool(
             pool.shutdown(wait=True, cancel_futures=True)
 
         try:
-            with at_early_end(abandon):
+            with if_ended_within(abandon):
                 yield pool
         except BrokenProcessPool:
             raise WorkerError(f"a worker was killed; {advice}") from None
@@ -101,7 +101,7 @@ def _preloading_context(needed: Sequence[str]) -> BaseContext:
     with uninterrupted():
         forkserver.ensure_running()
     sockets = util.get_temp_dir()  # which multiprocessing removes by a function of `atexit`
-    at_end(sockets, partial(shutil.rmtree, sockets, ignore_errors=True))
+    before_end_process(sockets, partial(shutil.rmtree, sockets, ignore_errors=True))
     return context
 
 
