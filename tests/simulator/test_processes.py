@@ -38,7 +38,7 @@ if __name__ == "__main__":
 
 def test_a_program_that_uses_multiprocessing_too_ends_in_silence(tmp_path):
     """Each removes its own files at the end, whichever was imported first."""
-    script, temporary = tmp_path / "host.py", tmp_path / "temporary"
+    script, temporary = tmp_path / "host.py", tmp_path / "t"  # sockets have short paths
     script.write_text(IN_A_HOST)
     temporary.mkdir()
     given = {"TMPDIR": str(temporary), "TEMP": str(temporary)}
