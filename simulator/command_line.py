@@ -12,7 +12,8 @@ from typing import NoReturn, TextIO
 
 import typer
 
-from .interrupt import EndSignal, end_on_signals, leave
+from .cleanup import end_process
+from .interrupt import EndSignal, end_on_signals
 from .requests.console import show_log_as_notes
 from .requests.mistyped import mistyped
 from .safe_text import say
@@ -48,7 +49,7 @@ def run(app: typer.Typer, failures: tuple[type[Exception], ...] = ()) -> None:
         for each in guarded:
             each.failure = None  # it was reported
         if heard.is_set():  # libraries' threads may keep or break the usual end
-            leave(heard.code)
+            end_process(heard.code)
         if not end.code and any(each.lost for each in guarded):
             sys.exit(FAILURE)
         raise

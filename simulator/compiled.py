@@ -17,125 +17,124 @@ import hashlib
 import inspect
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from numbers import Number
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 import platformdirs
 from numba import config, njit
-from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.caching import InTreeCacheLocator
+from numba.core.errors import NumbaError
 from numba.extending import is_jitted
 
-if TYPE_CHECKING:
-    from filelock import FileLock
-
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
-PATIENCE = 120.0
-"""Seconds to wait for another process that compiles the same kernel."""
+PATIENCE, POLL = 120.0, 0.01
+"""Seconds to wait for another process that compiles the same kernel, and between two attempts."""
+_SETTINGS: Any = config  # numba makes its names from the environment
 _CHOOSING = threading.Lock()
-"""Lock while numba's settings differ from those of the process."""
+"""Lock while a setting differs from that of the process."""
 
 
-class KernelCache(FunctionCache):
-    """Cache of one compiled function; a corrupt or unwritable file counts as a cache miss.
+class SourceLocator(InTreeCacheLocator):
+    """Names the cache folder of a kernel after its source, wherever that is installed.
 
-    After a miss, processes take turns: numba's index names wrong files if two processes write it at
-    once. The folder is named after the source, wherever that is installed. numba documents how to
-    choose the folder that contains it, but nothing for corrupt files, turns and imported sources.
-    Therefore this class uses undocumented parts of numba.
+    numba takes it by `NUMBA_CACHE_LOCATOR_CLASSES`, and fixes the folder of a function with it.
     """
 
-    _turn: FileLock | None = None
+    def __init__(self, function: Callable[..., Any], path: str) -> None:
+        super().__init__(function, path)
+        self._stamp = _stamp(function)
+        users = platformdirs.user_cache_path("rcskin", appauthor=False) / "kernels"
+        self._folder = str(Path(_SETTINGS.CACHE_DIR or users) / self._stamp[:40])
 
-    def __init__(self, function: Callable[..., Any]) -> None:
-        super().__init__(function)
-        stamp = _stamp(function)
-        self._cache_path = str(Path(self._cache_path).with_name(stamp[:40]))
-        self._impl.locator._cache_path = self._cache_path
-        self._cache_file = IndexDataCacheFile(self._cache_path, self._impl.filename_base, stamp)
+    def get_cache_path(self) -> str:
+        """The folder."""
+        return self._folder
 
-    def load_overload(self, sig: Any, target_context: Any) -> Any:
-        """The compiled function for these types, or None if this process has to compile it."""
-        found = self._loaded(sig, target_context)
-        if found is None and self._take_turn():
-            found = self._loaded(sig, target_context)
-        return found
-
-    def _loaded(self, sig: Any, target_context: Any) -> Any:
-        try:
-            return super().load_overload(sig, target_context)
-        except Exception:  # whatever unpickling a spoilt file raises
-            self._forget()
-            return None
-
-    def save_overload(self, sig: Any, data: Any) -> None:
-        """Stores a compiled function if the folder can be written."""
-        try:
-            super().save_overload(sig, data)
-        except Exception:  # a full disk, a folder that went away, a spoilt index
-            self._forget()
-
-    def _take_turn(self) -> bool:
-        """Waits for this process's turn; False if there are no turns: no folder can be written."""
-        from filelock import FileLock, Timeout
-
-        try:
-            self._impl.locator.ensure_cache_path()
-            turn = FileLock(Path(self.cache_path) / f"{self._impl.filename_base}.lock")
-            turn.acquire(timeout=PATIENCE)
-        except (OSError, NotImplementedError, Timeout):
-            return False
-        self._turn = turn
-        return True
-
-    def end_turn(self) -> None:
-        """Ends this process's turn: another process may compile the function."""
-        if self._turn is not None:
-            self._turn.release()
-            self._turn = None
-
-    def _forget(self) -> None:
-        try:
-            self.flush()
-        except OSError:
-            self.disable()
+    def get_source_stamp(self) -> str:
+        """What differs once a cached kernel is outdated."""
+        return self._stamp
 
 
 def compiled(**options: Any) -> Callable[[Kernel], Kernel]:
     """`numba.njit` with these options, cached between runs."""
 
     def compile_once(function: Kernel) -> Kernel:
-        kernel: Any = njit(**options)(function)
+        uncached: Any = njit(**options)
+        try:
+            with _own_locator():
+                kernel: Any = njit(cache=True, **options)(function)
+        except (RuntimeError, OSError):  # no folder can be written, no source can be read
+            return uncached(function)
         if kernel is not function:  # NUMBA_DISABLE_JIT leaves it as it is
-            try:
-                with _in_folder_of_user():
-                    kernel._cache = KernelCache(function)
-            except (RuntimeError, OSError):  # no folder can be written, no source can be read
-                pass
-            else:
-                kernel.compile = _in_turn(kernel.compile, kernel._cache)
+            kernel.compile = _safe_compile(kernel, uncached)
         return kernel
 
     return compile_once
 
 
 @contextmanager
-def _in_folder_of_user() -> Iterator[None]:
-    """Within the block, numba caches in the user's cache folder, or in NUMBA_CACHE_DIR.
-
-    The two settings apply to the whole process, also to functions of other packages.
-    """
-    settings: Any = config  # numba makes its names from the environment
+def _own_locator() -> Iterator[None]:
+    """Within the block, numba caches by `SourceLocator`, in the whole process."""
     with _CHOOSING:
-        before = settings.CACHE_DIR, settings.CACHE_LOCATOR_CLASSES
-        folder = platformdirs.user_cache_path("rcskin", appauthor=False) / "kernels"
-        settings.CACHE_DIR = settings.CACHE_DIR or str(folder)
-        settings.CACHE_LOCATOR_CLASSES = "UserProvidedCacheLocator"
+        before = _SETTINGS.CACHE_LOCATOR_CLASSES
+        _SETTINGS.CACHE_LOCATOR_CLASSES = f"{__name__}.{SourceLocator.__name__}"
         try:
             yield
         finally:
-            settings.CACHE_DIR, settings.CACHE_LOCATOR_CLASSES = before
+            _SETTINGS.CACHE_LOCATOR_CLASSES = before
+
+
+def _safe_compile(kernel: Any, uncached: Callable[..., Any]) -> Callable[[Any], Any]:
+    """The method `compile` of a kernel, for which no cache file is required.
+
+    Processes take turns: numba's index names wrong files if two processes write it at once. A file
+    that cannot be read is removed and made again. If that fails, too, nothing is cached.
+    uncached: makes a kernel that is not cached of a function.
+    """
+    function: Any = kernel.py_func
+    compile_cached, folder = kernel.compile, Path(kernel.stats.cache_path)
+    name = f"{function.__name__}-{function.__code__.co_firstlineno}"
+
+    def compile_safely(sig: Any) -> Any:
+        with _turn(folder / f"{name}.lock"):
+            for _ in range(2):
+                try:
+                    return compile_cached(sig)
+                except NumbaError:
+                    raise
+                except Exception:  # whatever unpickling a corrupt file raises, a full disk
+                    for file in folder.glob(f"*.{name}.*.nb[ic]"):
+                        with suppress(OSError):
+                            file.unlink()
+        same = uncached(function)
+        same.compile(sig)
+        for result in same.overloads.values():
+            kernel.add_overload(result)
+        return compile_cached(sig)
+
+    return compile_safely
+
+
+@contextmanager
+def _turn(path: Path) -> Iterator[None]:
+    """Waits for this process's turn, of which all its threads make use.
+
+    There are no turns if no lock can be made, and no more after PATIENCE.
+    """
+    from filelock import FileLock, Timeout
+
+    lock = FileLock(path, thread_local=False, is_singleton=True)
+    taken = False
+    with suppress(OSError, NotImplementedError, Timeout):
+        lock.acquire(timeout=PATIENCE, poll_interval=POLL)
+        taken = True
+    try:
+        yield
+    finally:
+        if taken:
+            lock.release()
 
 
 def _stamp(function: Callable[..., Any]) -> str:
@@ -161,13 +160,3 @@ def _stamp(function: Callable[..., Any]) -> str:
             elif is_jitted(value):
                 used.append(value.py_func)
     return digest.hexdigest()
-
-
-def _in_turn(compile_one: Callable[[Any], Any], kept: KernelCache) -> Callable[[Any], Any]:
-    def compile_in_turn(sig: Any) -> Any:
-        try:
-            return compile_one(sig)
-        finally:
-            kept.end_turn()
-
-    return compile_in_turn

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import atexit
-import os
 import signal
 import socket
 import sys
@@ -12,14 +10,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from time import monotonic
 from types import FrameType
-from typing import NoReturn
 
-PATIENCE, UNWOUND, LEAVE = 0.8, 1.4, 0.4
-"""Seconds from a signal until Python must have raised it, and until the block must have ended;
-and seconds that exit functions may take."""
+from .cleanup import LEAVE, end_process, wait_for_cleanup
+
+PATIENCE, UNWOUND = 0.8, 1.4
+"""Seconds from a signal until Python must have raised it, and until the block must have ended."""
 SHOW_CURSOR = "\x1b[?25h"
 """Escape sequence that shows the cursor again after a progress bar has hidden it."""
-CLEANUP_MODULE = f"{__package__}.sweeps.cleanup"
 SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGBREAK")
 """Ctrl-C; request to end; closed terminal or lost connection; Ctrl-\\; Ctrl-Break on Windows."""
 
@@ -96,13 +93,12 @@ def _watch(
             if not ended:
                 _send_again(number[0])
                 ended = received.wait(PATIENCE / 2) or over.is_set()
-            if CLEANUP_MODULE in sys.modules:  # else nothing can be in such a block
-                ended = sys.modules[CLEANUP_MODULE].wait_for_cleanup() or ended
+            ended = wait_for_cleanup() or ended
             if not (ended and over.wait(max(last - monotonic(), LEAVE))):
                 with suppress(OSError, ValueError):  # the terminal may be closed
                     cursor = SHOW_CURSOR if sys.stderr.isatty() else ""
                     sys.stderr.write(f"{cursor}rcskin: interrupted\n")
-                leave(128 + number[0])
+                end_process(128 + number[0])
 
 
 def _send_again(number: int) -> None:
@@ -112,15 +108,3 @@ def _send_again(number: int) -> None:
     """
     if hasattr(signal, "pthread_kill"):
         signal.pthread_kill(threading.main_thread().ident or 0, number)
-
-
-def leave(code: int) -> NoReturn:
-    """Ends the process; exit functions run if they take no longer than LEAVE."""
-    timer = threading.Timer(LEAVE, os._exit, (code,))
-    timer.daemon = True
-    timer.start()
-    for stream in (sys.stdout, sys.stderr):
-        with suppress(Exception):
-            stream.flush()
-    atexit._run_exitfuncs()  # no documented call has this done while the main thread is deaf
-    os._exit(code)

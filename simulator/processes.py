@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import atexit
 import multiprocessing
 import os
+import shutil
 import signal
 import sys
 import threading
@@ -12,13 +12,15 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager, suppress
+from functools import partial
 from multiprocessing.context import BaseContext
 from multiprocessing.process import BaseProcess
 from typing import TypeVar
 
+from .cleanup import before_end_process, end_process, if_ended_within
+
 Given = TypeVar("Given")
 Made = TypeVar("Made")
-SECONDS_TO_END = 1.0
 MAX_ON_WINDOWS = 61
 """Largest number of processes of a pool on Windows, which waits for at most 63 handles at once."""
 
@@ -48,14 +50,19 @@ def worker_pool(
         _server_ends_early(),
         ProcessPoolExecutor(workers, _preloading_context(needed), _begin) as pool,
     ):
-        try:
-            yield pool
-        except BrokenProcessPool:
-            raise WorkerError(f"a worker was killed; {advice}") from None
-        except BaseException:
+
+        def abandon() -> None:
             for worker in set(multiprocessing.active_children()) - set(others):
                 worker.terminate()
             pool.shutdown(wait=True, cancel_futures=True)
+
+        try:
+            with if_ended_within(abandon):
+                yield pool
+        except BrokenProcessPool:
+            raise WorkerError(f"a worker was killed; {advice}") from None
+        except BaseException:
+            abandon()
             raise
 
 
@@ -86,13 +93,15 @@ def _preloading_context(needed: Sequence[str]) -> BaseContext:
     methods = multiprocessing.get_all_start_methods()
     if sys.platform == "darwin" or "forkserver" not in methods:
         return multiprocessing.get_context("spawn")
-    from multiprocessing import forkserver, resource_tracker
+    from multiprocessing import forkserver, resource_tracker, util
 
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload([*needed])
     resource_tracker.ensure_running()  # which unblocks Ctrl-C
     with uninterrupted():
         forkserver.ensure_running()
+    sockets = util.get_temp_dir()  # which multiprocessing removes by a function of `atexit`
+    before_end_process(sockets, partial(shutil.rmtree, sockets, ignore_errors=True))
     return context
 
 
@@ -133,17 +142,12 @@ def _begin() -> None:
 
 
 def _end(*_: object) -> None:
-    """Abandons the current task at once and runs the exit functions, which remove locks.
+    """Abandons the current task at once; SystemExit would be taken for its answer.
 
-    This takes a second at most: the interrupted code may hold a lock that the exit functions wait
-    for. A second signal must not start the exit functions again.
+    A second signal must not start the cleanup again.
     """
     signal.signal(signal.SIGTERM, signal.SIG_IGN)
-    timer = threading.Timer(SECONDS_TO_END, os._exit, (1,))
-    timer.daemon = True
-    timer.start()
-    atexit._run_exitfuncs()  # SystemExit would be taken for an answer of the task at work
-    os._exit(1)
+    end_process(1)
 
 
 def _exit_with_parent(parent: BaseProcess) -> None:

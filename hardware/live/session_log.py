@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...simulator.cleanup import temporary_folder
 from ...simulator.sweeps import OPENING, UNPRESSED, InputError, read_joined, sizes_text
 from ...simulator.sweeps.reading_quantities import kind_of
 from ...simulator.sweeps.reading_subset import read_mask
@@ -151,8 +151,8 @@ class SessionLog:
         self.journal.keep(self._kept, self._latest)
         self._kept += 1
         if self._kept == 1:  # loads the libraries for writing, so that the session ends quickly
-            with TemporaryDirectory() as folder:
-                write_all(Path(folder, "first.nc"), header, {0: self._latest})
+            with temporary_folder() as folder:
+                write_all(folder / "first.nc", header, {0: self._latest})
 
     def answered(self, answer: TouchAnswer) -> None:
         """Write the answer to the latest sweep."""

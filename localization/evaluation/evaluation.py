@@ -274,11 +274,8 @@ def join_scores(folds: Sequence[Score]) -> Score:
     """One score of the sweeps of all folds, whose scores are of one kind."""
     first = folds[0]
     if isinstance(first, PositionScore):
-        names = ("truth", "predicted", "deviation", "content", "sessions", "answered")
-        truth, predicted, *rest = (_column(folds, name) for name in names)
-        deviation, content, sessions, answered = rest
-        known = truth, predicted, deviation, content, sessions, answered
-        return PositionScore(*known, first.examples)
+        arrays = [field.name for field in fields(first) if field.name not in ("examples", "unread")]
+        return replace(first, **{name: _column(folds, name) for name in arrays})
     answers = [fold.answers for fold in folds if isinstance(fold, ClassScore)]
     joined = Answers(*(_column(answers, field.name) for field in fields(Answers)))
     truth, predicted = _column(folds, "truth"), _column(folds, "predicted")

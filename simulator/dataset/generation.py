@@ -58,6 +58,7 @@ def generate(
         workforce = min(processes, missing) if scheduler is None else 0
         with worker_pool(workforce, workers.NEEDED, workers.RESUME_ADVICE) as pool:
             family = _prepared(plan, workshop, training)
+            store.create(workshop.data, plan, family.grid, family.modes)
             finished = workshop.finished(plan)
             done = sum(_size(plan, block) for block in finished)
             progress(plan.scene.name, done, plan.sweeps)
@@ -65,7 +66,6 @@ def generate(
             made = _made_blocks(
                 workshop, blocks, pool and workers.Processes(pool, workforce), scheduler
             )
-            store.create(workshop.data, plan, family.grid, family.modes)  # while others work
             for block in made:
                 done += _size(plan, block)
                 progress(plan.scene.name, done, plan.sweeps)

@@ -1,13 +1,15 @@
 """The Zarr store of a data set: created empty, filled block by block, finished with its audit.
 
-Each block is a chunk that appears whole or not at all. Time, place and order of work are not
-written, so that the same plan gives the same bytes.
+Each block is a chunk of every array. Zarr writes a chunk under another name and then renames it, so
+that it appears whole or not at all. Time, place and order of work are not written, so that the same
+plan gives the same bytes.
 """
 
 from __future__ import annotations
 
+import hashlib
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,12 +18,23 @@ from numpy.typing import NDArray
 
 from ..sweeps.digests import STORE_DIGEST, check_store, seal_store
 from ..sweeps.schema import DIMENSIONS, TAKEN
-from .chunks import LEFT_OVER, SEPARATOR, Part, compression, is_whole, put
 from .dataset_plan import Plan
 from .layout import SESSION, SWEEP, ArraySpec, sizes, variables
 
 if TYPE_CHECKING:
     import zarr
+
+LEFT_OVER = "*.partial"
+"""Files that Zarr has not renamed yet."""
+SEPARATOR = "."
+"""Separator in chunk names: all chunks of an array are in one folder, because folders are slow."""
+CODECS = {
+    "f": {"cname": "lz4", "clevel": 5, "shuffle": "bitshuffle"},
+    "i": {"cname": "zstd", "clevel": 1, "shuffle": "bitshuffle"},
+    "U": {"cname": "zstd", "clevel": 1, "shuffle": "noshuffle"},
+}
+"""Blosc settings by kind of numpy type. Fast codecs suffice for readings, because most of their
+digits are noise."""
 
 
 def create(folder: Path, plan: Plan, grid: tuple[int, int], modes: int) -> None:
@@ -36,22 +49,28 @@ def create(folder: Path, plan: Plan, grid: tuple[int, int], modes: int) -> None:
         array(group, axis.name)[:] = along
 
 
-def write(folder: Path, plan: Plan, block: int, values: Mapping[str, NDArray]) -> dict[str, Part]:
-    """Writes the arrays of one block; returns the fingerprints that `are_whole` checks."""
-    parts = {}
-    extent, chunks = {SWEEP: plan.sweeps, SESSION: plan.sessions}, _chunks(plan)
+def growing_arrays(folder: Path, plan: Plan) -> dict[str, zarr.Array]:
+    """The arrays that blocks are written to, by name."""
+    group = _open(folder, "r+")
+    names = (variable.name for variable in variables(plan))
+    return {name: array(group, name).with_config({"write_empty_chunks": True}) for name in names}
+
+
+def write(arrays: Mapping[str, zarr.Array], block: int, values: Mapping[str, NDArray]) -> None:
+    """Writes one block into `growing_arrays`."""
+    for name, each in arrays.items():
+        size = each.chunks[0]
+        each[block * size : (block + 1) * size] = values[name]
+
+
+def fingerprints(folder: Path, plan: Plan, block: int) -> dict[str, str]:
+    """SHA-256 of the chunk of a block in each array. Raises OSError if a chunk is missing."""
+    found = {}
     for variable in variables(plan):
-        along = variable.dimensions[0]
-        size = min(chunks[along], extent[along])
-        here = _converted(values[variable.name], variable)
-        parts[variable.name] = put(folder / variable.name, block, here, size)
-    return parts
-
-
-def are_whole(folder: Path, plan: Plan, parts: Mapping[str, Sequence[Any]]) -> bool:
-    """True if all arrays of a block are as they were written."""
-    names = {variable.name for variable in variables(plan)}
-    return parts.keys() == names and all(is_whole(folder / k, parts[k]) for k in names)
+        name = SEPARATOR.join(["c", str(block), *["0"] * (len(variable.dimensions) - 1)])
+        with (folder / variable.name / name).open("rb") as chunk:
+            found[variable.name] = hashlib.file_digest(chunk, "sha256").hexdigest()
+    return found
 
 
 def _chunks(plan: Plan) -> dict[str, int]:
@@ -130,21 +149,17 @@ def _create(
 ) -> None:
     from zarr.codecs import BloscCodec, Crc32cCodec
 
-    text = variable.dtype == "str"
-    size = 1 if text else np.dtype(variable.dtype).itemsize
+    dtype = np.dtype(variable.dtype)
+    blosc = BloscCodec(**CODECS[dtype.kind], typesize=max(1, dtype.itemsize))
     group.create_array(
         variable.name,
         shape=tuple(extent[name] for name in variable.dimensions),
         chunks=tuple(min(chunks[name], extent[name]) for name in variable.dimensions),
-        dtype=str if text else variable.dtype,
+        dtype=str if dtype.kind == "U" else dtype,
         dimension_names=variable.dimensions,
         attributes=dict(variable.attributes),
         chunk_key_encoding={"name": "default", "separator": SEPARATOR},
-        compressors=(BloscCodec(**compression(variable.dtype), typesize=size), Crc32cCodec()),
-        fill_value="" if text else np.dtype(variable.dtype).type(0),
+        compressors=(blosc, Crc32cCodec()),
+        fill_value=dtype.type(),
         config={"write_empty_chunks": True},
     )
-
-
-def _converted(values: NDArray, variable: ArraySpec) -> NDArray:
-    return values if variable.dtype == "str" else values.astype(variable.dtype)

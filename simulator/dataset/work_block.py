@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass, fields
 from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ..fem.matrices.factors import one_blas_thread
 from ..sweeps import inputs, kept_file
@@ -19,6 +20,9 @@ from .drawn_session import drawn_sessions
 from .faulty_skins import NO_FAULT, family_scenes
 from .layout import joined_sessions, values
 from .skin_model import SkinFamily
+
+if TYPE_CHECKING:
+    import zarr
 
 PLAN_FILE = "plan.json"
 
@@ -65,8 +69,8 @@ class WorkFolder:
     def _is_whole(self, plan: Plan, block: int) -> bool:
         try:
             parts = unsealed_json(inputs.text(self.note(block), inputs.JOURNAL))["parts"]
-            return store.are_whole(self.data, plan, parts)
-        except (OSError, ValueError, LookupError, TypeError, AttributeError):  # of a corrupt mark
+            return parts == store.fingerprints(self.data, plan, block)
+        except (OSError, ValueError, LookupError, TypeError):  # of a corrupt mark
             return False
 
     def noted(self, plan: Plan) -> set[int]:
@@ -80,12 +84,13 @@ def make_block(workshop: WorkFolder, block: int) -> int:
 
     It uses one thread: several would round differently, and other blocks use the other cores.
     """
-    plan, family, faulty = _loaded(workshop)
+    plan, family, faulty, growing = _loaded(workshop)
     with one_blas_thread():
         drawn = drawn_sessions(plan, family, plan.sessions_of(block), faulty)
     here = plan.sweeps_of(block)
     arrays = joined_sessions([values(session) for session in drawn], here.stop - here.start)
-    parts = store.write(workshop.data, plan, block, arrays)
+    store.write(growing, block, arrays)
+    parts = store.fingerprints(workshop.data, plan, block)
     with kept_file(workshop.note(block)) as unfinished:
         audit = combined_audit(session.audit for session in drawn)
         unfinished.write_text(sealed_json({**asdict(audit), "parts": parts}), encoding="utf-8")
@@ -101,11 +106,14 @@ def audit_of(workshop: WorkFolder, plan: Plan) -> Audit:
 
 
 @lru_cache(maxsize=1)
-def _loaded(workshop: WorkFolder) -> tuple[Plan, SkinFamily, Mapping[str, SkinFamily]]:
+def _loaded(
+    workshop: WorkFolder,
+) -> tuple[Plan, SkinFamily, Mapping[str, SkinFamily], Mapping[str, zarr.Array]]:
     plan = parse_plan(workshop.plan_file.read_text(encoding="utf-8"))
     faulty = {
         name: workshop.load(workshop.model_of(name))
         for name, scene in family_scenes(plan).items()
         if name != NO_FAULT and scene is not None
     }
-    return plan, workshop.load(workshop.model_file), faulty
+    growing = store.growing_arrays(workshop.data, plan)
+    return plan, workshop.load(workshop.model_file), faulty, growing

@@ -14,11 +14,10 @@ from ..sweeps import InputError, require_packages
 from .work_block import WorkFolder, make_block
 
 NEEDED = (
-    "numcodecs.blosc",
-    "numcodecs.vlen",
     "rcskin.simulator.cli",
     "rcskin.simulator.dataset.work_block",
     "rcskin.simulator.dataset.preload",
+    "zarr",
 )
 """Modules that every block and the command need; the server from which workers are forked imports
 them once."""

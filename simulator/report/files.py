@@ -9,9 +9,9 @@ from contextlib import contextmanager
 from glob import escape
 from itertools import chain
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
+from ..cleanup import temporary_folder
 from ..sweeps import InputError, made_folder, whole_file
 from ..sweeps.csv_cells import write_cells
 from ..sweeps.output_files import check_all_replaceable
@@ -51,16 +51,16 @@ def filled_at_once(folder: Path) -> Iterator[Path]:
     If the block fails, nothing appears. Raises InputError if `folder` cannot be made or one of the
     files may not be replaced; then the finished ones are in a folder of their own next to it.
     """
-    with TemporaryDirectory() as unfinished:
-        yield Path(unfinished)
+    with temporary_folder() as unfinished:
+        yield unfinished
         made_folder(folder)
         try:
             check_all_replaceable(folder, map(escape, files_in(unfinished)))
         except InputError as error:
-            raise InputError(f"{error}. {keep_beside(Path(unfinished), folder)}") from error
+            raise InputError(f"{error}. {keep_beside(unfinished, folder)}") from error
         for name in files_in(unfinished):
             with whole_file(folder / name) as file:
-                shutil.copyfile(Path(unfinished) / name, file)
+                shutil.copyfile(unfinished / name, file)
 
 
 def files_in(folder: str | Path) -> Sequence[str]:

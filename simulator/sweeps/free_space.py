@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import os
 import shutil
-import sys
+from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 
 from .errors import InputError
@@ -15,7 +15,7 @@ ALWAYS_FREE = 2**20
 """Bytes that are not checked: an interpreter takes a hundred times as much, a question 50 µs."""
 PREFIXES = ("bytes", "kB", "MB", "GB", "TB", "PB")
 CONTROL_GROUP = Path("/sys/fs/cgroup")
-"""Folder in which Linux states the memory limits of a container."""
+"""Folder in which Linux states the limits of control groups."""
 
 
 def check_memory(needed: float, what: str, instead: str) -> None:
@@ -63,56 +63,29 @@ def amount(size: float) -> str:
 
 
 def free_memory() -> float:
-    """Bytes of memory available without swapping, as the system estimates them."""
-    if sys.platform == "win32":
-        return _free_on_windows()
-    found = [each for each in (_free_on_linux(), _free_in_group(), _limit()) if each is not None]
-    if found:
-        return min(found)
-    return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))  # macOS: all memory
+    """Bytes of memory that this process can take without swapping."""
+    import psutil
+
+    free = [float(psutil.virtual_memory().available), *_free_in_groups()]
+    if psutil.LINUX:  # `ulimit -v`, which other systems do not apply
+        process = psutil.Process()
+        limit, _ = process.rlimit(psutil.RLIMIT_AS)
+        if limit != psutil.RLIM_INFINITY:
+            free.append(max(0.0, limit - process.memory_info().vms))
+    return min(free)
 
 
-def _free_on_linux() -> float | None:
-    try:
-        lines = Path("/proc/meminfo").read_text(encoding="ascii").splitlines()
-    except OSError:
-        return None
-    available = [line.split()[1] for line in lines if line.startswith("MemAvailable:")]
-    return 1024.0 * int(available[0]) if available else None
+def _free_in_groups() -> Iterator[float]:
+    """Bytes that each control group of this process allows, as of a container or a batch job.
 
-
-def _free_in_group() -> float | None:
-    try:
-        limit, used = (
-            (CONTROL_GROUP / f"memory.{name}").read_text() for name in ("max", "current")
-        )
-        return max(0.0, float(limit) - float(used))
-    except (OSError, ValueError):  # no such group, or "max": no limit
-        return None
-
-
-def _limit() -> float | None:
-    """The limit of `ulimit -v`; None if the system has no such limit."""
-    if sys.platform == "win32":
-        return None
-    try:
-        import resource
-    except ImportError:
-        return None
-    soft, _ = resource.getrlimit(resource.RLIMIT_AS)
-    return None if soft == resource.RLIM_INFINITY else float(soft)
-
-
-def _free_on_windows() -> float:
-    """Free memory by GlobalMemoryStatusEx."""
-    import ctypes
-
-    class Status(ctypes.Structure):
-        _fields_ = [("length", ctypes.c_ulong), ("load", ctypes.c_ulong)] + [
-            (name, ctypes.c_ulonglong)
-            for name in ("total", "free", "page_total", "page_free", "all", "virtual", "extended")
-        ]
-
-    status = Status(length=ctypes.sizeof(Status))
-    ctypes.windll.kernel32.GlobalMemoryStatusEx(ctypes.byref(status))  # pyright: ignore
-    return float(status.free)
+    psutil knows no such limits. Cached files count as free: the system drops them.
+    """
+    with suppress(OSError):  # other systems have none
+        own = Path("/proc/self/cgroup").read_text(encoding="ascii").rpartition("0::/")[2].strip()
+        for group in (CONTROL_GROUP / own, *(CONTROL_GROUP / own).parents):
+            with suppress(OSError, ValueError):  # it does not limit memory, or by "max": nothing
+                limit, used, stated = (
+                    (group / f"memory.{name}").read_text() for name in ("max", "current", "stat")
+                )
+                cached = dict(map(str.split, stated.splitlines()))["inactive_file"]
+                yield max(0.0, float(limit) - float(used) + float(cached))

@@ -5,7 +5,6 @@ An output has a temporary name in its own folder until its data are on the disk.
 
 from __future__ import annotations
 
-import atexit
 import errno
 import os
 import secrets
@@ -17,6 +16,7 @@ from glob import escape
 from pathlib import Path
 from time import sleep
 
+from ..cleanup import cleanup_after
 from .errors import InputError, OutputError
 
 PREFIX = ".rcskin-"
@@ -68,9 +68,7 @@ def kept_file(path: Path, folder: bool = False) -> Iterator[Path]:
     with named_failures(path):
         place = Path(os.path.realpath(path))
         unfinished = place.with_name(f"{PREFIX}{secrets.token_hex(8)}{place.suffix}")
-        remove = partial(_delete, unfinished)
-        atexit.register(remove)  # a signal ends a process without the block below, see `leave`
-        try:
+        with cleanup_after(partial(_delete, unfinished)):
             if folder or place.suffix in FOLDERS:
                 unfinished.mkdir()
             else:
@@ -79,9 +77,6 @@ def kept_file(path: Path, folder: bool = False) -> Iterator[Path]:
             if unfinished.is_file() and not unfinished.stat().st_size:  # a library kept silent
                 raise OutputError("nothing could be written; is the disk full?")
             put(unfinished, place)
-        finally:
-            remove()
-            atexit.unregister(remove)
 
 
 def put(unfinished: Path, place: Path) -> None:

@@ -14,13 +14,26 @@ pty = pytest.importorskip("pty", reason="Windows has no terminals of Unix")
 DEAF = """
 import hashlib, sys
 from pathlib import Path
+from rcskin.simulator.cleanup import temporary_folder
 from rcskin.simulator.interrupt import end_on_signals
 from rcskin.simulator.sweeps import whole_file
 
-with end_on_signals(), whole_file(Path(sys.argv[1])) as unfinished:
+with end_on_signals(), temporary_folder() as folder, whole_file(Path(sys.argv[1])) as unfinished:
     unfinished.write_text("half")
+    (folder / "half").touch()
     print("at work", flush=True)
     hashlib.pbkdf2_hmac("sha256", b"", b"", 10**9)
+"""
+DEAF_WITH_WORKERS = """
+import hashlib, time
+from rcskin.simulator.interrupt import end_on_signals
+from rcskin.simulator.processes import map_in_order, worker_pool
+
+if __name__ == "__main__":
+    with end_on_signals(), worker_pool(2, [], "") as pool:
+        next(map_in_order(pool, time.sleep, [0, 1000, 1000]))
+        print("at work", flush=True)
+        hashlib.pbkdf2_hmac("sha256", b"", b"", 10**9)
 """
 SLOW_TO_UNWIND = """
 import sys, time
@@ -39,7 +52,7 @@ with end_on_signals(), whole_file(Path(sys.argv[1])) as unfinished:
 WAITED_FOR = """
 import sys, time
 from rcskin.simulator.interrupt import end_on_signals
-from rcskin.simulator.sweeps.cleanup import cleanup_block
+from rcskin.simulator.cleanup import cleanup_block
 
 with end_on_signals(), cleanup_block():
     print("at work", flush=True)
@@ -100,10 +113,18 @@ def _works_in(group, process):
 
 @pytest.mark.parametrize(
     ("work", "number"),
-    [(DEAF, signal.SIGINT), (SLOW_TO_UNWIND, signal.SIGTERM)],
-    ids=["deaf", "slow to unwind"],
+    [
+        (DEAF, signal.SIGINT),
+        (DEAF, signal.SIGHUP),
+        (DEAF_WITH_WORKERS, signal.SIGTERM),
+        (SLOW_TO_UNWIND, signal.SIGTERM),
+    ],
+    ids=["deaf", "deaf to a closed terminal", "deaf with workers", "slow to unwind"],
 )
-def test_work_that_goes_on_is_ended_and_leaves_nothing_unfinished(start, tmp_path, work, number):
+def test_work_that_goes_on_is_ended_and_leaves_nothing_unfinished(
+    start, tmp_path, monkeypatch, work, number
+):
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
     process = start("-c", work, tmp_path / "out.csv")
     assert process.stdout.readline() == "at work\n"
     time.sleep(0.5)
@@ -151,6 +172,38 @@ def test_workers_of_a_study_end_with_it(start, tmp_path, to_all):
     assert note.startswith("rcskin: note: ") and last == "rcskin: interrupted"
     assert all_end(process.pid)
     assert not [*tmp_path.iterdir()]
+
+
+WRITING = """
+import sys, time
+from pathlib import Path
+from rcskin.simulator.interrupt import end_on_signals
+from rcskin.simulator.processes import map_in_order, worker_pool
+from rcskin.simulator.sweeps import whole_file
+
+def write_half(path):
+    with whole_file(Path(path)) as unfinished:
+        unfinished.write_text("half")
+        time.sleep(1000)
+
+if __name__ == "__main__":
+    with end_on_signals(), worker_pool(2, [], "") as pool:
+        list(map_in_order(pool, write_half, sys.argv[1:]))
+"""
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_workers_leave_nothing_unfinished(start, tmp_path, number):
+    script, folder = tmp_path / "writing.py", tmp_path / "written"
+    script.write_text(WRITING)
+    folder.mkdir()
+    process = start(script, folder / "a.csv", folder / "b.csv")
+    while process.poll() is None and sum(each.stat().st_size for each in folder.iterdir()) < 8:
+        time.sleep(0.02)
+    process.send_signal(number)
+    process.communicate(timeout=30)
+    assert process.returncode and all_end(process.pid)
+    assert not [*folder.iterdir()]
 
 
 HIRED = """

@@ -64,14 +64,14 @@ def kept(folder):
 @pytest.mark.slow
 def test_kernels_go_into_the_users_cache_and_a_spoilt_one_is_made_again(installed, swept, tmp_path):
     """Nothing is added to the package itself, also where that could be written."""
-    home, output = tmp_path / "home", tmp_path / "all.nc"
-    first = swept(output, HOME=str(home))
+    home = tmp_path / "home"
+    first = swept(tmp_path / "first.nc", HOME=str(home))
     files = kept(home)
     assert any("swept" in file.name for file in files)
     before = {file: file.read_bytes() for file in files}
     for file in files:
         file.write_bytes(b"no kernel")
-    assert swept(output, HOME=str(home)) == first
+    assert swept(tmp_path / "second.nc", HOME=str(home)) == first
     assert {file.suffix for file in kept(home) if file.read_bytes() != b"no kernel"} == {
         ".nbi",
         ".nbc",
@@ -159,6 +159,44 @@ def test_a_spoilt_file_of_a_kernel_is_as_none(scaled, tmp_path, ending):
     spoilt.write_bytes(b"no kernel")
     assert scaled(NUMBA_CACHE_DIR=str(folder)) == 42
     assert b"no kernel" not in {file.read_bytes() for file in kept(folder)}
+
+
+def test_a_file_that_can_neither_be_read_nor_removed_is_as_none(scaled, tmp_path):
+    folder = tmp_path / "chosen"
+    scaled(NUMBA_CACHE_DIR=str(folder))
+    (unreadable,) = folder.rglob("*.nbi")
+    unreadable.unlink()
+    (unreadable / "file").mkdir(parents=True)
+    assert scaled(NUMBA_CACHE_DIR=str(folder)) == 42
+
+
+HOST = """
+import numba
+from rcskin.simulator.compiled import compiled
+
+@compiled()
+def ours(x):
+    return 2 * x
+
+@numba.njit(cache=True)
+def theirs(x):
+    return ours(x)
+
+assert theirs(21) == 42
+print(numba.config.CACHE_DIR, numba.config.CACHE_LOCATOR_CLASSES, theirs.stats.cache_path)
+"""
+
+
+def test_kernels_of_a_host_program_stay_where_it_keeps_them(tmp_path):
+    script = tmp_path / "host.py"
+    script.write_text(HOST)
+    settings = {**os.environ, "HOME": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path)}
+    settings.pop("NUMBA_CACHE_DIR", None)
+    command = [sys.executable, "-W", "error", str(script)]
+    done = subprocess.run(command, env=settings, capture_output=True, text=True, timeout=300)
+    assert done.stdout == f"  {tmp_path / '__pycache__'}\n", done.stderr
+    beside = {file.name for file in (tmp_path / "__pycache__").iterdir()}
+    assert beside and all(name.startswith("host.theirs") for name in beside)
 
 
 def test_a_kernel_without_a_folder_is_compiled_each_time(scaled, tmp_path):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import atexit
 import math
 import os
 import select
@@ -18,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from ....simulator.cleanup import cleanup_after
 from ...meter.meter_reading import MeterReading
 from ..live_session import BASELINE_KEY, END_KEY, TimedAnswer
 from ..touch_answer import TouchAnswer, reading_count
@@ -287,13 +287,9 @@ def key_reader() -> Iterator[Callable[[], str]]:
         with suppress(termios.error):  # the terminal is gone
             termios.tcsetattr(terminal, termios.TCSADRAIN, before)
 
-    atexit.register(restore)  # in case the process ends without leaving the block
-    try:
+    with cleanup_after(restore):
         tty.setcbreak(terminal)
         yield lambda: _last_key(terminal)
-    finally:
-        restore()
-        atexit.unregister(restore)
 
 
 def _last_console_key(msvcrt: Any) -> str:

@@ -12,8 +12,8 @@ from time import monotonic
 from types import FrameType
 from typing import Any
 
+from ....simulator.cleanup import cleanup_block
 from ....simulator.safe_text import say
-from ....simulator.sweeps.cleanup import cleanup_block
 from .windows_console import handle_console_close
 
 SIGNALS = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGBREAK")

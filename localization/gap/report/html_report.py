@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ....simulator.cleanup import temporary_folder
 from ....simulator.report.files import filled_at_once, write_json
 from ....simulator.report.page import Items, Picture, ReportSection, TableGrid, write_page
 from .chart_list import charts_of
@@ -36,8 +36,8 @@ def write_report(folder: Path, findings: GapFindings, ending: str | None = None)
     ending: format of separate chart files, if any.
     """
     charts = charts_of(findings)
-    with filled_at_once(folder) as made, TemporaryDirectory() as drawn:
-        pictures = [Picture(Path(drawn) / f"{each.name}.png", each.caption) for each in charts]
+    with filled_at_once(folder) as made, temporary_folder() as drawn:
+        pictures = [Picture(drawn / f"{each.name}.png", each.caption) for each in charts]
         for chart, picture in zip(charts, pictures, strict=True):
             chart.draw(picture.path)
         write_json(made / JSON, numbers(findings), indent=1)

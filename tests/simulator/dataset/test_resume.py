@@ -62,6 +62,31 @@ def test_killed_several_times_it_ends_with_the_same_bytes(
     assert sorted(path.name for path in tmp_path.iterdir()) == ["out.zarr", "whole.zarr"]
 
 
+KILLED_WHILE_WRITING = """
+import os, pathlib, signal
+import toy_family
+
+def killed(path, target, rename=pathlib.Path.replace):
+    if path.parent.name == "Rs" and path.name.startswith("c.") and target.name == "c.1.0.0":
+        os.kill(os.getpid(), signal.SIGKILL)
+    return rename(path, target)
+
+pathlib.Path.replace = killed
+toy_family.main()
+"""
+
+
+def test_a_chunk_that_was_being_written_is_no_chunk(make, toy, tmp_path):
+    """As Zarr writes it: its name is given to it last."""
+    output = tmp_path / "out.zarr"
+    command = [sys.executable, "-c", KILLED_WHILE_WRITING, output, "100", "1", tmp_path / "none"]
+    assert subprocess.run(command).returncode == -signal.SIGKILL
+    chunks = {path.name for path in tmp_path.glob(".out.zarr.unfinished/data.zarr/Rs/c.*")}
+    assert "c.0.0.0" in chunks and "c.1.0.0" not in chunks and len(chunks) == 2
+    plan = toy.small_plan(100, block=2)
+    assert toy.bytes_of(make("out", plan)) == toy.bytes_of(make("whole", plan))
+
+
 def test_two_processes_do_not_write_one_output(make, toy, tmp_path, tokens):
     first = started(tmp_path / "out.zarr", 1, tokens)
     (tokens / "0").touch()
@@ -152,6 +177,7 @@ def flipped(path):
     "spoils",
     [
         {"data.zarr/Rs/c.0.0.0": emptied},
+        {"data.zarr/touch_x/c.0.0": os.unlink},
         {"data.zarr/press/c.0": flipped, "data.zarr/zarr.json": flipped},
         {"finished/0.json": flipped, "data.zarr/Cp/zarr.json": emptied},
     ],

@@ -2,10 +2,14 @@
 
 import re
 import shutil
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 from rcskin.hardware.record.press_order import standard_order
 from rcskin.localization.study.point import EvaluationSettings
+from rcskin.simulator import processes
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
@@ -30,6 +34,38 @@ def machine(monkeypatch):
 
 def test_memory_that_is_free_is_a_number_of_this_machine():
     assert 1e7 < free_space.free_memory() < 1e15
+
+
+@pytest.mark.skipif(
+    processes.sys.platform != "linux", reason="other systems have no control groups"
+)
+def test_a_container_leaves_what_its_limit_allows(monkeypatch, tmp_path):
+    """The cache of files in it is free; groups above it have no limit, as the root has none."""
+    monkeypatch.setattr(free_space, "CONTROL_GROUP", tmp_path)
+    own = Path("/proc/self/cgroup").read_text().rpartition("0::/")[2].strip()
+    stated = {"max": "9000000\n", "current": "8000000\n", "stat": "file 9\ninactive_file 500000\n"}
+    (tmp_path / own).mkdir(parents=True, exist_ok=True)
+    for name, text in stated.items():
+        (tmp_path / own / f"memory.{name}").write_text(text)
+    assert free_space.free_memory() == 1.5e6
+    (tmp_path / own / "memory.max").write_text("max\n")
+    assert free_space.free_memory() > 1e7
+
+
+LIMITED = """
+import resource
+from rcskin.simulator.sweeps.free_space import free_memory
+free_memory()
+used = 4096 * int(open("/proc/self/statm").read().split()[0])
+resource.setrlimit(resource.RLIMIT_AS, (used + 2**27, used + 2**27))
+print(free_memory() / 2**27)
+"""
+
+
+@pytest.mark.skipif(processes.sys.platform != "linux", reason="of Linux")
+def test_a_limit_of_address_space_leaves_what_is_not_taken_yet():
+    done = subprocess.run([sys.executable, "-c", LIMITED], capture_output=True, text=True)
+    assert float(done.stdout) == pytest.approx(1, abs=0.1), done.stderr
 
 
 @pytest.mark.parametrize(
