@@ -157,14 +157,19 @@ def checked_place(path: str | Path, endings: Sequence[str]) -> Path:
     return path
 
 
+OF_FILES = (".toml", ".nc", ".csv", ".npz", ".json", ".html", ".png", ".svg", ".pdf")
+"""Endings of single files, as no folder that rcskin makes has one."""
+
+
 def checked_folder(path: Path, *names: str) -> Path:
     """Returns the path if it is a folder, or can become one in an existing folder.
 
-    names: name patterns of the files to be written. Raises InputError, also if an existing file of
-    such a name may not be replaced.
+    names: name patterns of the files to be written. Raises InputError, also for a name with the
+    ending of a single file, and if an existing file of such a name may not be replaced.
     """
     if path.exists() and not path.is_dir():
         raise InputError(f"{path}: is a file, not a folder")
+    _check_folder_name(path)
     _check_parent(path)
     check_all_replaceable(path, names)
     return path
@@ -189,11 +194,19 @@ def checked_data_folder(path: Path, marker: str) -> Path:
 def made_folder(path: Path) -> Path:
     """Makes the folder and its parents if needed, and returns it.
 
-    Raises InputError if it cannot be made.
+    Raises InputError if it cannot be made, and for a name with the ending of a single file.
     """
+    _check_folder_name(path)
     with named_failures(path):
         path.mkdir(parents=True, exist_ok=True)
     return path
+
+
+def _check_folder_name(path: Path) -> None:
+    if path.suffix in OF_FILES and not path.exists():
+        raise InputError(
+            f"{path}: a folder of several files is written here; give a name without {path.suffix}"
+        )
 
 
 def _check_parent(path: Path) -> None:

@@ -121,7 +121,6 @@ def build(
     column: Sequence[int],
     session: Sequence[int] | None = None,
     time: Sequence[float] | None = None,
-    Cp: ArrayLike | None = None,
     shown: Mapping[str, ArrayLike] | None = None,
     errors: Mapping[str, ArrayLike] | None = None,
     attributes: Mapping[str, str | int | float] | None = None,
@@ -132,10 +131,10 @@ def build(
 
     Z: impedances in ohm, or readings of another `kind`, shape (sweep, interface, frequency).
     frequency: Hz, ascending. press, row, column, session: one per sweep. time: middle of each
-    sweep, s since 1970-01-01 UTC. Cp: F, shape of Z, if a meter displayed its own value instead of
-    the one that follows from Z; shown: any quantities by name for the same reason. errors: those of
-    the kind, of impedances `Rs_error` [ohm] and `Cp_error` [F], shape of Z. taken: mask as in
-    TAKEN, None for all; other values in the arrays are ignored.
+    sweep, s since 1970-01-01 UTC. shown: quantities by name that a meter displayed with digits of
+    their own, shape of Z; the others follow from Z. errors: those of the kind, of impedances
+    `Rs_error` [ohm] and `Cp_error` [F], shape of Z. taken: mask as in TAKEN, None for all; other
+    values in the arrays are ignored.
     Raises InputError if the result would violate the schema (see `check`).
     """
     Z = np.asarray(Z, dtype=np.complex128)
@@ -143,11 +142,11 @@ def build(
     if Z.ndim != 3 or Z.shape[1:] != (len(interface), frequency.size):
         shape = f"(sweep, {len(interface)}, {frequency.size})"
         raise InputError(f"{kind.name} must have shape {shape}, got {Z.shape}")
-    more = {**({} if Cp is None else {"Cp": Cp}), **(shown or {}), **(errors or {})}
-    values = {
-        **{each.name: each.of(Z, frequency) for each in kind.quantities if each.name not in more},
-        **{name: np.asarray(each, dtype=float) for name, each in more.items()},
-    }
+    displayed, estimated = (
+        {name: np.asarray(each, dtype=float) for name, each in (given or {}).items()}
+        for given in (shown, errors)
+    )
+    values = kind.values(Z, frequency, displayed) | estimated
     if taken is not None:
         values = {name: np.where(taken, value, np.nan) for name, value in values.items()}
     quantities = {

@@ -172,7 +172,7 @@ def test_few_frequencies_are_checked_with_a_given_noise(make_sweeps):
 
 def test_a_reading_of_zero_ohm_is_refused(judge):
     with pytest.raises(InputError, match="Z is 0 ohm at some frequency"):
-        judge(np.zeros(20), noise=0.1, Cp=np.ones((1, 1, 20)))
+        judge(np.zeros(20), noise=0.1, shown={"Cp": np.ones((1, 1, 20))})
 
 
 @pytest.fixture(scope="module")

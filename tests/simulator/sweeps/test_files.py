@@ -39,7 +39,7 @@ def same_bits(first, second):
 @pytest.mark.parametrize("ending", [".csv", ".nc", ".zarr"])
 def test_numbers_are_read_back_to_the_same_bits(make_sweeps, folder, ending, parts, frequency):
     Rs, X, Cp = np.array(parts).T.reshape(3, 2, 2, 3)
-    sweeps = make_sweeps(frequency=frequency, Z=np.ones((2, 2, 3)), Cp=Cp)
+    sweeps = make_sweeps(frequency=frequency, Z=np.ones((2, 2, 3)), shown={"Cp": Cp})
     sweeps["Rs"][:], sweeps["X"][:] = Rs, X
     write(sweeps, folder / f"all{ending}")
     same_bits(read(folder / f"all{ending}"), sweeps)
@@ -230,6 +230,9 @@ def test_a_folder_that_cannot_be_one_is_refused(tmp_path):
         made_folder(tmp_path / "file" / "folder")
     with pytest.raises(InputError, match="is a file, not a folder"):
         checked_folder(tmp_path / "file")
+    for use in (checked_folder, made_folder):
+        with pytest.raises(InputError, match=r"give a name without \.toml"):
+            use(tmp_path / "found.toml")
     with pytest.raises(InputError, match=r"the folder .*absent does not exist"):
         checked_folder(tmp_path / "absent" / "folder")
     assert made_folder(tmp_path / "above" / "folder").is_dir()

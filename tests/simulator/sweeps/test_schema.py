@@ -28,7 +28,7 @@ def test_dimensions_units_and_labels(make_sweeps):
 
 def test_what_a_meter_displayed_stands_beside_its_impedance(make_sweeps):
     Cp = np.full((2, 2, 3), 7e-11)
-    sweeps = make_sweeps(2, Cp=Cp, session=[4, 5])
+    sweeps = make_sweeps(2, shown={"Cp": Cp}, session=[4, 5])
     np.testing.assert_array_equal(sweeps["Cp"], Cp)
     assert sweeps["session"].values.tolist() == [4, 5]
 

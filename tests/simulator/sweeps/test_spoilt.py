@@ -98,7 +98,7 @@ def test_check_compares_Cp_with_Rs_and_X(make_sweeps, tmp_path, ending):
     Z = np.tile(3 - 4e3j / frequency, (2, 1, 1))
     Cp = parallel_capacitance(Z, frequency)
     Cp[1, 0, 2] *= 1.005
-    sweeps = make_sweeps(interfaces=["left"], frequency=frequency, Z=Z, Cp=Cp)
+    sweeps = make_sweeps(interfaces=["left"], frequency=frequency, Z=Z, shown={"Cp": Cp})
     write(sweeps, tmp_path / f"all{ending}")
     first, second = examine(read(tmp_path / f"all{ending}"))
     assert first.broken == ()
