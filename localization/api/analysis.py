@@ -135,7 +135,6 @@ def calibrate(
     from ...simulator.calibration.fitting.fit_options import Options
     from ...simulator.calibration.fitting.prior import checked_kind
     from ...simulator.calibration.run import calibrate as calibrated
-    from ...simulator.models.mechanics.force_depths import foldable
     from ...simulator.scene.scene_files import scene_text
     from ...simulator.sweeps.same_skin import check_same_skin
 
@@ -153,7 +152,7 @@ def calibrate(
         uneven_sheets,
         robust=robust,
     )
-    return calibrated(foldable(scene, "a calibration"), sweeps, options)
+    return calibrated(scene, sweeps, options)
 
 
 @checked

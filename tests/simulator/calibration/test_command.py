@@ -3,6 +3,7 @@
 import json
 
 import pytest
+import rcskin
 from rcskin.simulator.models.parameters import scene_with
 from rcskin.simulator.scene.scene_files import read_scene, scene_text
 from rcskin.simulator.sweeps import read as read_sweeps
@@ -192,3 +193,5 @@ def test_presses_by_depth_or_force_are_fitted_and_stay_in_the_scene(run, tmp_pat
     code, out, err = run("calibrate", scene, measured, "-o", found, *TWO)
     assert code == 0 and "left out" not in out + err, err
     assert read_scene(found / "calibrated.toml").press == soft.press
+    in_python = rcskin.calibrate(scene, measured, fit=["sheet_resistance", "capacitance"])
+    assert in_python.scene.press == soft.press and not in_python.remarks
