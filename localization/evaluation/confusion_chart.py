@@ -112,17 +112,21 @@ def _write_counts(axes: Axes, confusion: Confusion, cell: float) -> None:
 
 
 def draw_error_map(axes: Axes, truth: Real, distance: Real) -> None:
-    """Draw each touch at its place in mm, coloured by the distance of the prediction.
+    """Draw each touched place in mm, coloured by the median distance of its predictions.
 
     truth: x and y in mm first, shape (touch, >= 2). distance: mm, shape (touch,).
     """
-    worst = float(np.quantile(distance, 0.95))
-    dots = axes.scatter(*truth.T[:2], c=distance, s=12, cmap="cividis", vmin=0, vmax=worst)
+    places, which = np.unique(truth[:, :2], axis=0, return_inverse=True)
+    medians = np.array([np.median(distance[which.ravel() == k]) for k in range(len(places))])
+    worst = float(np.quantile(medians, 0.95))
+    dots = axes.scatter(*places.T, c=medians, s=12, cmap="cividis", vmin=0, vmax=worst)
     axes.figure.colorbar(dots, ax=axes, label="Error (mm)", extend="max")
     axes.set_aspect("equal")
     axes.set_xlabel("x (mm)")
     axes.set_ylabel("y (mm)")
-    axes.set_title(f"Errors of {distance.size} touches, where they were")
+    repeated = len(places) < distance.size
+    at = f"Median errors at the {len(places)} places of" if repeated else "Errors of"
+    axes.set_title(f"{at} {distance.size} touches")
 
 
 def draw_errors(axes: Axes, distance: Real) -> None:

@@ -83,6 +83,10 @@ class ClassScore:
         return {**found, "calibration error": error}
 
 
+SCORE_EXTRAS = ("examples", "unread")
+"""Fields of a `PositionScore` that are no arrays by sweep."""
+
+
 @dataclass(frozen=True, eq=False)
 class PositionScore:
     """Predictions of a regressor for sweeps that it was not trained on, (sweep, 3) each.
@@ -106,30 +110,38 @@ class PositionScore:
         """Distance between touch and prediction, mm, shape (sweep,)."""
         return np.linalg.norm((self.predicted - self.truth)[:, :2], axis=1)
 
+    @property
+    def of_answered(self) -> PositionScore:
+        """Score of the answered sweeps alone."""
+        arrays = [field.name for field in fields(self) if field.name not in SCORE_EXTRAS]
+        number = np.cumsum(self.answered) - 1
+        some = {int(number[k]): each for k, each in self.examples.items() if self.answered[k]}
+        parts = {name: getattr(self, name)[self.answered] for name in arrays}
+        return replace(self, **parts, examples=some)
+
     def rates(self) -> dict[str, CountedRate]:
         """Those of `figures` that are rates; regions are of the answered sweeps."""
-        answered = self.answered
-        within = self.content[answered] <= PROBABILITY
+        own = self.of_answered
         return {
-            ANSWERED: CountedRate.of(answered, self.sessions, self.unread),
-            REGION_FIGURE: CountedRate.of(within, self.sessions[answered]),
+            ANSWERED: CountedRate.of(self.answered, self.sessions, self.unread),
+            REGION_FIGURE: CountedRate.of(own.content <= PROBABILITY, own.sessions),
         }
 
     def figures(self) -> dict[str, float]:
         """Rates; errors of the answered sweeps in mm and of the factor, beside their deviations."""
-        found = {name: rate.share for name, rate in self.rates().items() if rate.total}
+        rates, own = self.rates(), self.of_answered
+        found = {ANSWERED: rates[ANSWERED].share}
         if not self.answered.any():
             return found
-        away = np.abs(self.predicted - self.truth)[self.answered]
-        deviation, distance = self.deviation[self.answered], self.distance[self.answered]
+        away = np.abs(own.predicted - own.truth)
         return {
-            ANSWERED: found[ANSWERED],
-            MEDIAN_ERROR: float(np.median(distance)),
-            "90 % error, mm": float(np.quantile(distance, 0.9)),
+            **found,
+            MEDIAN_ERROR: float(np.median(own.distance)),
+            "90 % error, mm": float(np.quantile(own.distance, 0.9)),
             "median error of factor": float(np.median(away[:, 2])),
-            "within 1 deviation": float((away <= deviation)[:, :2].mean()),
-            "within 2 deviations": float((away <= 2 * deviation)[:, :2].mean()),
-            REGION_FIGURE: found[REGION_FIGURE],
+            "within 1 deviation": float((away <= own.deviation)[:, :2].mean()),
+            "within 2 deviations": float((away <= 2 * own.deviation)[:, :2].mean()),
+            REGION_FIGURE: rates[REGION_FIGURE].share,
         }
 
 
@@ -274,7 +286,7 @@ def join_scores(folds: Sequence[Score]) -> Score:
     """One score of the sweeps of all folds, whose scores are of one kind."""
     first = folds[0]
     if isinstance(first, PositionScore):
-        arrays = [field.name for field in fields(first) if field.name not in ("examples", "unread")]
+        arrays = [field.name for field in fields(first) if field.name not in SCORE_EXTRAS]
         return replace(first, **{name: _column(folds, name) for name in arrays})
     answers = [fold.answers for fold in folds if isinstance(fold, ClassScore)]
     joined = Answers(*(_column(answers, field.name) for field in fields(Answers)))

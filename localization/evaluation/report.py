@@ -60,8 +60,9 @@ def write_report(
     """Write tables and charts of an evaluation.
 
     They are a table of the figures, the confusion matrix (or all positions) as a table and a chart,
-    and a chart that compares stated probabilities (or regions) with the truth. folder: created if
-    absent. scene: scene of the skin for positions. ending: format of the charts.
+    and a chart that compares stated probabilities (or regions) with the truth. Charts of positions
+    are of the answered sweeps. folder: created if absent. scene: scene of the skin for positions.
+    ending: format of the charts.
     """
     from .reliability import draw_reliability_and_risk
 
@@ -80,8 +81,9 @@ def write_report(
             each = zip(rows.tolist(), score.answered.astype(int).tolist(), strict=True)
             flat = ([*(f"{value:.6g}" for value in row), answered] for row, answered in each)
             write_rows(made / "positions.csv", POSITIONS, flat)
-            _draw_positions(score, scene, made / f"positions{ending}")
-            _draw_regions(score, scene, made / f"regions{ending}")
+            if score.answered.any():
+                _draw_positions(score.of_answered, scene, made / f"positions{ending}")
+                _draw_regions(score.of_answered, scene, made / f"regions{ending}")
 
 
 def small_chart(score: Score) -> SmallChart:
@@ -90,7 +92,7 @@ def small_chart(score: Score) -> SmallChart:
 
     if isinstance(score, ClassScore):
         return rate_bars(with_intervals(score.rates()))
-    return SmallChart(lambda figure: draw_errors(figure.subplots(), score.distance))
+    return SmallChart(lambda figure: draw_errors(figure.subplots(), score.of_answered.distance))
 
 
 def _draw_confusion(score: ClassScore, path: Path) -> None:

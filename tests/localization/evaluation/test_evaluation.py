@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rcskin.localization.evaluation.evaluation import ClassScore, PositionScore, cross_validate
@@ -134,7 +136,9 @@ def test_a_position_that_is_refused_has_no_error():
     content, sessions = np.array([0.99, 0.2, 0.3, 1.0]), np.zeros(4, dtype=np.int64)
     answered = np.array([True, True, True, False])
     given = truth, predicted, deviation, content, sessions
-    found = PositionScore(*given, answered, {}, unread=1).figures()
+    score = PositionScore(*given, answered[::-1], {2: "second", 0: "none"}, unread=1)
+    assert score.of_answered.examples == {1: "second"}
+    found = replace(score, answered=answered).figures()
     assert found["answered"] == 3 / 5 and found["median error, mm"] == 2.0
     assert found["touches within 95 % regions"] == 2 / 3
     assert PositionScore(*given, answered & False, {}).figures() == {"answered": 0.0}
