@@ -120,17 +120,20 @@ def survey_rasterization_errors(scene: Scene, options: SurveyOptions) -> Rasteri
 
 
 def with_sheets(scene: Scene, sheet_resistance: float) -> Scene:
-    """The scene with another sheet resistance of both sheets in ohm/sq. Raises InputError."""
+    """The scene with another resistance of its sheets, but not of earth, ohm/sq.
+
+    Raises InputError.
+    """
     if not (np.isfinite(sheet_resistance) and sheet_resistance > 0):
         raise InputError(
             f"--sheet-resistance must be finite and > 0 ohm/sq, got {sheet_resistance:g}"
         )
-    of_both = {
-        name: sheet.model_copy(update={"sheet_resistance": sheet_resistance})
-        for name, sheet in (("top", scene.skin.top), ("bottom", scene.skin.bottom))
+    names = ("top",) if scene.skin.one_conductor else ("top", "bottom")
+    sheets = {
+        name: scene.skin.sheet(name).model_copy(update={"sheet_resistance": sheet_resistance})
+        for name in names
     }
-    skin = scene.skin.model_copy(update=of_both)
-    return scene.model_copy(update={"skin": skin})
+    return scene.model_copy(update={"skin": scene.skin.model_copy(update=sheets)})
 
 
 def with_factor(scene: Scene, factor: float) -> Scene:

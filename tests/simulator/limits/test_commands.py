@@ -6,6 +6,7 @@ import json
 import pytest
 from matplotlib.image import imread
 from rcskin.simulator.limits import survey_results
+from rcskin.simulator.limits.survey import with_sheets
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 
 QUICK = ("--draws", "50", "-n", "2")
@@ -162,3 +163,10 @@ def test_a_meter_without_noise_is_refused(refused, tmp_path, monkeypatch, scene_
     err = refused(name, scene_file(readout={}), *options)
     assert "readout.magnitude_noise" in err
     assert len(err.splitlines()) == 1
+
+
+def test_another_sheet_resistance_is_not_that_of_earth():
+    skin = load_scene("knit-36").skin
+    changed = with_sheets(load_scene("knit-36"), 2e3).skin
+    assert changed.bottom == skin.bottom and changed.top.sheet_resistance == 2e3
+    assert with_sheets(load_scene("sheet-3x3"), 2e3).skin.sheet_resistances == (2e3, 2e3)
