@@ -87,9 +87,12 @@ def sweep_dataset(
 def measured_mask(own: Iterable[Sequence[float]], frequencies: Sequence[float]) -> Mask:
     """Mask of the measured frequencies, shape (interface, frequency).
 
-    own: frequencies of each interface, Hz. frequencies: of all interfaces, Hz.
+    own: frequencies of each interface, Hz, which a meter may have rounded. frequencies: of all
+    interfaces, Hz.
     """
-    return np.array([np.isin(frequencies, each) for each in own])
+    every = np.asarray(frequencies)
+    nearest = [np.abs(np.subtract.outer(each, every)).argmin(axis=1) for each in own]
+    return np.array([np.isin(np.arange(every.size), places) for places in nearest])
 
 
 def _scattered(traces: Sequence[Real], taken: Mask) -> Real:

@@ -105,7 +105,7 @@ def test_baselines_of_a_file_are_what_the_file_holds(tmp_path, kind):
     labels = {"press": ["none"] * 2, "row": [0, 0], "column": [0, 0]}
     made = build(
         Z, MODEL.frequencies, interface=names, **labels, shown=shown, kind=kind, taken=taken
-    )
+    ).dataset()
     write(made, tmp_path / "rest.nc")
     again = model_dataset(read_baselines([tmp_path / "rest.nc"], model, force=True), model)
     assert set(again.data_vars) == set(kind.names)
