@@ -24,7 +24,7 @@ from ..models.parameters import (
 from ..models.reduced.families.family import resistive
 from ..models.reduced.reduced_model import Reduced
 from ..press.parts import Parts, foam_parts
-from ..scene.air_nodes import ROUGHEST, nodes_of
+from ..scene.air_nodes import nodes_of
 from ..scene.frequency import REFERENCE, Loss
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -105,6 +105,10 @@ class SkinTensors:
         )
 
 
+AIR_RTOL = 1e-9
+"""Tolerance of the interpolation in air, which numpy solves directly (`dense.solved_in_air`)."""
+
+
 def air_weights(s: Tensor, frequency: Tensor) -> tuple[list[float], Tensor]:
     """Factors on the capacitance in air, and weights of their answers, see `scene.air_nodes`.
 
@@ -112,7 +116,7 @@ def air_weights(s: Tensor, frequency: Tensor) -> tuple[list[float], Tensor]:
     ToleranceError as `air_nodes` does.
     """
     p = 2j * math.pi * frequency / s
-    nodes = nodes_of(p.detach().cpu().to(torch.complex128).numpy().ravel(), ROUGHEST)
+    nodes = nodes_of(p.detach().cpu().to(torch.complex128).numpy().ravel(), AIR_RTOL)
     x, weights = (p - nodes.mean) / (p + nodes.mean), []
     for k, node in enumerate(nodes.places.tolist()):
         weight = torch.ones_like(x)

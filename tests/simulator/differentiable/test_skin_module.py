@@ -7,10 +7,9 @@ import numpy as np
 import pytest
 import rcskin
 from rcskin.simulator.measure.skins import drawn_skin
-from rcskin.simulator.models.parameters import KNOWN, all_values, loss_of
+from rcskin.simulator.models.parameters import KNOWN, all_values
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.press.press import press_on
-from rcskin.simulator.scene.air_nodes import ROUGHEST, air_factor
 from rcskin.simulator.sweeps import InputError
 
 torch = pytest.importorskip("torch", reason="PyTorch is not installed: pip install '.[torch]'")
@@ -111,16 +110,12 @@ def cells(forward, text):
 
 
 def test_readings_equal_those_of_numpy(forward, module, moved):
-    """Within the interpolation in air beside lossy foam, which `respond` does not need."""
     for given in ({}, moved):
-        loss, inside = loss_of(all_values(forward.scene, given)), forward._parts.in_air.any()
-        in_air = air_factor(FREQUENCIES, loss) - 1 if inside else 0.0
-        rtol = max(1e-10, ROUGHEST * np.abs(in_air).max())
         Z = module(module.rises(texts(forward)), given).detach().numpy()
         for own, text in zip(Z, texts(forward), strict=True):
             truth = forward.respond(*cells(forward, text), given).Z
             for part in (np.real, np.imag):
-                np.testing.assert_allclose(part(own), part(truth), rtol=rtol)
+                np.testing.assert_allclose(part(own), part(truth), rtol=1e-10)
 
 
 def test_impedances_are_those_of_the_public_model():
