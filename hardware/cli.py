@@ -222,7 +222,7 @@ def _virtual_meter(
     from ..simulator.sweeps import InputError
     from .virtual import served_skin
 
-    if served.scene is not None and served.scene.reading.gain:
+    if served.scene is not None and served.scene.parts.setup.gain:
         raise InputError(
             f"{served.scene.name}: an LCR meter reads impedances, and the readings of this scene "
             "are gains; --reader FILE serves lines of a reader"

@@ -103,7 +103,11 @@ def record(
     header = header_of(requested, interfaces, steps, settings, session)
     faults = EventCounter(lambda text: say(f"rcskin: {text}", err=True))
     source = source_setup(
-        options, header.by_interface, report=faults, settings=settings, kind=requested.reading.kind
+        options,
+        header.by_interface,
+        report=faults,
+        settings=settings,
+        kind=requested.parts.setup.kind,
     )
     screen, operator, ask = _operator(unattended, control, press_with, retries, steps, several)
     task = RecordingTask(
@@ -152,7 +156,7 @@ def header_of(
 
     read = restricted_to_interfaces(scene, interfaces)
     whole = tuple(read.frequencies.tolist())
-    own = {name: tuple(each) for name, each in read.reading.own.items()}
+    own = {name: tuple(each) for name, each in read.parts.setup.own.items()}
     return RecordingHeader(
         scene=scene_text(scene),
         name=scene.name,

@@ -127,7 +127,7 @@ def live(
         frequencies_of(localizer.model),
         follows=True,
         report=faults,
-        kind=localizer.scene.reading.kind,
+        kind=localizer.scene.parts.setup.kind,
     )
     connect = partial(
         LiveMeter,

@@ -106,7 +106,7 @@ def instrument(
     InputError for another pace or model, or if the model lacks a frequency of the served scene.
     """
     _check_pace(pace)
-    if served.scene is not None and served.scene.reading.gain:
+    if served.scene is not None and served.scene.parts.setup.gain:
         raise InputError(
             f"{served.scene.name}: reads gains, and a meter reads impedances; serve it by --reader"
         )
@@ -158,13 +158,14 @@ def reader(served: ServedSkin, line_format: LineFormat, pace: float = 1.0) -> Vi
     _check_pace(pace)
     if served.scene is None:
         raise InputError("a virtual reader needs --scene: recorded sweeps have no lines in time")
-    if (line_format.kind is IMPEDANCE) == served.scene.reading.gain:
+    kind = served.scene.parts.setup.kind
+    if (line_format.kind is IMPEDANCE) == (kind is not IMPEDANCE):
         raise InputError(
-            f"{served.scene.name}: reads the {served.scene.reading.kind.name}, and the reader's "
+            f"{served.scene.name}: reads the {kind.name}, and the reader's "
             f"file describes the {line_format.kind.name}; change one of them"
         )
     _check_rate(served.scene, line_format)
-    own = served.scene.reading.own
+    own = served.scene.parts.setup.own
     whole = tuple(served.scene.frequencies.tolist())
     made = VirtualReader(
         line_format=line_format,

@@ -122,7 +122,7 @@ def _check(problem: LocalizationProblem, name: str) -> None:
     scene = carried_scene(problem.scene)
     if scene is None:
         raise InputError(f"`estimator` {name} needs the scene, which the sweeps lack")
-    _check_features(problem, name, NAMES[scene.reading.kind.name])
+    _check_features(problem, name, NAMES[scene.parts.setup.kind.name])
     known = tuple(each.name for each in scene.interfaces)
     if problem.interfaces != known:
         raise InputError(

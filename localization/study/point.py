@@ -163,7 +163,7 @@ def score_point(scene: Scene, trial: EvaluationSettings, rtol: float) -> PointFi
     plans = [trial.plan(scene, draw, rtol) for draw in range(trial.draws)]
     family = _family(_without_readings(plans[0].scene), rtol)  # pyright: ignore[reportArgumentType]
     Z = impedances(scene, nominal, family, rtol)
-    reading = scene.reading
+    reading = scene.parts.setup
     readings = in_units_of_error(Z, scene.readout, reading.frequency, reading.taken, reading.phases)
     unpressed = trial.unpressed(scene)
     shares = [
@@ -207,4 +207,4 @@ def impedances(scene: Scene, presses: Sequence[Press], family: SkinFamily, rtol:
     Z, _ = audited(nominal_skin(scene, family), pressed, random, 0, rtol)
     number = {pixel: k for k, pixel in enumerate(strengths)}
     found = Z[[number[of(press.pixel)] for press in presses]]
-    return scene.reading.at_meter(found)
+    return scene.parts.setup.at_meter(found)

@@ -17,7 +17,7 @@ from ..method_cache import cached_method
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.batch import NOTHING, PressBatch
 from ..scene.draws.draw_distributions import AnyDistribution
-from ..scene.readings.reading_setup import ReadingSetup
+from ..scene.readings.setup import Setup
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .bayes import Draws, DrawScores
@@ -56,9 +56,7 @@ class CommonDraws:
         self._among, random = hypotheses(scene, target), np.random.default_rng(seed)
         self._draws = Draws(self._among, presses or own_presses(scene), random, draws, NODES)
 
-    def score(
-        self, skin: ReducedSkin, reading: ReadingSetup, taken: Mask | None = None
-    ) -> DrawScores:
+    def score(self, skin: ReducedSkin, reading: Setup, taken: Mask | None = None) -> DrawScores:
         """Scores for one skin with these readings.
 
         taken: True for readings that are used, shape (interface, frequency); None: all of
@@ -77,7 +75,7 @@ class CommonDraws:
         random = np.random.default_rng([self._seed, zlib.crc32(interface.encode())])
         return random.standard_normal((len(self._draws), 2, frequencies))
 
-    def _whitened(self, skin: ReducedSkin, reading: ReadingSetup, taken: Mask) -> Real:
+    def _whitened(self, skin: ReducedSkin, reading: Setup, taken: Mask) -> Real:
         """Whitened readings of all hypotheses at all nodes, (hypothesis, combination, number)."""
 
         def impedances(batch: PressBatch) -> Complex:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arrays import Complex, Real
 from ..measure.readout import ErrorModel, Unpressed, errors_of, observed_slope
-from ..scene.readings.reading_setup import ReadingSetup
+from ..scene.readings.setup import Setup
 from ..scene.scene import Scene
 
 RIDGE = 1e-12
@@ -59,8 +59,8 @@ def error_model(
     It is evaluated at the reading of the unpressed skin, see `errors_of`. Raises InputError for a
     meter without noise.
     """
-    every = [each.model_copy(update={"frequencies": None}) for each in scene.interfaces]
-    reading = ReadingSetup(every, frequency, scene.leads)
+    every = tuple(each.model_copy(update={"frequencies": None}) for each in scene.interfaces)
+    reading = Setup(every, frequency, scene.leads)
     return errors_of(scene, against_rest, reading=reading, unpressed=unpressed)
 
 

@@ -265,7 +265,7 @@ class TouchReadings:
     def _impedances(self, batch: PressBatch) -> Complex:
         """Readings of presses of the model's cells, shape (press, interface, frequency)."""
         Z = self._reduced.skin(None).sweeps(batch, self.scene.frequencies)
-        return self.scene.reading.at_meter(Z)
+        return self.scene.parts.setup.at_meter(Z)
 
     def _rasterized(self, batch: PressBatch) -> PressBatch:
         """Touches around the middles of pixels, rasterized on cells."""

@@ -178,7 +178,7 @@ def tried(calibration: Calibration, progress: ProgressCallback = silent) -> Cali
     """The calibration with remarks on what its scene lacks, and on an ideal capacitance."""
     fit, names = calibration.fit, calibration.fit.spec.names
     gained = misfit_trials(fit, calibration.information.freedom, calibration.noise, progress)
-    lossy = "phase_exponent" in names and not fit.spec.measurements.scene.reading.gain
+    lossy = "phase_exponent" in names and not fit.spec.measurements.scene.parts.setup.gain
     beaten = lossy and calibration.intervals["phase_exponent"][1] < 1 - ROUNDED
     return replace(
         calibration,

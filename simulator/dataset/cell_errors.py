@@ -52,7 +52,7 @@ def lattice_error(scene: Scene, family: SkinFamily, seed: int) -> float:
     on_cells = _answers(scene, family, presses.batch)
     traced = cell_presses_by_triangles(scene, presses.touches, presses.placed, family.grid)
     exact = _answers(scene, family, traced)
-    return SAMPLED * float(reading_difference(on_cells, exact, scene.reading.kind).max())
+    return SAMPLED * float(reading_difference(on_cells, exact, scene.parts.setup.kind).max())
 
 
 def _sample(scene: Scene, family: SkinFamily, seed: int) -> Presses:
@@ -62,4 +62,4 @@ def _sample(scene: Scene, family: SkinFamily, seed: int) -> Presses:
 def _answers(scene: Scene, family: SkinFamily, batch: PressBatch) -> Complex:
     """Readings of presses on the nominal skin, (press, interface, frequency)."""
     Z = nominal_skin(scene, family).sweeps(batch)
-    return scene.reading.at_meter(Z)
+    return scene.parts.setup.at_meter(Z)

@@ -73,7 +73,7 @@ def dataset(
         "solved without the reduced model"
     )
     if "cells_error" in attributes:
-        changed = " and ".join(plan.scene.reading.kind.with_errors)
+        changed = " and ".join(plan.scene.parts.setup.kind.with_errors)
         say(
             f"{output}: rasterizing touches on cells changes {changed} by up to "
             f"{attributes['cells_error']:.1e}; a larger cells_per_pixel reduces it"

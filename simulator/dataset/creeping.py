@@ -83,7 +83,7 @@ def check_creep(scene: Scene) -> None:
     foam, drawn = scene.skin.foam, scene.dataset.press
     if not foam.in_time:
         return
-    if not scene.reading.one_to_one:
+    if not scene.parts.setup.one_to_one:
         raise InputError(
             f"{scene.name}: data sets of foam with `{foam.in_time[0]}` take no "
             "`interface.driven_with`; leave out one of them"

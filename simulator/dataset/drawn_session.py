@@ -195,7 +195,7 @@ def _measured(
     scene, (Z, audit), (skin, fault) = plan.scene, answer, drawn
     meter = Meter(scene.readout, len(scene.interfaces), stream(plan.seed, number, METER))
     frequency = scene.frequencies
-    at_meter, middle = scene.reading.behind(skin.leads).at_meter(Z), len(frequency) // 2
+    at_meter, middle = scene.parts.setup.behind(skin.leads).at_meter(Z), len(frequency) // 2
     if fault is not None:
         at_meter = at_meter * fault.gain(frequency)
     gain, turn = (each[..., middle] for each in meter.fixed_errors(at_meter[0], frequency))
@@ -204,7 +204,7 @@ def _measured(
 
 
 def _shown(scene: Scene, Z: Complex) -> dict[str, Real]:
-    shown = shown_values(Z, scene.frequencies, scene.reading.kind, scene.readout)
+    shown = shown_values(Z, scene.frequencies, scene.parts.setup.kind, scene.readout)
     if scene.taken is None:
         return shown
     return {name: np.where(scene.taken, value, np.nan) for name, value in shown.items()}

@@ -49,7 +49,7 @@ def variables(plan: Plan) -> list[ArraySpec]:
     return [
         *(
             ArraySpec(each.name, DIMENSIONS, quantity, each.meaning, each.units, labels)
-            for each in plan.scene.reading.kind.quantities
+            for each in plan.scene.parts.setup.kind.quantities
         ),
         *(
             ArraySpec(name, (SWEEP,), "str" if name == "press" else "int64", meaning)

@@ -54,7 +54,7 @@ def sweeps_of_sessions(
     arrays = joined_sessions(
         [values(session) for session in drawn], len(numbers) * plan.session_sweeps
     )
-    kind, odds = plan.scene.reading.kind, plan.scene.dataset.session.faults
+    kind, odds = plan.scene.parts.setup.kind, plan.scene.dataset.session.faults
     sweeps = build(
         kind.reading(arrays),
         plan.scene.frequencies,

@@ -20,7 +20,7 @@ from ..scene.maps.tear import Tear
 from ..scene.planar import Circle
 from ..scene.readings.contacts import Contact, Interface
 from ..scene.scene import Scene
-from ..scene.skin import EARTH, Sheet, Skin
+from ..scene.skin import EARTH, Sheet, SheetsAndFoam
 from ..sweeps.errors import InputError
 from ..sweeps.units import prefixed
 from .distinct_pixels import indistinguishable_pixels
@@ -94,14 +94,14 @@ def _of_skin(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 def _of_meter(scene: Scene) -> Iterator[tuple[str, str]]:
-    if scene.reading.gain:
+    if scene.parts.setup.gain:
         yield from (("gain", each) for each in describe_gains(scene))
     if scene.readout.multisine is not None:
         yield "multisine", describe_multisine(scene, scene.readout.multisine)
     yield "noise", noise_in_words(scene)
 
 
-def _sheets(skin: Skin) -> Iterator[tuple[str, str]]:
+def _sheets(skin: SheetsAndFoam) -> Iterator[tuple[str, str]]:
     """The sheets and the foam between them, or the one conductor."""
     if skin.one_conductor:
         yield "conductor", _sheet(skin.top)
@@ -128,7 +128,7 @@ def _size(x: float, y: float) -> str:
     return f"{1e3 * x:.4g} x {1e3 * y:.4g} mm"
 
 
-def _skin(skin: Skin) -> str:
+def _skin(skin: SheetsAndFoam) -> str:
     size = _size(skin.length, skin.width)
     if skin.mesh is not None:
         text = f"mesh of {skin.mesh.source}, grid of pixels {size}"
@@ -172,7 +172,7 @@ def _varying(of_place: AnyMap | Tear) -> str:
     )
 
 
-def _foam(skin: Skin) -> str:
+def _foam(skin: SheetsAndFoam) -> str:
     foam = skin.foam
     text = prefixed(foam.unpressed_capacitance_per_area, "F/m²")
     if foam.thickness is not None:
@@ -200,7 +200,7 @@ def _capacitance(scene: Scene) -> str:
     return f"{prefixed(c * surface(skin) * _mean(skin), 'F')} in all, {whole}"
 
 
-def _mean(skin: Skin) -> float:
+def _mean(skin: SheetsAndFoam) -> float:
     """Mean of the foam's map over the rectangle around the skin."""
     if skin.foam.map is None:
         return 1.0
@@ -250,12 +250,12 @@ def _frequencies(scene: Scene) -> str:
     first, last = (prefixed(each, "Hz") for each in f[[0, -1]])
     text = f"{len(f)}, from {first} to {last}" if len(f) > 1 else first
     outside = outside_band(VIRTUAL_MODEL, f)
-    return text if not outside or scene.reading.gain else f"{text}; {outside}"
+    return text if not outside or scene.parts.setup.gain else f"{text}; {outside}"
 
 
 def _cut_off(scene: Scene, interface: Interface) -> str:
     """Cut-off frequency of one interface; it depends on the foils that the interface drives."""
-    f, cut_off = scene.reading.frequency_at(interface.name), cut_off_frequency(scene, interface)
+    f, cut_off = scene.parts.setup.frequency_at(interface.name), cut_off_frequency(scene, interface)
     above = int((f > cut_off).sum())
     reach = f"{above} of {len(f)} frequencies lie above it and do not reach the whole skin"
     if above == 0:

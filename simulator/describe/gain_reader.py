@@ -20,7 +20,7 @@ RTOL = 1e-3
 
 def describe_gains(scene: Scene) -> Iterator[str]:
     """A sentence on the reader of each interface, then one on gains of the unpressed skin."""
-    what = "complex gain" if scene.reading.phases else "magnitude of the gain"
+    what = "complex gain" if scene.parts.setup.phases else "magnitude of the gain"
     for each in scene.interfaces:
         assert each.series_resistance is not None
         through = prefixed(each.series_resistance, "ohm")

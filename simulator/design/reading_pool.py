@@ -58,7 +58,7 @@ def pool(scene: Scene, wired: Sequence[str]) -> list[Interface]:
         known = own.get((one, other)) or own.get((other, one))
         name = known.name if known else f"{'+'.join(high)} to {'+'.join(low)}"
         like = known or scene.interfaces[0]
-        reader = {key: getattr(like, key) for key in READER} if scene.reading.gain else {}
+        reader = {key: getattr(like, key) for key in READER} if scene.parts.setup.gain else {}
         found.append(Interface(name=name, high=high, low=low, **reader))
     return found
 

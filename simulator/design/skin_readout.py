@@ -13,7 +13,7 @@ from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.batch import NOTHING, PressBatch
 from ..scene.readings.contacts import Interface
-from ..scene.readings.reading_setup import ReadingSetup
+from ..scene.readings.setup import Setup
 from ..scene.scene import Scene
 
 
@@ -42,9 +42,9 @@ class SkinReadout:
         self.scene, self._readings, self._leads = reduced.scene, readings, drawn.leads
         self.skin: ReducedSkin = reduced.skin(drawn.variation)
 
-    def reading(self, frequency: Real) -> ReadingSetup:
+    def reading(self, frequency: Real) -> Setup:
         """Its readings at these frequencies in Hz, behind its own leads."""
-        return ReadingSetup(self._readings, frequency, self._leads)
+        return Setup(tuple(self._readings), frequency, self._leads)
 
     def errors(self, frequency: Real, against_rest: int) -> ErrorModel:
         """Errors of these readings, evaluated at the unpressed skin; frequency in Hz."""

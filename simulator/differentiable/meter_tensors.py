@@ -10,12 +10,10 @@ import torch
 from torch import Tensor
 
 from ..scene.readings.readers import own_source
-from ..scene.readings.reading_setup import ReadingSetup
+from ..scene.readings.setup import Setup
 
 
-def at_meter(
-    Z: Tensor, frequency: Tensor, reading: ReadingSetup, values: Mapping[str, Tensor]
-) -> Tensor:
+def at_meter(Z: Tensor, frequency: Tensor, reading: Setup, values: Mapping[str, Tensor]) -> Tensor:
     """Readings behind leads and reader, shape (press, interface, frequency).
 
     Z: ohm, of the skin. frequency: Hz. values: parameters of shape (1 or press, 1).
@@ -27,9 +25,7 @@ def at_meter(
     return _single_gain(Z, omega, reading, values) if reading.gain else Z
 
 
-def _single_gain(
-    Z: Tensor, omega: Tensor, reading: ReadingSetup, values: Mapping[str, Tensor]
-) -> Tensor:
+def _single_gain(Z: Tensor, omega: Tensor, reading: Setup, values: Mapping[str, Tensor]) -> Tensor:
     """Gain at nodes that are driven one at a time, see `node_gain.single_gain`."""
     each = [own_source(interface) for interface in reading.interfaces]
     like = values["series_resistance"]
@@ -49,7 +45,7 @@ def _single_gain(
     return a * Z / (R + Z * (1 + R * (G + omega * C)))
 
 
-def quantities(reading: Tensor, frequency: Tensor, setup: ReadingSetup) -> dict[str, Tensor]:
+def quantities(reading: Tensor, frequency: Tensor, setup: Setup) -> dict[str, Tensor]:
     """Quantities of readings by name, see `ReadingKind`. frequency: Hz."""
     if setup.gain:
         found = {"gain": reading.abs()}

@@ -147,7 +147,7 @@ class SkinModule(nn.Module):
         K = self.conductance + torch.tensordot(change, self.stiffness, dims=1)
         Q = self._forms(skin, K, skin.amounts(self.parts, rises), f)
         Z = 1 / torch.einsum("ie,pef->pif", self.combination.to(Q.dtype), Q)
-        return at_meter(Z, f, self.scene.reading, values)
+        return at_meter(Z, f, self.scene.parts.setup, values)
 
     def _forms(self, skin: SkinTensors, K: Tensor, amounts: Tensor, f: Tensor) -> Tensor:
         """Q of each excitation, (press, excitation, frequency); only the foam has its loss."""
@@ -169,7 +169,7 @@ class SkinModule(nn.Module):
         reading: from `forward`, at the same frequencies.
         """
         f = self.frequency if frequency is None else self._on_device(frequency)
-        return quantities(reading, f, self.scene.reading)
+        return quantities(reading, f, self.scene.parts.setup)
 
     def rises(self, presses: Sequence[Press | str]) -> Tensor:
         """Rises of presses or their texts, shape (press, cell); behind them fingers in F, if any.
@@ -289,7 +289,7 @@ def _check_scene(scene: Scene) -> None:
         ),
         (
             "`interface.driven_with`; leave it out, so that each node is driven alone",
-            lambda: not scene.reading.one_to_one,
+            lambda: not scene.parts.setup.one_to_one,
         ),
     )
     for what, found in refused:

@@ -75,7 +75,7 @@ class UnknownSkin:
 
     def _read(self, values: Real) -> Real:
         """The values without phases where the reader has none."""
-        if self.forward.scene.reading.phases:
+        if self.forward.scene.parts.setup.phases:
             return values
         return values[..., : values.shape[-1] // 2]
 
@@ -160,7 +160,7 @@ def _baseline_covariance(scene: Scene, baseline: Real, averaged: int) -> Real:
 
     Ranges are assumed to be decades of |Z|, each with a fixed error of its own.
     """
-    read = scene.reading.read
+    read = scene.parts.setup.read
     error = errors_of(scene, averaged=averaged, unpressed=lambda: reading_from(baseline, read))
     decade = np.tile(np.floor(baseline[: len(baseline) // 2] / math.log(10)), 2)
     noise = np.diag(error.deviation**2)

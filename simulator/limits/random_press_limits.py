@@ -111,7 +111,7 @@ class RandomPresses:
 
     def _impedances(self, batch: PressBatch) -> Complex:
         """Z in ohm at the meter, shape (press, interface, frequency)."""
-        return self.scene.reading.at_meter(self._skin.sweeps(batch, self.scene.frequencies))
+        return self.scene.parts.setup.at_meter(self._skin.sweeps(batch, self.scene.frequencies))
 
     @cached_property
     def _model(self) -> ErrorModel:

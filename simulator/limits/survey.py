@@ -99,7 +99,7 @@ def survey(
     variants = [everything, *others]
     if len(scene.interfaces) > 1:
         for number, interface in enumerate(scene.interfaces):
-            its = scene.reading.frequency_at(interface.name)
+            its = scene.parts.setup.frequency_at(interface.name)
             alone = slopes.bounds(its, [number])
             variants.append(Variant(INTERFACES, interface.name, alone, its))
         variants.append(Variant(INTERFACES, "all together", everything.bounds, own))

@@ -60,7 +60,7 @@ class SurveyResults(NamedTuple):
             "position": [summary(variant) for variant in self.variants],
             "accuracy": self.identity.summary(),
         }
-        if each := self.scene.reading.own:
+        if each := self.scene.parts.setup.own:
             content["frequencies_of_each_Hz"] = each
         with filled_at_once(folder) as made:
             self._draw(made, ending)

@@ -46,12 +46,12 @@ def reading_moments(scene: Scene) -> tuple[Real, float]:
     of skipped readings are at the end.
     """
     starts, durations, end = reading_spans(scene, scene.experiment.timed.before)
-    return np.where(scene.reading.read, starts + durations / 2, end), end
+    return np.where(scene.parts.setup.read, starts + durations / 2, end), end
 
 
 def reading_spans(scene: Scene, start: float = 0.0) -> tuple[Real, Real, float]:
     """Start and duration of each reading, and the end of the last one, s; see `spans_of`."""
-    reading, multisine = scene.reading, scene.readout.multisine
+    reading, multisine = scene.parts.setup, scene.readout.multisine
     return spans_of(reading.frequency, reading.read, scene.experiment.timed, multisine, start)
 
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arrays import Complex, Mask, Real
-from ..scene.readings.reading_setup import ReadingSetup
+from ..scene.readings.setup import Setup
 from ..scene.readout.meter import Readout
 from ..scene.readout.readout_errors import ReadoutErrors
 from ..sweeps import InputError, build
@@ -260,7 +260,7 @@ def errors_of(
     scene: Scene,
     against_rest: int = 0,
     averaged: int = 1,
-    reading: ReadingSetup | None = None,
+    reading: Setup | None = None,
     unpressed: Unpressed | None = None,
 ) -> ErrorModel:
     """Error model of a scene's meter, evaluated at the reading of the unpressed skin.
@@ -269,7 +269,7 @@ def errors_of(
     readings of the scene for None. The other arguments: see `ErrorModel`. Raises InputError without
     noise.
     """
-    read, readout = scene.reading if reading is None else reading, scene.readout
+    read, readout = scene.parts.setup if reading is None else reading, scene.readout
     require_noise(readout)
     at = None if readout.uniform or unpressed is None else unpressed()
     return ErrorModel(readout, read.read, averaged, against_rest, at, read.frequency, read.phases)

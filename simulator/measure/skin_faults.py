@@ -115,7 +115,7 @@ class DeadFoil(SkinFault):
 
     def check(self, scene: Scene) -> None:
         _check_foil(self, scene)
-        if not scene.reading.one_to_one:
+        if not scene.parts.setup.one_to_one:
             needed = "needs interfaces that are read one by one; leave out `driven_with`"
             raise self.refused(scene, needed)
 

@@ -21,7 +21,7 @@ from ..scene.maps.factor_maps import FactorMap
 from ..scene.readings.contacts import Contact, path
 from ..scene.readings.wiring_checks import conductor_groups
 from ..scene.scene import Scene
-from ..scene.skin import Electrode, Sheet, Skin
+from ..scene.skin import Electrode, Sheet, SheetsAndFoam
 from ..scene.skin_region import curves
 
 Pixel = tuple[int, int]
@@ -127,7 +127,7 @@ def _directed(scene: Scene) -> bool:
     A guard follows one of them, or a reader of gains has its low at earth.
     """
     around = scene.surroundings
-    return around is not None and (scene.reading.gain or any(b.follows for b in around.body))
+    return around is not None and (scene.parts.setup.gain or any(b.follows for b in around.body))
 
 
 def _sides_kept(scene: Scene, mapping: Mapping) -> bool:
@@ -137,19 +137,19 @@ def _sides_kept(scene: Scene, mapping: Mapping) -> bool:
     return square or not mapping.swapped
 
 
-def _layers_kept(skin: Skin, mapping: Mapping) -> bool:
+def _layers_kept(skin: SheetsAndFoam, mapping: Mapping) -> bool:
     pairs = [(sheet, skin.sheet(mapping.electrode(name))) for name, sheet in _sheets(skin)]
     return all(_sheet_becomes(*pair, mapping, skin) for pair in pairs) and _map_becomes(
         skin.foam.map, skin.foam.map, mapping, skin
     )
 
 
-def _sheets(skin: Skin) -> Iterator[tuple[Electrode, Sheet]]:
+def _sheets(skin: SheetsAndFoam) -> Iterator[tuple[Electrode, Sheet]]:
     yield "top", skin.top
     yield "bottom", skin.bottom
 
 
-def _sheet_becomes(sheet: Sheet, image: Sheet, mapping: Mapping, skin: Skin) -> bool:
+def _sheet_becomes(sheet: Sheet, image: Sheet, mapping: Mapping, skin: SheetsAndFoam) -> bool:
     if (sheet.sheet_resistance, sheet.piezoresistance) != (
         image.sheet_resistance,
         image.piezoresistance,
@@ -166,7 +166,7 @@ def _sheet_becomes(sheet: Sheet, image: Sheet, mapping: Mapping, skin: Skin) -> 
 
 
 def _map_becomes(
-    one: FactorMap | None, other: FactorMap | None, mapping: Mapping, skin: Skin
+    one: FactorMap | None, other: FactorMap | None, mapping: Mapping, skin: SheetsAndFoam
 ) -> bool:
     if one is None or other is None:
         return one is other
@@ -177,7 +177,7 @@ def _map_becomes(
     return np.allclose(one.factors(x, skin.sides), moved, rtol=NEAR, atol=0)
 
 
-def _outline_kept(skin: Skin, mapping: Mapping) -> bool:
+def _outline_kept(skin: SheetsAndFoam, mapping: Mapping) -> bool:
     """True if every curve around the skin is mapped onto one of them."""
     if skin.outline is None:
         return True
@@ -204,7 +204,7 @@ def _same(one: Real, other: Real, near: float) -> bool:
 @dataclass(frozen=True)
 class _Foil:
     contact: Contact
-    skin: Skin
+    skin: SheetsAndFoam
 
     @cached_property
     def places(self) -> Real:
@@ -257,13 +257,13 @@ def repeated(scene: Scene) -> list[tuple[str, str]]:
             kind(frozenset(terminal[as_is[name]] for name in side) for side in sides)
             for as_is in ({name: name for name in terminal}, *images)
         ]
-        own = set(scene.reading.frequency_at(interface.name))
+        own = set(scene.parts.setup.frequency_at(interface.name))
         earlier = next(
             (
                 name
                 for each in equivalent
                 for name in known.get(each, [])
-                if own <= set(scene.reading.frequency_at(name))
+                if own <= set(scene.parts.setup.frequency_at(name))
             ),
             None,
         )

@@ -17,7 +17,7 @@ from ..scene.planar import Circle, Points, regular, sides
 from ..scene.readings.contacts import Contact
 from ..scene.readings.wiring_checks import strip
 from ..scene.scene import Scene
-from ..scene.skin import Skin
+from ..scene.skin import SheetsAndFoam
 
 Shape = Circle | Points
 """Circle, or the corners of a polygon or polyline, shape (corner, 2)."""
@@ -33,7 +33,7 @@ class Drawing:
     True if the lines between pixels are drawn.
     """
 
-    skin: Skin
+    skin: SheetsAndFoam
     foils: tuple[Contact, ...]
     pixels: Pixels
     lines: tuple[Points, Points]

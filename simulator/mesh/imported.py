@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import Integer, Mask
 from ..scene.form.mesh_file import MeshSurface, foil_lines
 from ..scene.planar import Circle, distance, nearest
-from ..scene.skin import Skin
+from ..scene.skin import SheetsAndFoam
 from ..sweeps import InputError, ToleranceError
 from .arcs import Arcs, on_arcs
 from .arrangement import WIDEST, Arrangement, arranged, chords
@@ -147,7 +147,7 @@ def _cut_along_z(mesh: Domain, shapes: Sequence[Circle | Points]) -> Domain:
     return cut(_as_fine(mesh, pieces), pieces, same)
 
 
-def _check_directions(skin: Skin, path: str) -> None:
+def _check_directions(skin: SheetsAndFoam, path: str) -> None:
     """Raises InputError for keys that need a direction, which a mesh in space lacks."""
     ratios = skin.stretch.ratios if skin.stretch else (1.0, 1.0)
     directed = {

@@ -18,7 +18,7 @@ from ..scene.planar import NO_LINES, SAME_LINE, Lines, distinct
 from ..scene.readings.contacts import Contact
 from ..scene.readings.wiring_checks import ACROSS, strip, touch_at
 from ..scene.scene import Scene
-from ..scene.skin import Skin
+from ..scene.skin import SheetsAndFoam
 from .rings import QuadrilateralCells, rectangles, ringed
 
 
@@ -118,7 +118,7 @@ class PixelMesh:
     pixel: row * columns + column, both from 0, of the tiles between `tile_lines`, shape (element,).
     """
 
-    skin: Skin
+    skin: SheetsAndFoam
     mesh: MeshQuad
     cells: QuadrilateralCells
     pixel: Integer
@@ -228,7 +228,7 @@ def _nodes(
     return _with_nodes_between(found, [each[axis] for each in (*tips, *resolution.corners)])
 
 
-def _at_corner(ringed: tuple[float, float, int], skin: Skin) -> bool:
+def _at_corner(ringed: tuple[float, float, int], skin: SheetsAndFoam) -> bool:
     return all(at in (0.0, side) for at, side in zip(ringed, skin.sides, strict=False))
 
 
@@ -243,7 +243,7 @@ def _with_nodes_between(nodes: Real, ringed: Sequence[float]) -> Real:
     return np.insert(nodes, shared + 1, (nodes[shared] + nodes[shared + 1]) / 2)
 
 
-def singular_ends(contacts: Sequence[Contact], skin: Skin) -> list[tuple[float, float]]:
+def singular_ends(contacts: Sequence[Contact], skin: SheetsAndFoam) -> list[tuple[float, float]]:
     """Ends of foils within an edge, and where foils meet that are not joined."""
     found = {
         _inwards(end, contact, skin): None
@@ -254,7 +254,9 @@ def singular_ends(contacts: Sequence[Contact], skin: Skin) -> list[tuple[float, 
     return list(found)
 
 
-def _inwards(end: tuple[float, float], contact: Contact, skin: Skin) -> tuple[float, float]:
+def _inwards(
+    end: tuple[float, float], contact: Contact, skin: SheetsAndFoam
+) -> tuple[float, float]:
     """Inner corner of a foil with a width at its end; the end itself without a width."""
     if not contact.width:
         return end
@@ -269,7 +271,7 @@ def _is_singular(
     fraction: float,
     end: tuple[float, float],
     contacts: Sequence[Contact],
-    skin: Skin,
+    skin: SheetsAndFoam,
 ) -> bool:
     met = [other for other in contacts if other != contact and touch_at(end, contact, other, skin)]
     if met:

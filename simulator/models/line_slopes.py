@@ -119,7 +119,7 @@ class LineModel:
         slopes["contact_resistance"] = np.full_like(Z, film)
         of_s = slopes_of_s(self.scene.frequencies, loss_of(values))
         slopes |= {name: by_s * slope for name, slope in of_s.items()}
-        to_Y, times = -1 / (Z + film) ** 2, len(self.scene.reading.solved)
+        to_Y, times = -1 / (Z + film) ** 2, len(self.scene.parts.setup.solved)
 
         def everywhere(values: Complex) -> Complex:
             return np.repeat(values[:, None], times, axis=1)

@@ -14,7 +14,7 @@ from ..press.parts import SOLVED, foam_parts, parts_of
 from ..scene.foam.foam import VACUUM_PERMITTIVITY, Foam
 from ..scene.foam.foam_in_time import IN_TIME
 from ..scene.frequency import Loss
-from ..scene.readings.reading_setup import ReadingSetup
+from ..scene.readings.setup import Setup
 from ..scene.readout.meter import Leads
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -187,9 +187,9 @@ def leads_of(values: Mapping[str, float]) -> Leads:
     )
 
 
-def reading_of(scene: Scene, values: Mapping[str, float]) -> ReadingSetup:
+def reading_of(scene: Scene, values: Mapping[str, float]) -> Setup:
     """Readings behind the leads and the reader."""
-    reading = scene.reading.behind(leads_of(values))
+    reading = scene.parts.setup.behind(leads_of(values))
     if not reading.gain:
         return reading
     return replace(reading, interfaces=with_reader(reading.interfaces, values))
@@ -240,7 +240,7 @@ def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
     )
     changed = skin.model_copy(update={**sheets, "foam": foam})
     update = {"skin": changed, "contacts": contacts, "leads": leads_of(values)}
-    if scene.reading.gain:
+    if scene.parts.setup.gain:
         update["interfaces"] = with_reader(scene.interfaces, values)
     return scene.model_copy(update=update | with_effects(scene, values))
 

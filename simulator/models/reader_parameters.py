@@ -19,7 +19,7 @@ all others change by the same factor, and their inputs by the same capacitance a
 
 def reader_values(scene: Scene) -> dict[str, float]:
     """Parameters of the scene's readers; none where they read impedances."""
-    if not scene.reading.gain:
+    if not scene.parts.setup.gain:
         return {}
     first = own_source(scene.interfaces[0])
     load = first.load.capacitance, _conductance(first.load)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Complex
-from ..scene.readings.reading_setup import ReadingSetup
+from ..scene.readings.setup import Setup
 
 NONE = np.zeros(0, dtype=np.complex128)
 """Empty array, for no cells and no terms."""
@@ -35,7 +35,7 @@ class Response:
 def at_meter(
     Z: Complex,
     by_parameter: Mapping[str, Complex],
-    reading: ReadingSetup,
+    reading: Setup,
     by_cell: Complex = NONE,
     by_term: Complex = NONE,
     by_gauge: Complex | float = 0.0,

@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import Complex, Mask, Real
 from ..fem.error_estimate import reference_susceptance, relative_difference
 from ..fem.safety_factors import UNIFORM
-from ..scene.readings.reading_setup import ReadingSetup
+from ..scene.readings.setup import Setup
 from ..sweeps.reading_quantities import GAIN_ERROR, IMPEDANCE, ReadingKind
 
 
@@ -70,7 +70,7 @@ class Solution:
         Cp = reference_capacitance(self.Z, self.frequency)
         return self.Rs_error / np.abs(self.Z.real), self.Cp_error / Cp
 
-    def at_meter(self, reading: ReadingSetup) -> Solution:
+    def at_meter(self, reading: Setup) -> Solution:
         """Solution behind the leads and the reader, from that at the skin.
 
         The error of Z is taken as UNIFORM times the larger one that those of Rs and of Cp imply:

@@ -89,7 +89,9 @@ class Solver:
         self._check_depth(press, float(requested[-1]))
         solver = self
         while True:
-            answer = solver._of_skin(press, requested).at_meter(self.scene.reading.at(requested))
+            answer = solver._of_skin(press, requested).at_meter(
+                self.scene.parts.setup.at(requested)
+            )
             if max(error.max() for error in answer.relative_errors) <= self.rtol:
                 return answer
             solver = solver._stricter
@@ -112,7 +114,7 @@ class Solver:
         if self._without_earth is not None and not press.fingers:
             return self._without_earth._of_skin(press, frequency)
         on_error = self._time_estimate.of(str(press))
-        solved = len(self.scene.reading.solved)
+        solved = len(self.scene.parts.setup.solved)
         progress = SolutionProgress(solved, frequency, self.rtol, on_error)
         if self._applicators_reduce(press):
             self._under_applicators(press, progress)

@@ -20,7 +20,7 @@ from ..press.touch import AnyTouch, Rectangle, Touch
 from ..scene.foam.foam import Foam
 from ..scene.pixel_grid import Pressing
 from ..scene.scene import Scene
-from ..scene.skin import Sheet, Skin
+from ..scene.skin import Sheet, SkinTable
 from ..sweeps import InputError
 
 Part = TypeVar("Part", Sheet, Foam)
@@ -35,7 +35,7 @@ def equivalent_scene(scene: Scene) -> Scene:
     return scene if skin is scene.skin else scene.model_copy(update={"skin": skin})
 
 
-def equivalent_skin(skin: Skin) -> Skin:
+def equivalent_skin(skin: SkinTable) -> SkinTable:
     """Electrically equivalent skin.
 
     Uniform maps, anisotropy of ratio 1 and bending to a cylinder are always replaced; a stretch is
@@ -120,7 +120,7 @@ def _by_depth_alone(scene: Scene, what: str) -> NoReturn:
     )
 
 
-def _without_uniform_maps(skin: Skin) -> Skin:
+def _without_uniform_maps(skin: SkinTable) -> SkinTable:
     """Skin without uniform maps, without anisotropy of ratio 1, and flat if it only bends."""
     changed = {
         "top": _without_uniform_map(_without_unit_anisotropy(skin.top)),
@@ -157,7 +157,7 @@ def _times(part: Part, factor: float) -> Part:
     return part.model_copy(update={"capacitance_per_area": c, "relative_permittivity": None})
 
 
-def _stretched(skin: Skin) -> Skin:
+def _stretched(skin: SkinTable) -> SkinTable:
     stretch = skin.stretch
     assert stretch is not None
     along, across = stretch.ratios

@@ -39,7 +39,7 @@ def page(
 
     checked_output(output, (".html",))
     requested = requested_scene(scene)
-    if requested.reading.gain:
+    if requested.parts.setup.gain:
         raise InputError(
             f"{scene}: a page shows impedances, and the readings of this scene are gains; use "
             "rcskin sweep or rcskin view"

@@ -17,7 +17,7 @@ def linked_page(scene: Scene, kind: str, nonce: str) -> str:
 
     kind, nonce: those of `PageLink`. Raises InputError if the scene has no page.
     """
-    if scene.reading.own:
+    if scene.parts.setup.own:
         raise InputError(f"{scene.name}: the page takes no `frequencies` of interfaces")
     pressed = uniformly_pressed(scene, "a page")
     with on_terminal() as progress:

@@ -14,7 +14,7 @@ from ..models.reduced.families.family import Family, Triangulation
 from ..scene.planar import Circle
 from ..scene.readings.contacts import Contact, curve_section, path
 from ..scene.scene import Scene
-from ..scene.skin import Skin
+from ..scene.skin import SheetsAndFoam
 from ..scene.skin_region import curves
 
 CIRCLE_SIDES = 96
@@ -89,14 +89,14 @@ def _closed_walks(edges: Integer) -> list[list[int]]:
     return walks
 
 
-def _outline(skin: Skin) -> list[Points]:
+def _outline(skin: SheetsAndFoam) -> list[Points]:
     """Outline of a skin without mesh."""
     angle = 2 * np.pi * np.arange(CIRCLE_SIDES) / CIRCLE_SIDES
     shapes = [curve.shape for curve in curves(skin)]
     return [each.at(angle) if isinstance(each, Circle) else each for each in shapes]
 
 
-def _foil_pieces(contact: Contact, skin: Skin) -> Points:
+def _foil_pieces(contact: Contact, skin: SheetsAndFoam) -> Points:
     """Pieces of a foil on a skin without mesh."""
     along = curve_section(contact, skin)
     curve = curves(skin)[along.curve]

@@ -10,7 +10,7 @@ from ..scene.form.outline import check_simple
 from ..scene.pixel_grid import Pressing
 from ..scene.planar import SAME_LINE
 from ..scene.scene import Scene
-from ..scene.skin import Skin
+from ..scene.skin import SheetsAndFoam
 from ..scene.surroundings import NO_EARTH
 from ..scene.touch_capacitance import per_pixel
 from ..sweeps import UNPRESSED, InputError
@@ -315,7 +315,7 @@ def _check_place(touch: Rectangle | Disc | Polygon, press: Press, scene: Scene) 
             )
 
 
-def _suggestion_in_mm(touch: Rectangle | Disc | Polygon, skin: Skin) -> str:
+def _suggestion_in_mm(touch: Rectangle | Disc | Polygon, skin: SheetsAndFoam) -> str:
     """Suggests the touch in metres if it lies on the skin when its numbers are millimetres."""
     if isinstance(touch, Polygon):
         small = replace(touch, points=tuple((x / 1000, y / 1000) for x, y in touch.points))

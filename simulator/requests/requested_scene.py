@@ -50,7 +50,7 @@ def noise_free(scene: Scene) -> str:
         return ""
     given = (
         "[readout.converter] sets noise in volts or bits"
-        if scene.reading.gain
+        if scene.parts.setup.gain
         else 'readout = "IM3523", above the first table, sets those of such a meter'
     )
     return f"the readout is free of noise because [readout] sets no errors; {given}"

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..arrays import Real
 from ..scene.scene import Scene
-from ..scene.skin import Skin
+from ..scene.skin import SheetsAndFoam
 from ..sweeps import InputError
 from .contact_curvature import GeomNumbers
 from .engine import MjData, MjModel, engine
@@ -40,7 +40,7 @@ class SkinMount:
     """
 
     model: MjModel
-    skin: Skin
+    skin: SheetsAndFoam
     surface: MountedSurface
     frame: int
     by_geom: bool

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ..arrays import Mask, Real
 from ..compiled import compiled
 from ..scene.form.shape import Cylinder
-from ..scene.skin import Skin
+from ..scene.skin import SheetsAndFoam
 from ..scene.skin_region import on_skin
 
 FLAT, BENT_ALONG_X, BENT_ALONG_Y, BALL, TRIANGLES = range(5)
@@ -79,7 +79,7 @@ class ShapedSurface:
     The site is at the middle of the skin: x along its length, y along its width, z outward.
     """
 
-    skin: Skin
+    skin: SheetsAndFoam
 
     @property
     def _middle(self) -> Real:

@@ -7,11 +7,11 @@ import math
 import numpy as np
 
 from .planar import Circle, area
-from .skin import Skin
+from .skin import SheetsAndFoam
 from .skin_region import curves
 
 
-def surface(skin: Skin) -> float:
+def surface(skin: SheetsAndFoam) -> float:
     """Area of an unstretched skin without its holes, m²; for a mesh the area of its triangles."""
     if skin.mesh is not None:
         return skin.mesh.surface.area()
@@ -19,7 +19,7 @@ def surface(skin: Skin) -> float:
     return around - sum(holes)
 
 
-def perimeter(skin: Skin) -> float:
+def perimeter(skin: SheetsAndFoam) -> float:
     """Length of the outline of an unstretched skin and of its holes, m."""
     if skin.mesh is not None:
         found = skin.mesh.surface

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Self
+from typing import TYPE_CHECKING, Annotated, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
+from ..sweeps import InputError
 from .ranges import AnyFinger, CapacitanceFactor, Force, Thickness, TouchCapacitance
 from .skin import Name
 from .touch_capacitance import Added
 from .validation import Number, Table, Whole
+
+if TYPE_CHECKING:
+    from .parts import Skin
 
 PRESSED_BY = ("capacitance_factor", "depth", "force", "capacitance")
 
@@ -67,6 +71,21 @@ class Pressing(Table):
     def by_factor(self) -> bool:
         """True if pixels are pressed by a capacitance factor."""
         return self.depth is None and self.force is None
+
+    def factor(self, skin: Skin) -> float:
+        """Capacitance factor of a pressed pixel of a skin.
+
+        Raises InputError for a depth beyond the foam's range, and for a force, which presses pixels
+        to different depths.
+        """
+        if self.by_factor:
+            return self.capacitance_factor
+        if self.depth is None:
+            raise InputError(
+                f"{skin.name}: `press.force` presses pixels to different depths; give "
+                "`press.depth` here"
+            )
+        return skin.factor_at(self.depth)
 
     @model_validator(mode="after")
     def _pressed_one_way(self) -> Self:

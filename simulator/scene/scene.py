@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from copy import deepcopy
+from functools import cached_property
 from importlib import import_module
 from typing import Annotated, Any, Self
 
@@ -26,6 +27,7 @@ from .foam.foam_in_time import in_ambient
 from .foam.foam_mechanics import Mechanics
 from .keys.changing import put
 from .multisine.scene_tones import scene_reader
+from .parts import Parts
 from .pixel_grid import Pixels, Pressing
 from .readings.contacts import (
     MAX_CONTACTS,
@@ -38,12 +40,11 @@ from .readings.contacts import (
 )
 from .readings.one_conductor import with_earth, without_earth
 from .readings.readers import sources_of_others
-from .readings.reading_setup import ReadingSetup
 from .readings.readings_short_form import Readings, with_interfaces
 from .readings.wiring_checks import DrivenByTouch, check_wiring, driven_by_touch
 from .readout.converter import check_readout
 from .readout.meter import AnyReadout, Experiment, Leads, Readout, Sweep
-from .skin import Name, Skin
+from .skin import Name, SkinTable
 from .surroundings import AnySurroundings, check_finger
 from .touch_capacitance import with_drawn_factor, with_factor
 from .validation import Table, one_line
@@ -71,7 +72,7 @@ class Scene(Table):
     name: Name
     description: str = ""
     plausible: bool | None = None
-    skin: Skin
+    skin: SkinTable
     contacts: Annotated[
         tuple[Contact, ...], Field(alias="contact", min_length=1, max_length=MAX_CONTACTS)
     ]
@@ -133,10 +134,16 @@ class Scene(Table):
             return self.contacts
         return tuple(each for each in self.contacts if each.electrode == "top")
 
-    @property
-    def reading(self) -> ReadingSetup:
-        """Interfaces, frequencies and leads of a sweep."""
-        return ReadingSetup(self.interfaces, self.frequencies, self.leads)
+    @cached_property
+    def parts(self) -> Parts:
+        """The skin, setup, meter and plan, which computations take."""
+        return Parts.of(self)
+
+    def __copy__(self) -> Self:
+        """A copy, which makes its own parts: copies are given other tables."""
+        copied = super().__copy__()
+        vars(copied).pop("parts", None)
+        return copied
 
     @property
     def uniform(self) -> bool:

@@ -6,7 +6,7 @@ the corner x = y = 0.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import (
     AfterValidator,
@@ -99,27 +99,19 @@ BottomSheet = Annotated[
 ]
 
 
-class Skin(Table):
-    """Two electrode sheets around a foam; length and width are those before stretching.
+class SheetsAndFoam:
+    """What follows from the sheets and the foam of a skin, in its table and in `parts.Skin`."""
 
-    The skin is a rectangle, or has an outline, or comes from a mesh file. With an outline or a
-    mesh, the grid of pixels lies on the rectangle of length and width. length: along x, from the
-    left edge to the right. width: along y, from the bottom edge to the top. mesh: a mesh, or the
-    path of its file from the folder of the scene file. bottom: the lower electrode sheet; "earth"
-    is a skin of one conductor, the top sheet, whose capacitance to earth is
-    foam.capacitance_per_area. top: the upper electrode sheet. shape: the surface to which the skin
-    is bent, a cylinder or a sphere.
-    """
-
-    length: Length
-    width: Length
-    outline: Outline | None = None
-    mesh: AnyMesh = None
-    top: Sheet
-    bottom: BottomSheet
-    foam: Foam
-    stretch: Stretch | None = None
-    shape: Shape | None = None
+    if TYPE_CHECKING:
+        length: float
+        width: float
+        outline: Outline | None
+        mesh: MeshData | None
+        top: Sheet
+        bottom: Sheet
+        foam: Foam
+        stretch: Stretch | None
+        shape: Shape | None
 
     @property
     def sides(self) -> tuple[float, float]:
@@ -208,6 +200,29 @@ class Skin(Table):
     def sheet(self, electrode: Electrode) -> Sheet:
         """The sheet of an electrode."""
         return self.top if electrode == "top" else self.bottom
+
+
+class SkinTable(SheetsAndFoam, Table):
+    """Two electrode sheets around a foam; length and width are those before stretching.
+
+    The skin is a rectangle, or has an outline, or comes from a mesh file. With an outline or a
+    mesh, the grid of pixels lies on the rectangle of length and width. length: along x, from the
+    left edge to the right. width: along y, from the bottom edge to the top. mesh: a mesh, or the
+    path of its file from the folder of the scene file. bottom: the lower electrode sheet; "earth"
+    is a skin of one conductor, the top sheet, whose capacitance to earth is
+    foam.capacitance_per_area. top: the upper electrode sheet. shape: the surface to which the skin
+    is bent, a cylinder or a sphere.
+    """
+
+    length: Length
+    width: Length
+    outline: Outline | None = None
+    mesh: AnyMesh = None
+    top: Sheet
+    bottom: BottomSheet
+    foam: Foam
+    stretch: Stretch | None = None
+    shape: Shape | None = None
 
     @model_validator(mode="after")
     def _one_outline(self) -> Self:

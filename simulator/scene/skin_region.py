@@ -9,10 +9,10 @@ import numpy as np
 from ..arrays import Mask, Real
 from .form.outline import Curve
 from .planar import Circle, Points, inside, reach_into, sides
-from .skin import Skin
+from .skin import SheetsAndFoam
 
 
-def curves(skin: Skin) -> list[Curve]:
+def curves(skin: SheetsAndFoam) -> list[Curve]:
     """Boundary of a skin without mesh: the outer curve first, then the curves of its holes."""
     if skin.outline is not None:
         return [skin.outline, *skin.outline.holes]
@@ -20,7 +20,7 @@ def curves(skin: Skin) -> list[Curve]:
     return [Curve(points=((0.0, 0.0), (x, 0.0), (x, y), (0.0, y)))]
 
 
-def on_skin(skin: Skin, x: Real) -> Mask:
+def on_skin(skin: SheetsAndFoam, x: Real) -> Mask:
     """True where positions x in m, shape (2, ...), are on a skin without mesh, shape (...)."""
     around, *holes = curves(skin)
     found = around.holds(x)
@@ -29,7 +29,7 @@ def on_skin(skin: Skin, x: Real) -> Mask:
     return found
 
 
-def covers(skin: Skin, x: Real) -> Mask:
+def covers(skin: SheetsAndFoam, x: Real) -> Mask:
     """True where positions x in m, shape (2, ...), are on the skin seen along z, shape (...)."""
     if skin.mesh is None:
         return on_skin(skin, x)
@@ -44,7 +44,7 @@ def covers(skin: Skin, x: Real) -> Mask:
     return found
 
 
-def reaches_into(skin: Skin, low: Sequence[Points], high: Sequence[Points]) -> list[bool]:
+def reaches_into(skin: SheetsAndFoam, low: Sequence[Points], high: Sequence[Points]) -> list[bool]:
     """True for each rectangle between corners (x, y), in m, that contains a part of a skin.
 
     An edge of the skin runs through such a rectangle, or the whole rectangle lies on the skin. A

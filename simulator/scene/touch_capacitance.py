@@ -15,7 +15,7 @@ from .validation import short
 if TYPE_CHECKING:
     from .draws.randomisation import DrawnPress
     from .pixel_grid import Pixels, Pressing
-    from .skin import Skin
+    from .skin import SheetsAndFoam
 
 Added = Literal["capacitance to earth"]
 NEEDS_ONE_CONDUCTOR = (
@@ -31,13 +31,13 @@ UNSUITED = {
 """Keys with which equal touches of pixels are no equal factors."""
 
 
-def per_pixel(skin: Skin, pixels: Pixels) -> float:
+def per_pixel(skin: SheetsAndFoam, pixels: Pixels) -> float:
     """Capacitance of an unpressed pixel of a rectangular skin, F."""
     area = skin.length * skin.width / (pixels.rows * pixels.columns)
     return skin.foam.unpressed_capacitance_per_area * area
 
 
-def with_factor(press: Pressing, skin: Skin, pixels: Pixels) -> Pressing:
+def with_factor(press: Pressing, skin: SheetsAndFoam, pixels: Pixels) -> Pressing:
     """The press with the factor of its capacitance.
 
     Raises ValueError naming the key that suits no such touch.
@@ -58,7 +58,9 @@ def with_factor(press: Pressing, skin: Skin, pixels: Pixels) -> Pressing:
     return press.model_copy(update={"capacitance_factor": factor})
 
 
-def with_drawn_factor(drawn: DrawnPress, press: Pressing, skin: Skin, pixels: Pixels) -> DrawnPress:
+def with_drawn_factor(
+    drawn: DrawnPress, press: Pressing, skin: SheetsAndFoam, pixels: Pixels
+) -> DrawnPress:
     """Drawn presses with the factor of their capacitance, by default that of the scene's press.
 
     Raises ValueError for places and distributions that suit no such touch.

@@ -45,10 +45,10 @@ def as_dataset(
     values = np.stack([sweep.values for sweep in sweeps], axis=2)
     quantities, skins, count = values.shape[:3]
     flat = values.reshape(quantities, skins * count, *values.shape[3:])
-    whole = np.isfinite(flat[..., scene.reading.read]).all(axis=(0, 2))
+    whole = np.isfinite(flat[..., scene.parts.setup.read]).all(axis=(0, 2))
     if not whole.any():
         raise InputError("no sweep is complete since the skins began again")
-    kind = scene.reading.kind
+    kind = scene.parts.setup.kind
     shown = dict(zip(kind.names, flat[:, whole], strict=True))
     presses = [sweep.presses[skin] for skin in range(skins) for sweep in sweeps]
     presses = [presses[k].in_words for k in np.flatnonzero(whole).tolist()]

@@ -26,9 +26,9 @@ class MeterErrors:
         from .readout_kernel import shown_quantities
 
         self._kernel = shown_quantities
-        self._readout, self._shape, count = scene.readout, scene.reading.shape, len(numbers)
+        self._readout, self._shape, count = scene.readout, scene.parts.setup.shape, len(numbers)
         self._frequency, self._noisy = scene.frequencies, noise
-        self._kind, self._digits = KINDS.index(scene.reading.kind), 0
+        self._kind, self._digits = KINDS.index(scene.parts.setup.kind), 0
         self._fixed, self._sweep = np.zeros((2, count, self._shape[0])), -1
         self._noise = np.zeros((2, count, *self._shape))
         self._uniform = np.zeros((4, 1, 1)) if scene.readout.uniform or not noise else None

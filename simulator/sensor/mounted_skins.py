@@ -16,7 +16,7 @@ from ..models.heterogeneous.materials import gauged
 from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.batch import PressBatch
-from ..scene.readings.reading_setup import ReadingSetup
+from ..scene.readings.setup import Setup
 from ..scene.readout.meter import Leads
 from ..scene.scene import Scene
 from ..sweeps.free_space import check_memory
@@ -61,7 +61,7 @@ class MountedSkins:
             _with_faults(drawn_skin(scene, seed, number, grid, modes), faults, scene, grid)
             for number in distinct
         ]
-        self._setup = scene.reading.behind(_stacked_leads(self._drawn))
+        self._setup = scene.parts.setup.behind(_stacked_leads(self._drawn))
         names = [each.name for each in scene.interfaces]
         self._connected = np.isin(names, names if connected is None else [*connected])
         self._number = np.cumsum(self._connected) - 1
@@ -132,14 +132,14 @@ class MountedSkins:
         return self._setup.one_to_one and self.family.circuit.combination.one_to_one
 
     @cached_method(SETUPS_KEPT)
-    def _setup_at(self, interface: int | None, start: int | None, stop: int | None) -> ReadingSetup:
+    def _setup_at(self, interface: int | None, start: int | None, stop: int | None) -> Setup:
         """Setup of an interface, or of all, at frequencies of a range."""
         setup = self._setup.at(self._setup.frequency[start:stop])
         if interface is None:
             return setup
         return replace(setup, interfaces=setup.interfaces[interface : interface + 1])
 
-    def _at(self, interface: int | None, frequencies: slice) -> ReadingSetup:
+    def _at(self, interface: int | None, frequencies: slice) -> Setup:
         return self._setup_at(interface, frequencies.start, frequencies.stop)
 
     @cached_property

@@ -57,7 +57,7 @@ class ReadingClock:
     def of(cls, scene: Scene) -> ReadingClock:
         """Clock of a scene's meter; sweeps follow each other without a pause."""
         starts, durations, whole = reading_spans(scene)
-        taken, slots = scene.reading.read, []
+        taken, slots = scene.parts.setup.read, []
         for interface in range(len(taken)):
             own = np.flatnonzero(taken[interface]).tolist()
             together = [slice(0, len(own))] if scene.readout.multisine else map(_alone, own)

@@ -96,7 +96,7 @@ class Sensor:
         highest = highest_factor(self.scene)
         self._press = PressReader(self.scene, self._cells, len(numbers), highest)
         self._clock = ReadingClock.of(self.scene)
-        self._layout = VectorLayout.of(self.scene.reading)
+        self._layout = VectorLayout.of(self.scene.parts.setup)
         self._mounted: MountedSkins | None = None
         self._begin(seed)
 
@@ -113,7 +113,7 @@ class Sensor:
     @property
     def _numbers_per_skin(self) -> int:
         """Number of quantities of all readings of a sweep."""
-        reading = self.scene.reading
+        reading = self.scene.parts.setup
         return len(reading.kind.names) * math.prod(reading.shape)
 
     @typed
@@ -284,7 +284,7 @@ class Sensor:
     def _begin(self, seed: int) -> None:
         if not 0 <= seed <= MAX_SEED:
             raise InputError(f"`seed` must be in 0..{MAX_SEED}, got {seed}")
-        setup, count = self.scene.reading, self.skins
+        setup, count = self.scene.parts.setup, self.skins
         repaired = self._faults != self._first_faults
         self._faults = self._first_faults
         if self._mounted is None or repaired or (self._drawn and seed != self.seed):

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Mask, Real
-from ..scene.readings.reading_setup import ReadingSetup
+from ..scene.readings.setup import Setup
 from ..sweeps.reading_quantities import reading_name
 from .given_press import PressLabel
 from .reading_clock import DueReading
@@ -36,7 +36,7 @@ class VectorLayout:
     read: Mask
 
     @classmethod
-    def of(cls, setup: ReadingSetup) -> VectorLayout:
+    def of(cls, setup: Setup) -> VectorLayout:
         """Layout for the readings of a scene."""
         each = [
             (

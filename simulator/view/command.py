@@ -126,7 +126,7 @@ def _viewed_press(
     if interface is None and len(scene.interfaces) > 1:
         names = ", ".join(each.name for each in scene.interfaces)
         note(f"{name}: shows interface {chosen} of {names}; --interface selects another")
-    frequencies = _frequencies(frequency, scene.reading.frequency_at(chosen).tolist(), every)
+    frequencies = _frequencies(frequency, scene.parts.setup.frequency_at(chosen).tolist(), every)
     for one_terminal in scene.driven_by_touch:
         if one_terminal.interface == chosen:
             warn(f"{name}: {one_terminal}")

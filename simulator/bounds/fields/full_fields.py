@@ -116,7 +116,7 @@ class FullFields:
         Y, by = map(list, zip(*(with_air(factor) for factor in air.factors.tolist()), strict=True))
         Z = (1 / air.mean(Y)).astype(np.complex128)
         found = {name: air.mean(each[name] for each in by) for name in by[0]}
-        return at_meter(Z, found, self.scene.reading.at(frequency))
+        return at_meter(Z, found, self.scene.parts.setup.at(frequency))
 
     def _solved(self, on: _Pressed, frequency: Real) -> tuple[Complex, dict[str, Complex]]:
         """Y of the interfaces and its derivatives, with one s for all capacitance."""

@@ -23,7 +23,7 @@ from ...models.response import Response, at_meter
 from ...models.uniform import equivalent_scene
 from ...progress import silent
 from ...scene.frequency import laplace_variable, slopes_of_s
-from ...scene.readings.reading_setup import ReadingSetup
+from ...scene.readings.setup import Setup
 from ...scene.scene import Scene
 from ..touches.area_rasterizer import AreaRasterizer, TouchSize
 from .full_fields import CELLS_PER_PIXEL, Maps
@@ -38,11 +38,11 @@ class ReducedFields:
     """A scene on the cells of a grid, computed with a reduced model of all terminals."""
 
     def __init__(
-        self, scene: Scene, skin: ReducedSkin, cells: int, reading: ReadingSetup | None = None
+        self, scene: Scene, skin: ReducedSkin, cells: int, reading: Setup | None = None
     ) -> None:
         """cells: of the model, along each side of a pixel. reading: of the skin's interfaces, by
         default the scene's."""
-        self.scene, self.cells, self._reading = scene, cells, reading or scene.reading
+        self.scene, self.cells, self._reading = scene, cells, reading or scene.parts.setup
         self.grid = scene.divided(cells).pixels.shape
         self._skin = skin
         self._maps = PartMaps(skin.reduced.scene)

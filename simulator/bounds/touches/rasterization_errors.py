@@ -70,7 +70,7 @@ def rasterization_errors(
     found = impedances(own)
     cells = error_against_solver(scene, map(as_press, each), found, RTOL)
     by_triangles = impedances(PressBatch.of(traced(scene, lattice, applied) for applied in each))
-    kind = scene.reading.kind
+    kind = scene.parts.setup.kind
     deflection = float(reading_difference(found, by_triangles, kind).max())
     return RasterizationErrors(SAMPLED * cells, SAMPLED * deflection, kind.with_errors)
 
@@ -84,7 +84,7 @@ def error_against_solver(
     """
     solver = Solver(scene, rtol)
     exact = np.stack([solver.solve(press).Z for press in presses])
-    return float(reading_difference(found, exact, scene.reading.kind).max())
+    return float(reading_difference(found, exact, scene.parts.setup.kind).max())
 
 
 def sample_indices(count: int) -> list[int]:

@@ -33,7 +33,7 @@ def initial_values(problem: LeastSquaresProblem) -> list[dict[str, float]]:
     """
     spec, model = problem.spec, problem.model
     own = spec.values(spec.unknowns({n: p.center for n, p in spec.fitted.items()}))
-    if isinstance(model.model, LineModel) and not spec.measurements.scene.reading.gain:
+    if isinstance(model.model, LineModel) and not spec.measurements.scene.parts.setup.gain:
         return [own, *({**own, **_fitted_only(spec, each)} for each in _of_line(spec))]
     begin = own | {name: at for name, at in model.center.items() if name in spec.fitted}
     if _misfit(problem, begin) < NEAR * spec.measurements.numbers:
@@ -64,7 +64,7 @@ def _misfit(problem: LeastSquaresProblem, values: Mapping[str, float]) -> float:
 def capacitance_offset(measured: Measurements) -> float:
     """Logarithm of the capacitance at the lowest frequency over the scene's; 0 where near."""
     frequency, Z = measured.first
-    if measured.scene.reading.gain or Z.imag[0] >= 0:
+    if measured.scene.parts.setup.gain or Z.imag[0] >= 0:
         return 0.0
     shown = -1 / (2 * np.pi * frequency[0] * Z.imag[0])
     offset = math.log(shown / total_capacitance(measured.scene))

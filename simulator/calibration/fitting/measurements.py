@@ -81,12 +81,12 @@ class Measurements:
     @cached_property
     def read(self) -> Mask:
         """True where an interface was read at a frequency, shape (interface, frequency)."""
-        return self.scene.reading.read
+        return self.scene.parts.setup.read
 
     @property
     def parts(self) -> int:
         """Numbers of a reading: magnitude and phase, or the magnitude alone."""
-        return 1 if self.scene.reading.kind is MAGNITUDE else 2
+        return 1 if self.scene.parts.setup.kind is MAGNITUDE else 2
 
     @cached_property
     def numbers(self) -> int:
@@ -133,7 +133,7 @@ def measurements_of(
     sessions = [int(each) for each in sweeps["session"].values]
     Z = complex_readings(sweeps)
     known = Z if bare.taken is None else np.where(bare.taken, Z, 1.0)
-    settings = None if bare.reading.gain else sweeps.attrs.get("settings")
+    settings = None if bare.parts.setup.gain else sweeps.attrs.get("settings")
     fixed = _fixed(known, bare.frequencies, settings, scene.readout)
     readings = tuple(_readings(known, fixed, presses, sessions))
     if not readings:
@@ -176,7 +176,7 @@ def _as_measured(scene: Scene, sweeps: xr.Dataset) -> Scene:
 
 def _read_as(scene: Scene, sweeps: xr.Dataset) -> Scene:
     """The scene, with readers of magnitudes alone where the sweeps have no phases."""
-    kind, own = kind_of(sweeps.variables), scene.reading.kind
+    kind, own = kind_of(sweeps.variables), scene.parts.setup.kind
     if kind is own:
         return scene
     if IMPEDANCE in (kind, own):

@@ -66,7 +66,7 @@ def priors(
     if measured.scene.skin.one_conductor:
         spreads = {name: own for name, own in spreads.items() if name != "sheet_mismatch"}
     if kind == "wide":
-        source = (SOURCE,) if measured.scene.reading.gain else ()
+        source = (SOURCE,) if measured.scene.parts.setup.gain else ()
         also = (*effects_of(measured.scene), *source, *also)
     modes = mode_deviations(measured.scene, kind)
     spreads = spreads | {name: SessionSpread(0.0, modes[name]) for name in uneven.names}
@@ -140,7 +140,7 @@ def wide(measured: Measurements) -> dict[str, SessionSpread]:
     """Wide priors: spreads far larger than sessions have."""
     omega = 2 * np.pi * measured.scene.frequencies
     size = np.abs([reading.Z for reading in measured.sweeps])
-    if measured.scene.reading.gain:
+    if measured.scene.parts.setup.gain:
         size = np.stack([np.full(size.shape[1:], _series_resistance(measured.scene))])
     lowest = np.where(measured.read, size, np.inf).min(axis=(0, 1))
     highest = np.where(measured.read, size, 0.0).max(axis=(0, 1))

@@ -23,7 +23,7 @@ WIDENED = 1.2
 def explanations(calibration: Calibration) -> list[str]:
     """Remarks on the fit, a line each."""
     spec = calibration.fit.spec
-    readings = "gains" if spec.measurements.scene.reading.gain else "Z"
+    readings = "gains" if spec.measurements.scene.parts.setup.gain else "Z"
     lines = [
         f"chi-squared per degree of freedom {calibration.chi_squared:.3g}"
         f"{' by construction' if calibration.noise.guessed else ''}; "
@@ -47,7 +47,7 @@ def _noise(spec: FitSpec) -> str:
         " to ".join(dict.fromkeys(f"{scale * each:.3g}" for each in (own.min(), own.max())))
         for own, scale in zip(noise, (100, 1e3), strict=True)
     )
-    magnitude = "|V / V_s|" if spec.measurements.scene.reading.gain else "|Z|"
+    magnitude = "|V / V_s|" if spec.measurements.scene.parts.setup.gain else "|Z|"
     units = (f"% of {magnitude}", "mrad")[: spec.measurements.parts]
     return ", ".join(f"{each} {unit}" for each, unit in zip(found, units, strict=False))
 

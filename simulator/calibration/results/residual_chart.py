@@ -34,7 +34,7 @@ def residuals(fit: Fit) -> dict[str, Real]:
     frequency = spec.measurements.scene.frequencies
     magnitude, phase = spec.readout.noise(Z, frequency) / averaged
     residual = fit.problem.residuals(fit.u)[: 2 * Z.size].reshape(len(Z), 2, *Z.shape[1:])
-    if spec.measurements.scene.reading.gain:
+    if spec.measurements.scene.parts.setup.gain:
         own = {"gain": -residual[:, 0], "phase of the gain": -residual[:, 1]}
         return dict(list(own.items())[: spec.measurements.parts])
     fitted = Z * np.exp(residual[:, 0] * magnitude + 1j * residual[:, 1] * phase)

@@ -104,7 +104,7 @@ def try_connections(
     if stated.chi_squared < EXPLAINED * spec.measurements.numbers:
         return ConnectionTrial(stated.values)
     begin, remarks = stated.values, list[str]()
-    if spec.measurements.scene.reading.gain and SOURCE not in spec.fitted:
+    if spec.measurements.scene.parts.setup.gain and SOURCE not in spec.fitted:
         scaled = _with_source(stated)
         if scaled.chi_squared < WORTH * stated.chi_squared:
             remarks.append(

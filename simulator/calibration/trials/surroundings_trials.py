@@ -58,7 +58,7 @@ def with_effects(scene: Scene, names: Sequence[str]) -> Scene:
         if name not in ADDABLE:
             raise InputError(f"`also` must be one of {', '.join(ADDABLE)}, got {name!r}")
     for name in names:
-        if name in READER and not scene.reading.gain:
+        if name in READER and not scene.parts.setup.gain:
             raise InputError(
                 f'{scene.name} cannot have {name}: no [[interface]] has reader = "gain"'
             )
@@ -205,7 +205,7 @@ def _too_weak(fit: Fit) -> bool:
     A change d of residuals r removes at most 2 |r| |d|. Gains are always tried.
     """
     measured = fit.spec.measurements
-    if measured.scene.reading.gain:
+    if measured.scene.parts.setup.gain:
         return False
     scene, Z = scene_with(measured.scene, fit.values), fit.problem.fitted(fit.u)
     touches = [len(each.press.touches) for each in measured.sweeps]

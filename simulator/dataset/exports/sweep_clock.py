@@ -99,7 +99,7 @@ def _schedule(sweeps: xr.Dataset, read: Mask) -> tuple[Real, float, float, str]:
         scene = scene_of_sweeps(sweeps)
     except InputError:  # the sweeps are exported all the same
         scene = None
-    setup = scene and scene.reading
+    setup = scene and scene.parts.setup
     if (
         scene is None
         or setup is None

@@ -161,7 +161,7 @@ def _low(scene: Scene) -> Low:
     around = scene.surroundings
     if around is None or (around.low == "floating" and not around.reaches_earth):
         return None
-    return "earth" if scene.reading.gain and around.low == "virtual earth" else around.low
+    return "earth" if scene.parts.setup.gain and around.low == "virtual earth" else around.low
 
 
 def _terminal(scene: Scene, terminal_of: dict[str, int], index: int) -> Terminal:

@@ -34,7 +34,7 @@ from ...mesh.domain import Domain
 from ...mesh.quadrilaterals import PixelMesh
 from ...scene.readings.contacts import Contact
 from ...scene.readings.wiring_checks import under_foil
-from ...scene.skin import Skin
+from ...scene.skin import SheetsAndFoam
 
 MORE_ON_SQUARES, MORE_ON_TRIANGLES = 6, 4
 """Degree of the rules above twice the order, for the coefficients."""
@@ -119,7 +119,7 @@ def squares(pixels: PixelMesh, order: int) -> Elements:
     )
 
 
-def _covered(contact: Contact, skin: Skin | None, middles: Real) -> Integer:
+def _covered(contact: Contact, skin: SheetsAndFoam | None, middles: Real) -> Integer:
     """Cells with these middles that a foil with a width covers."""
     if not contact.width:
         return np.empty(0, dtype=np.int64)
@@ -132,7 +132,7 @@ def _rule_on_squares(order: int) -> Rule:
     return gauss_rule(quadrilateral(order), 2 * order + MORE_ON_SQUARES)
 
 
-def triangles(domain: Domain, order: int, skin: Skin | None = None) -> Elements:
+def triangles(domain: Domain, order: int, skin: SheetsAndFoam | None = None) -> Elements:
     """Triangles of a domain in the plane or in space, orders 1 to 4.
 
     skin: the skin of the domain, for foils with a width.

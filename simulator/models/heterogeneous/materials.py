@@ -16,7 +16,7 @@ from ...scene.foam.foam_mechanics import strain_of
 from ...scene.form.shape import Stretch
 from ...scene.planar import SAME_EDGE, Lines, distinct
 from ...scene.scene import Scene
-from ...scene.skin import Electrode, Sheet, Skin
+from ...scene.skin import Electrode, Sheet, SheetsAndFoam
 
 
 @dataclass(frozen=True)
@@ -58,13 +58,13 @@ def metric(scene: Scene, x: Real) -> Metric:
     return Metric(np.stack([xx, yy, xy]), np.sqrt(xx * yy - xy**2))
 
 
-def isometric(skin: Skin) -> bool:
+def isometric(skin: SheetsAndFoam) -> bool:
     """True if all lengths within the skin are those of the flat, unstretched skin."""
     unstretched = skin.stretch is None or skin.stretch.ratios == (1.0, 1.0)
     return unstretched and (skin.shape is None or skin.shape.developable)
 
 
-def _ratios(skin: Skin, x: Real) -> Real:
+def _ratios(skin: SheetsAndFoam, x: Real) -> Real:
     ratios = skin.stretch.ratios if skin.stretch else (1.0, 1.0)
     return np.reshape(ratios, (2,) + (1,) * (np.ndim(x) - 1))
 
@@ -107,12 +107,12 @@ SLOPE_STEP = 1e-5
 ISOTROPIC = np.array([1.0, 1.0, 0.0])
 
 
-def gauged(skin: Skin) -> bool:
+def gauged(skin: SheetsAndFoam) -> bool:
     """True if a press changes a sheet's resistance."""
     return any(sheet.piezoresistance for sheet in (skin.top, skin.bottom))
 
 
-def gauges(skin: Skin, factors: Real) -> Real:
+def gauges(skin: SheetsAndFoam, factors: Real) -> Real:
     """Conductance of top and bottom over the unpressed one, under touches of these factors.
 
     factors: capacitance over the unpressed one, shape (...). Returns shape (2, ...).
@@ -122,7 +122,7 @@ def gauges(skin: Skin, factors: Real) -> Real:
     return np.stack([1 / (1 + each.piezoresistance * strain) for each in (skin.top, skin.bottom)])
 
 
-def gauge_slopes(skin: Skin, factors: Real) -> Real:
+def gauge_slopes(skin: SheetsAndFoam, factors: Real) -> Real:
     """Derivative of `gauges` by the factors, to six digits; shape (2, ...)."""
     step = SLOPE_STEP * factors
     return (gauges(skin, factors + step) - gauges(skin, factors - step)) / (2 * step)

@@ -108,7 +108,7 @@ class Triangles:
             found = self._first(ends)
         else:
             parts = indicators(self._before, ends)
-            interfaces = len(self.scene.reading.solved)
+            interfaces = len(self.scene.parts.setup.solved)
             needed = cells_needed(parts.mean(axis=0) / interfaces, self.order, self.rtol)
             check_within_reach(needed, MAX_TRIANGLES, self.order, "triangles")
             found = self._halved(self._domain, parts, ends)

@@ -12,7 +12,7 @@ from ...press.press import Press
 from ...press.touch import Depth
 from ...scene.foam.foam_mechanics import Mechanics
 from ...scene.planar import Circle
-from ...scene.skin import Skin
+from ...scene.skin import SheetsAndFoam
 from ...sweeps import InputError
 
 
@@ -64,7 +64,7 @@ class Deformation:
         return np.ones_like(strain) if self.mechanics is None else self.mechanics.factor(strain)
 
 
-def check_plane(skin: Skin) -> None:
+def check_plane(skin: SheetsAndFoam) -> None:
     """Raise InputError if a skin is no plane."""
     if skin.mesh is not None and len(skin.mesh.surface.p) > 2:
         raise InputError(

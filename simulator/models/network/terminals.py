@@ -92,7 +92,7 @@ def needs_all_terminals(scene: Scene, same_sheets: bool = True) -> bool:
     """
     if spreading(scene) or (same_sheets and single_field(scene) is not None):
         return False
-    return len(scene.reading.solved) > len(chain(scene))
+    return len(scene.parts.setup.solved) > len(chain(scene))
 
 
 def read(reduced: Model, readings: Sequence[Interface]) -> Model:

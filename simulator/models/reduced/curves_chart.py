@@ -29,7 +29,7 @@ def _draw(figure: Figure, reduced: Reduced) -> None:
     f, pixels = scene.frequencies, pixels_with_skin(scene)
     chosen = dict.fromkeys([pixels[0], pixels[len(pixels) // 2], pixels[-1]])
     presses = [UNPRESSED, *("{},{}".format(*pixel) for pixel in chosen)]
-    kind = GAIN if scene.reading.gain else IMPEDANCE
+    kind = GAIN if scene.parts.setup.gain else IMPEDANCE
     quantities = [each for each in kind.quantities if each.name in DRAWN]
     panels = figure.subplots(1, len(quantities))
     for press, colour in zip(presses, (UNPRESSED_COLOUR, *COLOURS), strict=False):

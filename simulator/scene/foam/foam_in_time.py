@@ -11,7 +11,7 @@ from ..validation import Number, Table, short, within
 
 if TYPE_CHECKING:
     from ..readout.meter import Experiment
-    from ..skin import Skin
+    from ..skin import SkinTable
     from .foam import Foam
 
 Creep = Annotated[
@@ -98,7 +98,7 @@ def ambient_factors(table: Temperature | Humidity, state: float, key: str) -> tu
     return factors
 
 
-def in_ambient(skin: Skin, experiment: Experiment) -> Skin:
+def in_ambient(skin: SkinTable, experiment: Experiment) -> SkinTable:
     """The skin at the temperature and humidity of an experiment, which become its references.
 
     Capacitance, sheet resistances and coefficients are converted, so that the linear law in
@@ -118,8 +118,8 @@ def in_ambient(skin: Skin, experiment: Experiment) -> Skin:
 
 
 def _referred(
-    skin: Skin, name: str, table: Temperature | Humidity, state: float, by: tuple[float, float]
-) -> Skin:
+    skin: SkinTable, name: str, table: Temperature | Humidity, state: float, by: tuple[float, float]
+) -> SkinTable:
     of_foam, of_sheets = by
     there = table.model_copy(
         update={

@@ -22,7 +22,7 @@ from ..form.outline import Outline
 from ..keys.key_paths import OrText
 from ..ranges import FilmResistance, Frequency, Overlap
 from ..readout.meter import ascending
-from ..skin import Electrode, Name, Skin
+from ..skin import Electrode, Name, SheetsAndFoam
 from ..skin_region import curves, on_skin
 from ..validation import Number, Table, whole_within_rounding
 from .readers import (
@@ -55,7 +55,7 @@ class CurveSection(NamedTuple):
     stop: float
 
 
-def curve_section(contact: Contact, skin: Skin) -> CurveSection:
+def curve_section(contact: Contact, skin: SheetsAndFoam) -> CurveSection:
     """The part of a boundary curve that a foil covers, for a skin without mesh."""
     low, high = contact.span
     if skin.outline is None:
@@ -66,14 +66,14 @@ def curve_section(contact: Contact, skin: Skin) -> CurveSection:
     return CurveSection(curve, start + low * (stop - start), start + high * (stop - start))
 
 
-def path(contact: Contact, skin: Skin, pieces: int = 64) -> Real:
+def path(contact: Contact, skin: SheetsAndFoam, pieces: int = 64) -> Real:
     """Points along a foil on a skin without mesh, in m, shape (2, pieces + 1)."""
     along = curve_section(contact, skin)
     curve = curves(skin)[along.curve]
     return np.array([curve.at(mark) for mark in np.linspace(*along[1:], pieces + 1)]).T
 
 
-def outwards(path: Real, skin: Skin) -> Real:
+def outwards(path: Real, skin: SheetsAndFoam) -> Real:
     """Outward unit vectors along a path on the skin's edge, both of shape (2, point)."""
     x, y = np.gradient(path, axis=1)
     across = np.stack([y, -x]) / np.hypot(x, y)
@@ -83,7 +83,7 @@ def outwards(path: Real, skin: Skin) -> Real:
 
 
 def max_foil_distance(
-    skin: Skin, contacts: Sequence[Contact], interfaces: Sequence[Interface | Source]
+    skin: SheetsAndFoam, contacts: Sequence[Contact], interfaces: Sequence[Interface | Source]
 ) -> float:
     """The largest distance of a point of the skin from its nearest driven foil, m.
 
@@ -98,7 +98,7 @@ def max_foil_distance(
     return float(np.sqrt(square.min(axis=1).max()))
 
 
-def _places(skin: Skin) -> Real:
+def _places(skin: SheetsAndFoam) -> Real:
     """Sample points of a skin, including its outline, m, shape (2, point)."""
     x, y = np.meshgrid(*(np.linspace(0, side, LINES) for side in skin.sides))
     everywhere = np.stack([x.ravel(), y.ravel()])
@@ -109,7 +109,7 @@ def _places(skin: Skin) -> Real:
     return np.hstack([everywhere[:, on_skin(skin, everywhere)], around])
 
 
-def _along_rectangle(edge: str, low: float, high: float, skin: Skin) -> CurveSection:
+def _along_rectangle(edge: str, low: float, high: float, skin: SheetsAndFoam) -> CurveSection:
     """Section along a rectangle, anticlockwise from (0, 0); spans start at the low-coordinate
     end."""
     x, y = skin.length, skin.width
@@ -129,7 +129,7 @@ def _parsed(edge: str) -> tuple[int, int | None]:
     return int(match["hole"] or 0), int(match["side"]) if match["side"] else None
 
 
-def check_edge(edge: str, skin: Skin) -> str | None:
+def check_edge(edge: str, skin: SheetsAndFoam) -> str | None:
     """Message with the allowed edges of a skin without mesh; None if the edge is allowed."""
     if skin.outline is None:
         return None if edge in EDGES else "must be 'left', 'right', 'bottom' or 'top'"
@@ -176,7 +176,7 @@ class Contact(Table):
         """True if the contact has no resistance, so that its part of the edge has one potential."""
         return self.resistance == 0
 
-    def ends(self, skin: Skin) -> tuple[tuple[float, float], tuple[float, float]]:
+    def ends(self, skin: SheetsAndFoam) -> tuple[tuple[float, float], tuple[float, float]]:
         """Both end points (x, y) in m, the low-coordinate end first; on outlines in their order.
 
         Foils on meshes are defined by their facets instead.

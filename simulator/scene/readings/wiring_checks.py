@@ -16,7 +16,7 @@ from .contacts import check_edge, curve_section
 from .readers import check_readers
 
 if TYPE_CHECKING:
-    from ..skin import Skin
+    from ..skin import SheetsAndFoam
     from .contacts import Contact, Interface
 
 
@@ -25,7 +25,7 @@ MIN_GAP = 5e-6
 are not resolved in double precision."""
 
 
-def touch(first: Contact, second: Contact, skin: Skin) -> bool:
+def touch(first: Contact, second: Contact, skin: SheetsAndFoam) -> bool:
     """True if two foils of one electrode meet end to end: on one edge, or at a corner."""
     if skin.mesh is not None:
         a, b = _lines(first, skin), _lines(second, skin)
@@ -33,7 +33,9 @@ def touch(first: Contact, second: Contact, skin: Skin) -> bool:
     return any(touch_at(end, first, second, skin) for end in first.ends(skin))
 
 
-def touch_at(end: tuple[float, float], first: Contact, second: Contact, skin: Skin) -> bool:
+def touch_at(
+    end: tuple[float, float], first: Contact, second: Contact, skin: SheetsAndFoam
+) -> bool:
     """True if two foils of one electrode meet at a given end of the first one."""
     near = 1e-9 * max(skin.length, skin.width)
     return first.electrode == second.electrode and any(
@@ -41,7 +43,7 @@ def touch_at(end: tuple[float, float], first: Contact, second: Contact, skin: Sk
     )
 
 
-def conductor_groups(contacts: Sequence[Contact], skin: Skin) -> list[int]:
+def conductor_groups(contacts: Sequence[Contact], skin: SheetsAndFoam) -> list[int]:
     """Index of the first contact of the conductor to which each contact belongs.
 
     Ideal foils that touch are one terminal, because the current between them has no limit: the
@@ -77,7 +79,7 @@ class DrivenByTouch(NamedTuple):
 
 
 def driven_by_touch(
-    contacts: Sequence[Contact], interfaces: Sequence[Interface], skin: Skin
+    contacts: Sequence[Contact], interfaces: Sequence[Interface], skin: SheetsAndFoam
 ) -> list[DrivenByTouch]:
     """Floating contacts that are driven because they touch driven ones, for each interface."""
     group = conductor_groups(contacts, skin)
@@ -90,7 +92,9 @@ def driven_by_touch(
     return [one for one in found if one.driven]
 
 
-def _driven_by_touch(interface: Interface, foils: Sequence[Contact], skin: Skin) -> DrivenByTouch:
+def _driven_by_touch(
+    interface: Interface, foils: Sequence[Contact], skin: SheetsAndFoam
+) -> DrivenByTouch:
     """Floating foils of one terminal, and the driven ones that touch them."""
     named = {*interface.high, *interface.low}
     floating = [foil for foil in foils if foil.name not in named]
@@ -102,7 +106,9 @@ def _driven_by_touch(interface: Interface, foils: Sequence[Contact], skin: Skin)
     return DrivenByTouch(interface.name, tuple(foil.name for foil in floating), driven)
 
 
-def check_wiring(contacts: Sequence[Contact], interfaces: Sequence[Interface], skin: Skin) -> None:
+def check_wiring(
+    contacts: Sequence[Contact], interfaces: Sequence[Interface], skin: SheetsAndFoam
+) -> None:
     """Raises ValueError for invalid contacts or interfaces.
 
     They are invalid if names are repeated or unknown, if foils overlap, nearly touch, or do not
@@ -146,7 +152,7 @@ def _check_distinct(kind: str, names: Sequence[str]) -> None:
         raise ValueError(f"{kind} name {min(repeated)!r} is used more than once")
 
 
-def _nearly_touch(first: Contact, second: Contact, skin: Skin) -> bool:
+def _nearly_touch(first: Contact, second: Contact, skin: SheetsAndFoam) -> bool:
     """True if the gap between two foils is too narrow for double precision."""
     return (
         first.electrode == second.electrode
@@ -158,7 +164,7 @@ def _nearly_touch(first: Contact, second: Contact, skin: Skin) -> bool:
     )
 
 
-def _overlap(first: Contact, second: Contact, skin: Skin) -> bool:
+def _overlap(first: Contact, second: Contact, skin: SheetsAndFoam) -> bool:
     if first.electrode != second.electrode:
         return False
     if skin.mesh is not None:
@@ -169,7 +175,7 @@ def _overlap(first: Contact, second: Contact, skin: Skin) -> bool:
     return a.curve == b.curve and min(a.stop, b.stop) - max(a.start, b.start) > rounding
 
 
-def _check_edges(contacts: Sequence[Contact], skin: Skin) -> None:
+def _check_edges(contacts: Sequence[Contact], skin: SheetsAndFoam) -> None:
     for number, contact in enumerate(contacts):
         if skin.mesh is None:
             allowed = check_edge(contact.edge, skin)
@@ -184,7 +190,7 @@ def _check_edges(contacts: Sequence[Contact], skin: Skin) -> None:
             _lines(contact, skin)
 
 
-def _check_length(number: int, contact: Contact, skin: Skin) -> None:
+def _check_length(number: int, contact: Contact, skin: SheetsAndFoam) -> None:
     """Raises ValueError for a foil that is too short for double precision."""
     along, smallest = curve_section(contact, skin), MIN_GAP * max(skin.sides)
     if along.stop - along.start < smallest:
@@ -194,7 +200,7 @@ def _check_length(number: int, contact: Contact, skin: Skin) -> None:
         )
 
 
-def check_widths(contacts: Sequence[Contact], skin: Skin) -> None:
+def check_widths(contacts: Sequence[Contact], skin: SheetsAndFoam) -> None:
     """Raises ValueError for a foil that is wider than the skin, and for two foils that overlap."""
     for number, contact in enumerate(contacts):
         across = min(skin.sides) if contact.edge not in ACROSS else skin.sides[ACROSS[contact.edge]]
@@ -218,7 +224,7 @@ ACROSS = {"left": 0, "right": 0, "bottom": 1, "top": 1}
 """Axis of a rectangle along which a foil's width is measured, by the edge of the foil."""
 
 
-def strip(contact: Contact, skin: Skin) -> Real:
+def strip(contact: Contact, skin: SheetsAndFoam) -> Real:
     """Part of a rectangle that a foil covers: its lowest and highest corner (x, y), m."""
     axis = ACROSS[contact.edge]
     inwards = contact.width if contact.edge in ("left", "bottom") else -contact.width
@@ -227,7 +233,7 @@ def strip(contact: Contact, skin: Skin) -> Real:
     return np.sort(ends, axis=0)
 
 
-def under_foil(contact: Contact, skin: Skin, x: Real) -> Mask:
+def under_foil(contact: Contact, skin: SheetsAndFoam, x: Real) -> Mask:
     """True where a wide foil covers positions x of a rectangle, m, shape (2, ...) to (...)."""
     if not contact.width:
         return np.zeros(x.shape[1:], dtype=bool)
@@ -235,14 +241,14 @@ def under_foil(contact: Contact, skin: Skin, x: Real) -> Mask:
     return ((low < x) & (x < high)).all(axis=0)
 
 
-def _meet(first: Contact, second: Contact, skin: Skin) -> bool:
+def _meet(first: Contact, second: Contact, skin: SheetsAndFoam) -> bool:
     """True if two foils on a rectangle overlap, or are closer than MIN_GAP allows."""
     one, other = strip(first, skin), strip(second, skin)
     gaps = np.maximum(one[0], other[0]) - np.minimum(one[1], other[1])
     return bool((gaps < MIN_GAP * max(skin.sides)).all())
 
 
-def _lines(contact: Contact, skin: Skin) -> np.ndarray:
+def _lines(contact: Contact, skin: SheetsAndFoam) -> np.ndarray:
     """Facets of a foil on a mesh as numbers of points, shape (2, facet)."""
     assert skin.mesh is not None
     return foil_lines(skin.mesh.surface, contact.edge, skin.mesh.source)

@@ -33,7 +33,7 @@ def test_the_firmware_sends_what_the_second_file_describes(files):
     """The lines of one loop, printed as the sketch prints them: count, f, a, b."""
     scene = load_scene("knit-36")
     line_format = read_line_format(Path("knit.toml"))
-    assert line_format.kind is scene.reading.kind
+    assert line_format.kind is scene.parts.setup.kind
     frequencies = dict.fromkeys(("left", "right"), scene.frequencies)
     assembly = SweepAssembly(line_format, frequencies, lambda kind, text: None)
     lines = [f"{k},{2000 + 250 * k:.2f},{1000 + k},{3000 - k}" for k in range(96)]

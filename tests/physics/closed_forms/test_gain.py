@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
-from rcskin.simulator.scene.readings.reading_setup import ReadingSetup
+from rcskin.simulator.scene.readings.setup import Setup
 from rcskin.simulator.scene.readout.meter import Leads
 
 FREQUENCIES = (1e2, 1e3, 1e4)
@@ -127,7 +127,7 @@ def test_slopes_are_those_of_differences(make_scene, together):
     interfaces = at_both_ends(make_scene).interfaces
     if not together:
         interfaces = [each.model_copy(update={"driven_with": ()}) for each in interfaces]
-    setup = ReadingSetup(interfaces, np.array(FREQUENCIES), LEADS)
+    setup = Setup(interfaces, np.array(FREQUENCIES), LEADS)
     random = np.random.default_rng(1)
     shape = (2, len(setup.solved), len(FREQUENCIES))
     Z = 1e6 * (random.uniform(0.1, 1, shape) - 1j * random.uniform(0.1, 1, shape))

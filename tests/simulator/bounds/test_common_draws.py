@@ -13,7 +13,7 @@ from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.parameters import nominal
 from rcskin.simulator.models.reduced.cases import pixel_touches
-from rcskin.simulator.scene.readings.reading_setup import ReadingSetup
+from rcskin.simulator.scene.readings.setup import Setup
 from rcskin.simulator.sweeps import InputError
 from rcskin.tests.simulator.bounds.every_strength import compared, exact
 
@@ -42,7 +42,7 @@ def model(scene):
 def read_by(model, scene, count=None):
     """The skin and what is read of it: through so many of a scene's interfaces."""
     some = scene.interfaces[:count]
-    return read(model, some).skin(None), ReadingSetup(some, scene.frequencies, scene.leads)
+    return read(model, some).skin(None), Setup(some, scene.frequencies, scene.leads)
 
 
 @pytest.fixture(scope="module")
@@ -82,7 +82,7 @@ def test_a_difference_has_a_far_smaller_error_than_each_accuracy(scene, model):
         other.top * 0.97, other.bottom, other.films, other.capacitance, other.loss
     )
     skins = readings.skin(None), readings.skin(conducting)
-    asked = ReadingSetup(scene.interfaces[:2], scene.frequencies)
+    asked = Setup(scene.interfaces[:2], scene.frequencies)
     gains = []
     for seed in range(12):
         one, two = (CommonDraws(scene, draws=500, seed=seed).score(skin, asked) for skin in skins)

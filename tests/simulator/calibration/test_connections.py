@@ -181,7 +181,7 @@ def test_a_measured_knitted_pad_is_fitted_as_it_comes():
         row=[0] + [1] * (len(some) - 1),
         column=list(some),
         session=[0] * len(some),
-        kind=scene.reading.kind,
+        kind=scene.parts.setup.kind,
     ).dataset()
     found = calibrate(scene, sweeps, Options(trials=False))
     assert lines(found, "taken: interfaces left and right exchanged")

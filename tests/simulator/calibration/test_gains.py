@@ -131,7 +131,7 @@ def test_readings_far_off_are_found_among_magnitudes(yarn):
 def test_magnitudes_calibrate_a_scene_that_reads_phases_too(one_node):
     sweeps = gains(one_node, ["none"]).drop_vars("gain_phase")
     measured = measurements_of(one_node, sweeps)
-    assert measured.scene.reading.kind is MAGNITUDE and measured.parts == 1
+    assert measured.scene.parts.setup.kind is MAGNITUDE and measured.parts == 1
 
 
 def test_refusals(line, one_node, read):

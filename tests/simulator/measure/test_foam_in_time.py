@@ -160,7 +160,10 @@ def one_by_one(scene, texts):
 def test_sweeps_in_time_are_their_readings_within_the_estimated_error(strip, changes):
     scene, texts = strip.with_(changes), ["1,1", "none", "1,1+1,4"]
     sweeps = simulate(Solver(scene, 1e-4), [press_on(scene, text) for text in texts])
-    Z, read = impedance(sweeps), np.broadcast_to(scene.reading.read, (3, *scene.reading.shape))
+    Z, read = (
+        impedance(sweeps),
+        np.broadcast_to(scene.parts.setup.read, (3, *scene.parts.setup.shape)),
+    )
     off = np.abs(Z - one_by_one(scene, texts))
     Rs_error, Cp_error = sweeps["Rs_error"].values, sweeps["Cp_error"].values
     allowed = Rs_error + Cp_error * 2 * np.pi * scene.frequencies * np.abs(Z) ** 2

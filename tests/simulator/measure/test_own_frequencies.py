@@ -128,8 +128,8 @@ def test_fewer_readings_are_those_of_a_scene_of_fewer(own, shared):
 
 
 def test_a_scene_is_read_otherwise_by_its_interfaces(own, shared):
-    assert own.reading.frequency_at("bottom").tolist() == [1e4, 1e5]
-    assert shared.reading.own == {}
+    assert own.parts.setup.frequency_at("bottom").tolist() == [1e4, 1e5]
+    assert shared.parts.setup.own == {}
     left = restricted_to_interfaces(own, ["left"])
     assert left.taken is None and left.frequencies.tolist() == [1e3, 1e4]
     assert with_frequencies(own, FREQUENCIES) == shared
@@ -187,7 +187,7 @@ def test_two_bounds_agree_and_fewer_readings_give_less(shared, own, own_skin, ag
     known = {"draws": 300, "against_rest": against_rest}
     part, whole = (bayes_accuracy(scene, "pixel", **known) for scene in (own, shared))
     assert part[0] < whole[0]
-    other = CommonDraws(own, "pixel", **known).score(own_skin, own.reading).accuracy
+    other = CommonDraws(own, "pixel", **known).score(own_skin, own.parts.setup).accuracy
     assert abs(other.share - part[0]) < 4 * np.hypot(other.error, part[1])
 
 

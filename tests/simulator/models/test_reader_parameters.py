@@ -46,7 +46,7 @@ def test_slopes_of_two_nodes_that_are_driven_at_once_are_their_derivatives():
     scene = scene_with(scene, {"load_conductance": 1e-7})
     own, step = steps(scene)
     random = np.random.default_rng(0)
-    shape = len(scene.reading.solved), len(scene.frequencies)
+    shape = len(scene.parts.setup.solved), len(scene.frequencies)
     Z = 3e5 * (random.random(shape) - 1j * random.random(shape))
     slopes = reading_of(scene, own).slopes(Z).by_leads
     for name in READER:

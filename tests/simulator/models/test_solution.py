@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.fem.error_estimate import LOST_SUSCEPTANCE, certified, relative_difference
 from rcskin.simulator.models.solution import ModelResult, SolutionProgress
 from rcskin.simulator.scene.readings.contacts import Interface
-from rcskin.simulator.scene.readings.reading_setup import ReadingSetup
+from rcskin.simulator.scene.readings.setup import Setup
 from rcskin.simulator.scene.readout.meter import Leads
 from rcskin.simulator.sweeps import parallel_capacitance
 
@@ -43,7 +43,7 @@ def test_a_resistor_has_errors_that_are_numbers():
 def test_leads_that_cancel_the_capacitance_leave_errors_that_are_numbers():
     leads = Leads(resistance=1.0, inductance=1.0)
     Z = 5e4 - 2j * np.pi * FREQUENCY * 1.0
-    measured = answered(Z).at_meter(ReadingSetup([BETWEEN], FREQUENCY, leads))
+    measured = answered(Z).at_meter(Setup([BETWEEN], FREQUENCY, leads))
     assert (measured.Z.imag == 0).all()
     assert np.isfinite(np.stack(measured.relative_errors)).all()
 

@@ -32,7 +32,7 @@ def test_the_kernel_is_its_readable_twin(reader, digits):
         fixed = own.standard_normal((2, 1, 1))[:, 0]
         _, noise = (own.standard_normal((2, 1, 4))[:, 0] for _ in range(2))
         measured = with_errors(scene.readout, reading[skin], scene.frequencies, fixed, noise)
-        twin = shown_values(measured, scene.frequencies, scene.reading.kind, scene.readout)
+        twin = shown_values(measured, scene.frequencies, scene.parts.setup.kind, scene.readout)
         np.testing.assert_allclose(shown[:, skin], [*twin.values()], rtol=1e-13)
 
 

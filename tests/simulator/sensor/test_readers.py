@@ -26,12 +26,12 @@ def test_readings_are_those_of_the_solver(changes):
     sensor = rcskin.Sensor(scene, noise=False, rtol=RTOL)
     reading = sensor.step("1,2:2.0", dt=1.0)
     exact = rcskin.sweep(scene, ["1,2:2.0"], rtol=1e-4)
-    for name in scene.reading.kind.names:
+    for name in scene.parts.setup.kind.names:
         truth = exact[name].values[0]
         np.testing.assert_allclose(getattr(reading, name)[0], truth, rtol=RTOL)
     assert reading.vector.shape == (1, len(sensor.names)) == (1, len(sensor.units))
     assert np.isfinite(reading.vector).all()
-    assert set(scene.reading.kind.names) <= set(sensor.last_sweep)
+    assert set(scene.parts.setup.kind.names) <= set(sensor.last_sweep)
 
 
 def test_a_meter_with_two_interfaces_reads_one_after_the_other():

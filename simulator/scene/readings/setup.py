@@ -1,8 +1,8 @@
-"""Readings of a skin: interfaces with their reader, frequencies and leads."""
+"""Setup of a measurement: interfaces with their reader, frequencies and leads."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from ...arrays import Complex, Mask, Real
 from ...sweeps.reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, ReadingKind
+from ..part import Part
 from ..readout.meter import Leads
 from .contacts import Interface, taken
 from .node_gain import DrivenTerminals, NodeGain, driven_terminals, single_gain
@@ -54,22 +55,22 @@ class ReadingSlopes:
         return np.einsum("...ikf,...kfn->...ifn", self.by_skin, np.broadcast_to(changes, shape))
 
 
-@dataclass(frozen=True)
-class ReadingSetup:
+@dataclass(frozen=True, eq=False)
+class Setup(Part):
     """Interfaces, frequencies and leads of a sweep.
 
     frequency: Hz, ascending, shape (frequency,); an interface may be read at some of them only.
     """
 
-    interfaces: Sequence[Interface]
+    interfaces: tuple[Interface, ...]
     frequency: Real
     leads: Leads = Leads()
 
-    def at(self, frequency: Real) -> ReadingSetup:
+    def at(self, frequency: Real) -> Setup:
         """The readings at other frequencies, Hz, ascending."""
         return replace(self, frequency=frequency)
 
-    def behind(self, leads: Leads) -> ReadingSetup:
+    def behind(self, leads: Leads) -> Setup:
         """The readings behind other leads."""
         return replace(self, leads=leads)
 

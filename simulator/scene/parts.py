@@ -1,0 +1,217 @@
+"""What computations take of a scene: a skin, a setup, a meter and a plan.
+
+`Scene` is what a file says, and checks that its tables agree; these are made from a checked scene
+alone, by `Scene.parts`. A computation takes those that it needs.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..arrays import Real
+from ..sweeps import InputError
+from .design_goals import Design
+from .draws.randomisation import Randomisation
+from .foam.foam import Foam
+from .foam.foam_mechanics import Mechanics
+from .form.mesh_data import MeshData
+from .form.outline import Outline
+from .form.shape import Shape, Stretch
+from .part import Part
+from .pixel_grid import Pixels, Pressing
+from .readings.contacts import Contact, Interface, max_foil_distance
+from .readings.readers import sources_of_others
+from .readings.setup import Setup
+from .readout.meter import Readout
+from .skin import Sheet, SheetsAndFoam
+from .surroundings import Surroundings
+
+if TYPE_CHECKING:
+    from .scene import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Skin(SheetsAndFoam, Part):
+    """A skin at the ambient of its experiment: sheets, foam, contacts, pixels, surroundings.
+
+    name: by which messages refer to it. length, width: before stretching, m. The fields are those
+    of a scene's tables of the same names; around: `surroundings`.
+    """
+
+    name: str
+    length: float
+    width: float
+    top: Sheet
+    bottom: Sheet
+    foam: Foam
+    contacts: tuple[Contact, ...]
+    pixels: Pixels
+    outline: Outline | None = None
+    mesh: MeshData | None = None
+    stretch: Stretch | None = None
+    shape: Shape | None = None
+    around: Surroundings | None = None
+
+    @property
+    def foils(self) -> tuple[Contact, ...]:
+        """Contacts of the scene file, without those of earth."""
+        if not self.one_conductor:
+            return self.contacts
+        return tuple(each for each in self.contacts if each.electrode == "top")
+
+    def contact(self, name: str) -> Contact:
+        """The contact of that name."""
+        return next(contact for contact in self.contacts if contact.name == name)
+
+    @property
+    def uniform(self) -> bool:
+        """True if uniform sheets and foam on an unstretched rectangle are the whole skin."""
+        return not (self.beyond_uniform or self.beyond_sheets)
+
+    @property
+    def beyond_sheets(self) -> list[str]:
+        """Keys that add more than two sheets with foils on their edges."""
+        wide = [f"contact[{k + 1}].width" for k, foil in enumerate(self.contacts) if foil.width]
+        return [*(["surroundings"] if self.around else []), *wide]
+
+    def require_sheets_alone(self, what: str) -> None:
+        """Raises InputError naming a key of `beyond_sheets`, which `what` does not support."""
+        for key in self.beyond_sheets:
+            raise InputError(f"{self.name}: {what} cannot take `{key}`; leave it out here")
+
+    def reach(self, chosen: Iterable[Interface], interfaces: Iterable[Interface]) -> float:
+        """Largest distance of a point from its nearest foil driven by the chosen interfaces, m.
+
+        interfaces: of the setup. Sources that are on at the same time drive foils as well.
+        """
+        chosen, every = tuple(chosen), tuple(interfaces)
+        others = [one for each in chosen for one in sources_of_others(each, every)]
+        return max_foil_distance(self, self.contacts, [*chosen, *others])
+
+    def factor_at(self, depth: float) -> float:
+        """Capacitance factor under an applicator at a depth in m.
+
+        Raises InputError for a depth beyond the foam's range.
+        """
+        deepest = self._mechanics.elastic.greatest_strain * self._thickness
+        if depth > deepest:
+            raise InputError(
+                f"{self.name}: `press.depth` must be <= {deepest:.4g} m, where foam cells are "
+                f"closed, got {depth:g}"
+            )
+        return float(self.pressed_factors(np.array(depth)))
+
+    def pressed_factors(self, depth: Real) -> Real:
+        """Capacitance factors under applicators at depths in m within the foam's range."""
+        return self._mechanics.factor(depth / self._thickness)
+
+    def pressed_depths(self, factor: Real) -> Real:
+        """Depths of applicators at capacitance factors, m; 0 for factors up to 1."""
+        return self._mechanics.strain_at(factor) * self._thickness
+
+    def pressed_depth(self, factor: float) -> float:
+        """Depth of an applicator at a capacitance factor, m.
+
+        Raises InputError for a factor below 1 or beyond the foam's range.
+        """
+        highest = self.max_factor
+        if not 1 <= factor <= highest:
+            raise InputError(
+                f"{self.name}: c under an applicator must be from 1 to {highest:.4g} times the "
+                f"unpressed one, got {factor:g}"
+            )
+        return float(self.pressed_depths(np.array(factor)))
+
+    @property
+    def max_factor(self) -> float:
+        """Capacitance factor under an applicator at which the foam's cells are closed."""
+        return float(self._mechanics.factor(np.array(self._mechanics.elastic.greatest_strain)))
+
+    @property
+    def _mechanics(self) -> Mechanics:
+        assert self.foam.mechanics is not None
+        return self.foam.mechanics
+
+    @property
+    def _thickness(self) -> float:
+        assert self.foam.thickness is not None
+        return self.foam.thickness
+
+
+@dataclass(frozen=True, eq=False)
+class Meter(Part):
+    """A meter: its errors, electronics and digits, and how it reads one value after the other.
+
+    readout: see the table of that name. speed, averaging: see `Timing`.
+    """
+
+    readout: Readout
+    speed: str
+    averaging: int
+
+
+@dataclass(frozen=True, eq=False)
+class Plan(Part):
+    """An experiment: its presses, and what is drawn for data sets.
+
+    press: how pixels are pressed where nothing else is said. repetitions, unpressed, seed: see
+    `Experiment`. before, pause: see `Timing`, s. draws: of presses and of sessions.
+    """
+
+    press: Pressing
+    repetitions: int
+    unpressed: bool
+    seed: int
+    before: float
+    pause: float
+    draws: Randomisation
+    design: Design | None
+
+
+@dataclass(frozen=True)
+class Parts:
+    """The four parts of a scene."""
+
+    skin: Skin
+    setup: Setup
+    meter: Meter
+    plan: Plan
+
+    @classmethod
+    def of(cls, scene: Scene) -> Parts:
+        """Parts of a checked scene."""
+        skin, experiment = scene.skin, scene.experiment
+        timed = experiment.timed
+        return cls(
+            Skin(
+                name=scene.name,
+                length=skin.length,
+                width=skin.width,
+                top=skin.top,
+                bottom=skin.bottom,
+                foam=skin.foam,
+                contacts=scene.contacts,
+                pixels=scene.pixels,
+                outline=skin.outline,
+                mesh=skin.mesh,
+                stretch=skin.stretch,
+                shape=skin.shape,
+                around=scene.surroundings,
+            ),
+            Setup(scene.interfaces, np.array(scene.sweep.frequencies), scene.leads),
+            Meter(scene.readout, timed.speed, timed.averaging),
+            Plan(
+                press=scene.press,
+                repetitions=experiment.repetitions,
+                unpressed=experiment.unpressed,
+                seed=experiment.seed,
+                before=timed.before,
+                pause=timed.pause,
+                draws=scene.dataset,
+                design=scene.design,
+            ),
+        )
