@@ -195,7 +195,7 @@ def _steps(order: Path | None, scene: Scene, repetitions: int) -> list[PressStep
     if order:
         return read_order(order, rows, columns)
     every = product(range(1, rows + 1), range(1, columns + 1))
-    without = set(every) - set(pixels_with_skin(scene))
+    without = set(every) - set(pixels_with_skin(scene.parts.skin))
     return standard_order(rows, columns, repetitions, without)
 
 

@@ -172,7 +172,9 @@ def sweep(
 
     loaded = requested_scene(scene)
     warn_of_model(scene, loaded)
-    presses = [press_on(loaded, text) for text in press or []] or every_press(loaded)
+    presses = [
+        press_on(loaded.parts.skin, loaded.press, text) for text in press or []
+    ] or every_press(loaded.parts.skin, loaded.press)
     check_fits(loaded, len(presses))
     for line in describe_timing(loaded):
         note(f"{scene}: {line}")

@@ -110,7 +110,9 @@ def calibrated(
 ) -> Calibration:
     """Of a twin with such waves, read at rest and in a press of each pixel."""
     made = with_sheet_modes(scene, truth)
-    twin = simulate(Solver(made, RTOL), every_press(scene)).assign_attrs(scene=scene_text(scene))
+    twin = simulate(Solver(made, RTOL), every_press(scene.parts.skin, scene.press)).assign_attrs(
+        scene=scene_text(scene)
+    )
     names = (*FITTED, *SHEET_MODES)
     asked = Options(names, ("others",), strengths=False, uneven_sheets=True)
     return calibrate(scene, read_out(twin, scene.readout, random), asked, model=model)

@@ -32,7 +32,7 @@ AGREEMENT = 1e-13
 def measure(order: int, cells: int) -> dict[str, object]:
     """Times of one mesh, after the check that all ways give the same matrix."""
     scene = load_scene("sheet-5x5")
-    pixels = pixel_mesh(scene, scene.contacts, Resolution(order, cells))
+    pixels = pixel_mesh(scene.parts.skin, scene.contacts, Resolution(order, cells))
     mesh, (group,) = pixels.mesh, groups(pixels.cells, order)
     basis = Basis(mesh, quadrilateral(order), intorder=2 * order)
     c = np.random.default_rng(1).uniform(4e-9, 1e-8, mesh.nelements)

@@ -57,7 +57,9 @@ def sweep(
     scene = scene_of(scene)
     if isinstance(presses, Sequence) and not isinstance(presses, str):
         check_fits(scene, len(presses))
-    parsed = every_press(scene) if presses is None else _presses(scene, presses)
+    parsed = (
+        every_press(scene.parts.skin, scene.press) if presses is None else _presses(scene, presses)
+    )
     check_fits(scene, len(parsed))
     return with_view(simulate(Solver(scene, rtol, checked_model(model)), parsed))
 
@@ -68,7 +70,10 @@ def _presses(scene: Scene, given: Sequence[str | Press]) -> list[Press]:
     each = [given] if isinstance(given, str | Press) else given
     if not isinstance(each, Sequence) or not all(isinstance(one, str | Press) for one in each):
         refuse("presses", 'a list of texts such as "2,3" or of Press', given)
-    return [press_on(scene, one) if isinstance(one, str) else one for one in each]
+    return [
+        press_on(scene.parts.skin, scene.press, one) if isinstance(one, str) else one
+        for one in each
+    ]
 
 
 @checked

@@ -18,7 +18,7 @@ def class_names(scene: Scene, target: str) -> tuple[str, ...]:
     """Class of each output of a network, see `labels`; none for positions. Nothing is first."""
     if target not in CLASSES:
         return ()
-    row, column = np.divmod(pixel_coverage(scene).numbers, scene.pixels.columns)
+    row, column = np.divmod(pixel_coverage(scene.parts.skin).numbers, scene.pixels.columns)
     if target in ("row", "column"):
         return ("0", *map(str, np.unique(row if target == "row" else column) + 1))
     if target == "touches":

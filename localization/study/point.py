@@ -95,7 +95,7 @@ class EvaluationSettings:
         every = drawn.session.rest_every
         if self.repeated:
             share = drawn.press.touches[1] if len(drawn.press.touches) > 1 else 0.0
-            pressed = scene.experiment.repetitions * len(pixels_with_skin(scene))
+            pressed = scene.experiment.repetitions * len(pixels_with_skin(scene.parts.skin))
             every = every or REST_EVERY
             sweeps = (
                 math.ceil(pressed / max(share, 0.1) * (1 + 1 / every)) + SESSIONS * FIRST_BASELINES
@@ -134,7 +134,7 @@ class EvaluationSettings:
 
         The unpressed skin comes first if it is a class.
         """
-        return every_press(scene)[0 if scene.experiment.unpressed else 1 :]
+        return every_press(scene.parts.skin, scene.press)[0 if scene.experiment.unpressed else 1 :]
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ class PointFindings:
 
 def strength(scene: Scene, press: Press) -> float:
     """The capacitance factor under a press of one pixel; 1 for the unpressed skin."""
-    return pressed_factor(scene, press.touches[0]) if press.touches else 1.0
+    return pressed_factor(scene.parts.skin, press.touches[0]) if press.touches else 1.0
 
 
 def score_point(scene: Scene, trial: EvaluationSettings, rtol: float) -> PointFindings:

@@ -141,7 +141,7 @@ def chosen_touch(scene: Scene, size: float | None = None, factor: float | None =
         width = height = size
     factor = scene.pressed_factor if factor is None else factor
     how = scene.press.finger
-    finger = float(finger_over(scene, np.array(width * height), how)) if how else 0.0
+    finger = float(finger_over(scene.parts.skin, np.array(width * height), how)) if how else 0.0
     if not (np.isfinite(factor) and factor > 0 and (factor != 1 or finger)):
         alone = " without a finger in `press.finger`" if factor == 1 else ""
         raise InputError(f"--factor must be finite, > 0 and not 1{alone}, got {factor:g}")
@@ -166,7 +166,7 @@ def _on_skin(
     scene: Scene, places: Sequence[Point], touch: TouchSize, grid: tuple[int, int]
 ) -> list[Point]:
     """The positions whose cells are all skin; where there is none, those with most skin."""
-    part = pixel_coverage(scene.on_grid(*grid)).part.reshape(grid)
+    part = pixel_coverage(scene.parts.skin, grid).part.reshape(grid)
     cells = AreaRasterizer.of(scene.skin.length, scene.skin.width, grid)
     covers = [cells.raised(place, touch)["strength"] for place in places]
     shares = np.array([(each * part).sum() / each.sum() for each in covers])

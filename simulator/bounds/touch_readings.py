@@ -72,7 +72,7 @@ class Hypothesis:
         rises = rises[: len(cells)] * self.presses
         if not self.fingers:
             return TouchedCells(cells, rises)
-        own = parts_of(scene).finger(cells)
+        own = parts_of(scene.parts.skin).finger(cells)
         return TouchedCells(np.concatenate([cells, own]), np.concatenate([rises, self.fingers]))
 
     @property
@@ -107,7 +107,8 @@ def hypotheses(scene: Scene, target: str, size: float | None = None) -> list[Hyp
     if target not in TARGETS:
         raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")
     pixels = [
-        divmod(number, scene.pixels.columns) for number in pixel_coverage(scene).numbers.tolist()
+        divmod(number, scene.pixels.columns)
+        for number in pixel_coverage(scene.parts.skin).numbers.tolist()
     ]
     if target in ("pair", "touches") and len(pixels) < 2:
         raise InputError(f"`target` {target} needs two pixels or more, {scene.name} has one")
@@ -143,7 +144,7 @@ def _with_fingers(scene: Scene, hypothesis: Hypothesis, size: float | None) -> H
     how = scene.press.finger
     assert how is not None
     places = [place_about(scene, pixel, size) for pixel in hypothesis.pixels]
-    fingers = tuple(finger_capacitance(scene, place, how) for place in places)
+    fingers = tuple(finger_capacitance(scene.parts.skin, place, how) for place in places)
     return replace(hypothesis, fingers=fingers)
 
 
@@ -207,7 +208,7 @@ class TouchReadings:
         if size is not None and scene.pixels.groups is not None:
             raise InputError(f"{scene.name}: touches of a size need pixels without `groups`")
         if size is not None:
-            require_no_walls(scene, "a limit of touches of a size")
+            require_no_walls(scene.parts.skin, "a limit of touches of a size")
         self.scene, self._size = scene.for_rods, size
         require_noise(scene.readout)
         self._against_rest = against_rest
@@ -254,7 +255,7 @@ class TouchReadings:
         """
         if self._size is None or not isinstance(self._touches, DepthPixelTouches):
             return None
-        pixels = pixel_coverage(self.scene).numbers
+        pixels = pixel_coverage(self.scene.parts.skin).numbers
         pixels = pixels[sample_indices(len(pixels))]
         rises = np.linspace(presses.low, presses.high, len(pixels)) - 1
         own = [(np.array([k]), np.array([rise])) for k, rise in zip(pixels, rises, strict=True)]

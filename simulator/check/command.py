@@ -151,7 +151,7 @@ def _current_bypasses_meter(scene: Scene, sweeps: xr.Dataset) -> bool:
     around = scene.surroundings
     assert around is not None
     presses = {str(press) for press in sweeps["press"].values}
-    fingers = any(press_on(scene, press).fingers for press in presses)
+    fingers = any(press_on(scene.parts.skin, scene.press, press).fingers for press in presses)
     return fingers or bool(around.body) or around.rim is not False or around.solved
 
 

@@ -26,7 +26,11 @@ def in_foam_states(scene: Scene, batch: PressBatch, decays: Sequence[Real]) -> P
     number k len(decays) + n.
     """
     grid = scene.divided(scene.dataset.press.cells).pixels.shape
-    foam, creep, cells = scene.skin.foam, Creep.of(scene.skin.foam), foam_parts(scene, grid)
+    foam, creep, cells = (
+        scene.skin.foam,
+        Creep.of(scene.skin.foam),
+        foam_parts(scene.parts.skin, grid),
+    )
     on_foam = batch.cells < cells
     factor = _factors(batch.where(on_foam), cells)
     strain = foam.strain_at(factor)

@@ -188,7 +188,7 @@ def _check_depths(scene: Scene) -> None:
 
 
 def _check_presses(scene: Scene) -> None:
-    press, pixels = scene.dataset.press, len(pixel_coverage(scene).numbers)
+    press, pixels = scene.dataset.press, len(pixel_coverage(scene.parts.skin).numbers)
     if scene.pixels.groups is not None and press.offset > 0:
         raise InputError(
             "`dataset.press.offset` must be 0 where `pixels.groups` says what pixels are, "

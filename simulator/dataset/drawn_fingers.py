@@ -31,7 +31,9 @@ class DrawnFingers(NamedTuple):
     def over(self, scene: Scene, area: Real, there: Mask) -> Real:
         """Capacitance to earth in F of touches with these areas in m²; 0 without a touch."""
         how = scene.press.finger
-        return self._rounded(finger_over(scene, area, how) if self.drawn is None else None, there)
+        return self._rounded(
+            finger_over(scene.parts.skin, area, how) if self.drawn is None else None, there
+        )
 
     def of_pixels(self, scene: Scene, pixel: Integer, there: Mask) -> Real:
         """Capacitance to earth in F of touches of whole pixels, by pixel number."""
@@ -48,9 +50,11 @@ def _on_pixels(scene: Scene) -> Real:
     """Capacitance of the scene's finger on each pixel, F; 0 where there is no skin."""
     how, found = scene.press.finger, np.zeros(scene.pixels.rows * scene.pixels.columns)
     assert how is not None
-    for row, column in pixels_with_skin(scene):
+    for row, column in pixels_with_skin(scene.parts.skin):
         touch = Touch(row, column, 1.0)
-        found[(row - 1) * scene.pixels.columns + column - 1] = finger_capacitance(scene, touch, how)
+        found[(row - 1) * scene.pixels.columns + column - 1] = finger_capacitance(
+            scene.parts.skin, touch, how
+        )
     return found
 
 
@@ -83,7 +87,9 @@ def check_surroundings(scene: Scene) -> None:
     }
     named = [f"{scene.name}: `dataset.{key}`" for key, each in drawn.items() if each is not None]
     if press.rasterized:
-        require_no_walls(scene, f"a data set of touches next to pixels (`{_off_pixel_key(press)}`)")
+        require_no_walls(
+            scene.parts.skin, f"a data set of touches next to pixels (`{_off_pixel_key(press)}`)"
+        )
     if not named:
         return
     if around is None:

@@ -105,7 +105,7 @@ def _on_pixels(
     fingers: DrawnFingers,
 ) -> Presses:
     """Touches of distinct whole pixels, in the order of pixels as in the texts."""
-    pixels = pixel_coverage(scene).numbers
+    pixels = pixel_coverage(scene.parts.skin).numbers
     pixel = pixels[_distinct_pixels(touches, chances[0], len(pixels))]
     aside = truncated_normal(chances[2:], CUT)
     return _on(scene, touches, pixel, factor, aside, grid, fingers)
@@ -139,7 +139,9 @@ def _on(
     factor = np.where(there, factor, 1.0)
     row, column = np.divmod(pixel, columns)
     whole = scene.skin.rectangular or scene.dataset.press.rasterized
-    middle = _centres(scene, row, column) if whole else pixel_coverage(scene).middle[:, pixel]
+    middle = (
+        _centres(scene, row, column) if whole else pixel_coverage(scene.parts.skin).middle[:, pixel]
+    )
     x, y = np.where(there, middle, 0.0)
     finger = fingers.of_pixels(scene, pixel, there)
     inside = cells_of_pixels(scene, grid)
@@ -147,9 +149,14 @@ def _on(
     rises = np.repeat(factor[there] - 1, inside.shape[1])
     batch = PressBatch(inside[pixel[there]].ravel(), rises, starts)
     presses = Presses(
-        batch=with_fingers_on(scene, batch, finger, inside[pixel], grid),
+        batch=with_fingers_on(scene.parts.skin, batch, finger, inside[pixel], grid),
         text=pixel_texts(
-            touches, row + 1, column + 1, *written_strength(scene, factor), finger, rod_text(scene)
+            touches,
+            row + 1,
+            column + 1,
+            *written_strength(scene, factor),
+            finger,
+            rod_text(scene.press),
         ),
         row=single_label(touches, row[:, 0] + 1),
         column=single_label(touches, column[:, 0] + 1),
@@ -208,9 +215,11 @@ def presses_anywhere(
     there = np.arange(MAX_TOUCHES) < touches[:, None]
     return Presses(
         batch=with_fingers_at(
-            scene, cell_presses(scene, touches, placed, grid), touches, placed, grid
+            scene.parts.skin, cell_presses(scene, touches, placed, grid), touches, placed, grid
         ),
-        text=texts_anywhere(touches, placed, *written_strengths(scene, placed), rod_text(scene)),
+        text=texts_anywhere(
+            touches, placed, *written_strengths(scene, placed), rod_text(scene.press)
+        ),
         row=np.where(touches == 0, 0, -1),
         column=np.where(touches == 0, 0, -1),
         touches=touches,
@@ -241,5 +250,5 @@ def with_offset(scene: Scene, nominal: Presses, aside: Real, grid: tuple[int, in
     left = width * height / np.prod(sides)
     placed = Footprints.rectangles(x, y, width, height, nominal.factor, nominal.finger * left)
     batch = cell_presses(scene, nominal.touches, placed, grid)
-    batch = with_fingers_at(scene, batch, nominal.touches, placed, grid)
+    batch = with_fingers_at(scene.parts.skin, batch, nominal.touches, placed, grid)
     return replace(nominal, batch=batch, x=x, y=y, finger=placed.finger, placed=placed)

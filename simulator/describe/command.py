@@ -37,4 +37,4 @@ def describe(
     warn_of_model(scene, loaded)
     say(*described(loaded).splitlines())
     if output is not None:
-        report_written("drawing", draw_scene(loaded, pixels_with_skin(loaded), output))
+        report_written("drawing", draw_scene(loaded, pixels_with_skin(loaded.parts.skin), output))

@@ -61,7 +61,7 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
     yield from _of_skin(scene)
     if not scene.skin.one_conductor:
         yield from secondary_effects(scene)
-    yield "symmetry", indistinguishable_pixels(scene, pixels_with_skin(scene))
+    yield "symmetry", indistinguishable_pixels(scene, pixels_with_skin(scene.parts.skin))
     yield from _of_meter(scene)
     yield "assumed", ", ".join(assumed(scene)) or "nothing: the file sets every key"
 

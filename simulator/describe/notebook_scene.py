@@ -72,7 +72,7 @@ def _draw_pixels(axes: Axes, scene: Scene) -> None:
         draw_pixels(axes, scene, color="0.6")
     if most > MAX_NAMED:
         return
-    for pixel in pixels_with_skin(scene):
+    for pixel in pixels_with_skin(scene.parts.skin):
         place, wide = label_position(pixel, scene)
         if wide < MIN_NAMED * max(scene.skin.sides):
             continue

@@ -106,7 +106,7 @@ def _dress(axes: Axes, scene: Scene, x: Span, y: Span) -> None:
 def _skin(axes: Axes, scene: Scene) -> None:
     """Draws the skin in grey within its outline, or the triangles of its mesh."""
     if scene.skin.mesh is not None:
-        mesh = domain(scene, Press(), max(scene.skin.sides))
+        mesh = domain(scene.parts.skin, Press(), max(scene.skin.sides))
         axes.triplot(*(MM * mesh.p[:2]), mesh.t.T, color="0.8", linewidth=0.4)
     else:
         first, *holes = outline(scene)

@@ -206,7 +206,7 @@ def _walls(scene: Scene, around: Surroundings | None) -> Iterator[tuple[str, str
 
 def _presses(scene: Scene, factor: float, finger: float = 0.0) -> list[Press]:
     """A press of each of five pixels: those in the corners of the skin, and one in the middle."""
-    pixels = sorted(pixels_with_skin(scene))
+    pixels = sorted(pixels_with_skin(scene.parts.skin))
     corners = [
         choose(pixels, key=lambda pixel: pixel[0] + sign * pixel[1])
         for choose in (min, max)
@@ -221,7 +221,11 @@ def _finger(scene: Scene, around: Surroundings | None) -> str:
         return f"none: a finger {around.no_finger_reason}"
     how, factor = scene.press.finger, scene.press.capacitance_factor
     known = around is not None and (how is not None or around.finger_per_area is not None)
-    own = finger_capacitance(scene, Touch(1, 1, 1.0), how or "earthed") if known else FINGER
+    own = (
+        finger_capacitance(scene.parts.skin, Touch(1, 1, 1.0), how or "earthed")
+        if known
+        else FINGER
+    )
     rods, fingers = _presses(scene, factor), _presses(scene, factor, own)
     text = f"one of {prefixed(own, 'F')} on a pixel {_change(scene, {}, {}, rods, fingers)}"
     if not known:

@@ -85,7 +85,7 @@ class SkinModule(nn.Module):
             if isinstance(scene, Reduced)
             else Forward(self.scene, cells_per_pixel, rtol, modes=modes).reduced
         )
-        self.parts = parts_of(self.reduced.scene)
+        self.parts = parts_of(self.reduced.scene.parts.skin)
         free = tuple(free)
         check_names(self.reduced, free)
         start = known_values(self.reduced)
@@ -178,8 +178,14 @@ class SkinModule(nn.Module):
         """
         found = np.zeros((len(presses), self.parts.foam + self.parts.fingers))
         for row, press in zip(found, presses, strict=True):
-            own = press_on(self.scene, press) if isinstance(press, str) else press
-            np.add.at(row, *touched_cells(self.reduced.scene, own))
+            own = (
+                press_on(self.scene.parts.skin, self.scene.press, press)
+                if isinstance(press, str)
+                else press
+            )
+            np.add.at(
+                row, *touched_cells(self.reduced.scene.parts.skin, self.reduced.scene.press, own)
+            )
         return self._on_device(torch.as_tensor(found))
 
     def error(
@@ -272,7 +278,7 @@ def _some(arrays: np.ndarray) -> list[np.ndarray]:
 
 def _check_scene(scene: Scene) -> None:
     """Raises InputError for scenes that have no gradient here."""
-    foam, around, parts = scene.skin.foam, scene.surroundings, parts_of(scene)
+    foam, around, parts = scene.skin.foam, scene.surroundings, parts_of(scene.parts.skin)
     along = "edges" if parts.walls.count else "thickness"
     along = "solved" if around and around.solved else along
     refused = (

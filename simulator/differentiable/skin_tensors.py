@@ -166,7 +166,7 @@ def all_tensors(
     """
     check_names(reduced, given)
     scene = reduced.scene
-    axes = {"capacitance": foam_parts(scene), "contact_resistance": len(scene.contacts)}
+    axes = {"capacitance": foam_parts(scene.parts.skin), "contact_resistance": len(scene.contacts)}
     found = {name: like.new_full((1, 1), value) for name, value in known_values(reduced).items()}
     for name, value in given.items():
         tensor = torch.as_tensor(value, dtype=like.dtype, device=like.device)
@@ -197,7 +197,7 @@ def skin_of(reduced: Reduced, values: Mapping[str, Tensor]) -> SkinTensors:
         top=top,
         bottom=bottom,
         films=films.expand(-1, len(scene.contacts)),
-        foam=foam.expand(-1, foam_parts(scene)),
+        foam=foam.expand(-1, foam_parts(scene.parts.skin)),
         tangent=values["loss_tangent"],
         exponent=values["phase_exponent"],
         leak=values["leak"],

@@ -13,8 +13,8 @@ from scipy.sparse import csc_matrix
 
 from ..arrays import Integer, Real
 from ..mesh.quadrilaterals import PixelMesh, Resolution, pixel_mesh
+from ..scene.parts import Skin
 from ..scene.readings.contacts import Contact
-from ..scene.scene import Scene
 from ..sweeps.free_space import check_memory
 from .matrices.assembly import Group, add_terms, edge_masses, fill, groups
 from .matrices.pattern import Pattern
@@ -104,26 +104,26 @@ MIN_UNKNOWNS_ALONG = 2
 """Unknowns along a pixel of the coarsest elements."""
 
 
-def check_grid_fits(scene: Scene, circuit: Circuit, along: int = MIN_UNKNOWNS_ALONG) -> None:
+def check_grid_fits(skin: Skin, circuit: Circuit, along: int = MIN_UNKNOWNS_ALONG) -> None:
     """Raise InputError if elements on a scene's grid of pixels would not fit in memory.
 
     along: unknowns along each side of a pixel.
     """
-    unknowns = math.prod(scene.pixels.shape) * along**2 * len(circuit.conductance)
+    unknowns = math.prod(skin.pixels.shape) * along**2 * len(circuit.conductance)
     check_memory(
         BYTES_FOR_UNKNOWN * unknowns,
-        "a grid of {} x {} cells".format(*scene.pixels.shape),
+        "a grid of {} x {} cells".format(*skin.pixels.shape),
         "give fewer `pixels`",
     )
 
 
-def build_system(scene: Scene, circuit: Circuit, resolution: Resolution) -> PixelSystem:
+def build_system(skin: Skin, circuit: Circuit, resolution: Resolution) -> PixelSystem:
     """System of a scene's circuit at a resolution: all that does not depend on the press.
 
     Raises InputError if its factors would not fit in memory.
     """
-    check_grid_fits(scene, circuit, resolution.cells * resolution.order)
-    pixels = pixel_mesh(scene, circuit.contacts, resolution)
+    check_grid_fits(skin, circuit, resolution.cells * resolution.order)
+    pixels = pixel_mesh(skin, circuit.contacts, resolution)
     trial = quadrilateral_trial(pixels.mesh, resolution.order)
     unknowns = number_unknowns(circuit, trial, pixels.facets)
     cells = groups(pixels.cells, resolution.order)

@@ -78,4 +78,4 @@ def require_rods(scene: Scene, presses: str, target: str) -> None:
 def _own(scene: Scene) -> float:
     """The finger of the scene's `press` on a whole pixel, F; 0 for a rod."""
     how = scene.press.finger
-    return finger_capacitance(scene, Touch(1, 1, 1.0), how) if how else 0.0
+    return finger_capacitance(scene.parts.skin, Touch(1, 1, 1.0), how) if how else 0.0

@@ -129,7 +129,7 @@ def pixel_tables(unknown: UnknownSkin, touches: Sequence[PixelTouch], of_finger:
     """Tables of all touches of every single pixel. of_finger: deviation of its capacitance, F."""
     forward, pixels = unknown.forward, unknown.forward.scene.pixels
     unpressed = unknown.observed(forward.respond(*NOTHING, unknown.values).Z)
-    places = pixel_coverage(forward.scene).numbers
+    places = pixel_coverage(forward.scene.parts.skin).numbers
     found = [
         [_touch(unknown, pixel, touch, of_finger) for touch in touches] for pixel in places.tolist()
     ]
@@ -155,7 +155,7 @@ def _touch(
     """
     cells, rises = np.array([pixel]), np.array([touch.factor - 1])
     if touch.finger or of_finger:
-        own = parts_of(unknown.forward.scene).finger(cells)
+        own = parts_of(unknown.forward.scene.parts.skin).finger(cells)
         cells, rises = np.append(cells, own), np.append(rises, touch.finger)
     response = unknown.forward.respond(cells, rises, unknown.values)
     by_strength = np.exp(unknown.values["capacitance"]) * response.by_cell + response.by_gauge
@@ -169,7 +169,7 @@ def _touch(
 
 def pair_tables(unknown: UnknownSkin, strengths: Real) -> Tables:
     """Tables of all pairs of pixels at all pairs of strengths."""
-    places = pixel_coverage(unknown.forward.scene).numbers
+    places = pixel_coverage(unknown.forward.scene.parts.skin).numbers
     pairs = np.stack(np.triu_indices(len(places), 1), axis=1)
     first, second = np.meshgrid(strengths - 1, strengths - 1, indexing="ij")
     rises = np.stack([first.ravel(), second.ravel()], axis=1)

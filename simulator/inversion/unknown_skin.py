@@ -188,7 +188,7 @@ def _foam_terms(forward: Forward) -> Real:
         cell = np.ones((1, forward.cells_per_pixel, forward.cells_per_pixel))
         terms = np.kron(of_pixels.reshape(-1, pixels.rows, pixels.columns), cell)
         return terms.reshape(-1, cells.rows * cells.columns).astype(np.float64)
-    modes = mode_values(scene, cell_centres(scene, cells.shape), len(HALF_WAVES))[1:]
+    modes = mode_values(scene, cell_centres(scene.parts.skin, cells.shape), len(HALF_WAVES))[1:]
     return (session.foam_spread * modes.reshape(len(HALF_WAVES) - 1, -1)).astype(np.float64)
 
 

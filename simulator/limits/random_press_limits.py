@@ -53,7 +53,7 @@ class RandomPresses:
     ) -> None:
         """Raises InputError for a meter without noise, and for a scene that presses by fingers or
         has walls around touches."""
-        require_no_walls(scene, "a limit for presses at random positions")
+        require_no_walls(scene.parts.skin, "a limit for presses at random positions")
         if scene.press.finger:
             raise InputError(
                 f"{scene.name}: limits with position errors support presses by a rod only; leave "
@@ -127,7 +127,7 @@ class RandomPresses:
         width, height = np.moveaxis(self._sides if sides is None else sides, -1, 0)
         touches = np.full(len(middles), middles.shape[1])
         rectangles = Footprints.rectangles(x, y, width, height, factors)
-        return rasterized(self.scene, touches, rectangles, self.grid)
+        return rasterized(self.scene.parts.skin, touches, rectangles, self.grid)
 
     @cached_property
     def _skin(self) -> ReducedSkin:

@@ -161,7 +161,7 @@ def solved_in_time(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple[P
     state, between = FoamState(scene), interpolation(scene)
     pause, waited = scene.experiment.timed.pause, 0.0
     for press in presses:
-        state = state.then(check_press(press, scene), waited)
+        state = state.then(check_press(press, scene.parts.skin), waited)
         yield press, _answer(state, between, once, solver.rtol)
         if pause:
             state = state.then(Press(), whole)

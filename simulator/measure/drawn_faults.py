@@ -39,7 +39,7 @@ def drawn_fault(scene: Scene, seed: int, session: int) -> SkinFault | None:
         return drawn_tear(scene, odds, seed, int(place * odds.tears))
     if kind == "stuck_spot":
         factor = _rounded(odds.stuck_factor.at(further))
-        return StuckSpot(*_one_of(pixels_with_skin(scene), place), factor)
+        return StuckSpot(*_one_of(pixels_with_skin(scene.parts.skin), place), factor)
     if kind == "aged_gain":
         low, high = (_rounded(odds.gain_factor.at(each)) for each in sizes)
         return AgedGain(low, high)

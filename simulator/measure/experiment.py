@@ -29,10 +29,12 @@ def planned_presses(scene: Scene, random: np.random.Generator) -> list[Press]:
     """
     drawn, planned = own_presses(scene), scene.experiment
     unpressed = [Press()] * (planned.repetitions if planned.unpressed else 0)
-    pixels = [each for each in pixels_with_skin(scene) for _ in range(planned.repetitions)]
+    pixels = [
+        each for each in pixels_with_skin(scene.parts.skin) for _ in range(planned.repetitions)
+    ]
     factors = np.broadcast_to(drawn.at(random.random(len(pixels))), len(pixels)).tolist()
     return unpressed + [
-        Press((pixel_pressed(scene, row, column, factor),))
+        Press((pixel_pressed(scene.parts.skin, scene.press, row, column, factor),))
         for (row, column), factor in zip(pixels, factors, strict=True)
     ]
 

@@ -64,7 +64,7 @@ def answered(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple[Press, 
     known: dict[Press, Solution] = {}
     for press in presses:
         if press not in known:
-            known[press] = solver.solve(check_press(press, solver.scene))
+            known[press] = solver.solve(check_press(press, solver.scene.parts.skin))
         yield press, known[press]
 
 
@@ -78,7 +78,7 @@ def gather(solver: Solver, pairs: Iterable[tuple[Press, Solution]]) -> SweepTabl
         np.stack([answer.Z for answer in answers]),
         answers[0].frequency,
         interface=[interface.name for interface in solver.scene.interfaces],
-        press=[label_of(press, solver.scene) for press in presses],
+        press=[label_of(press, solver.scene.parts.skin, solver.scene.press) for press in presses],
         row=[press.pixel[0] for press in presses],
         column=[press.pixel[1] for press in presses],
         errors={
@@ -117,13 +117,17 @@ def _of_each(sweeps: xr.Dataset, scene: Scene) -> xr.Dataset:
     presses, which = np.unique(
         sweeps["press"].values.astype(object).astype(str), return_inverse=True
     )
-    found = simulate(Solver(scene), [press_on(scene, str(press)) for press in presses])
+    found = simulate(
+        Solver(scene), [press_on(scene.parts.skin, scene.press, str(press)) for press in presses]
+    )
     return found.isel(sweep=which)
 
 
 def _in_sessions(sweeps: xr.Dataset, scene: Scene) -> xr.Dataset:
     """Simulated sweeps in sessions, each in the given order."""
-    presses = [press_on(scene, str(press)) for press in sweeps["press"].values]
+    presses = [
+        press_on(scene.parts.skin, scene.press, str(press)) for press in sweeps["press"].values
+    ]
     return _by_session(
         sweeps["session"].values,
         lambda own: simulate(Solver(scene), [presses[k] for k in np.flatnonzero(own)]),

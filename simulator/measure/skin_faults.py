@@ -224,7 +224,7 @@ class StuckSpot(SkinFault):
     form = "stuck spot {row},{column}:{factor}"
 
     def check(self, scene: Scene) -> None:
-        if (self.row, self.column) not in pixels_with_skin(scene):
+        if (self.row, self.column) not in pixels_with_skin(scene.parts.skin):
             raise self.refused(scene, "there is no such pixel")
         if not self.factor >= 1:
             raise self.refused(scene, "its factor must be >= 1")

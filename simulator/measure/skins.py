@@ -92,7 +92,7 @@ def _foam(scene: Scene, random: np.random.Generator, grid: tuple[int, int]) -> N
     pixels = scene.pixels.rows, scene.pixels.columns
     if drawn.foam_pattern == "smooth":
         slow = drawn.foam_spread * truncated_normal(random.random(len(HALF_WAVES) - 1), CUT)
-        modes = mode_values(scene, cell_centres(scene, grid), len(HALF_WAVES))[1:]
+        modes = mode_values(scene, cell_centres(scene.parts.skin, grid), len(HALF_WAVES))[1:]
         return 1 + np.einsum("k,kij", slow, modes)
     spread = drawn.foam_spread * truncated_normal(random.random(pixels), CUT)
     return np.kron(1 + spread, np.ones((rows // pixels[0], columns // pixels[1])))

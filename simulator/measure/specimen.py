@@ -57,7 +57,7 @@ class Specimen:
     def __init__(self, scene: Scene, interface: str) -> None:
         self.scene = scene
         self._number = interface_names(scene).index(interface)
-        self._solved, self._pixels = SolvedScene(scene), set(pixels_with_skin(scene))
+        self._solved, self._pixels = SolvedScene(scene), set(pixels_with_skin(scene.parts.skin))
         self._foam = PressedFoam(FoamState(scene))
 
     def at(self, interface: str) -> Self:
@@ -69,7 +69,7 @@ class Specimen:
     def check(self, press: str) -> str:
         """Press in its full form. Raises InputError if it does not fit the scene, or a pixel has no
         skin."""
-        return label_of(self._checked(press), self.scene)
+        return label_of(self._checked(press), self.scene.parts.skin, self.scene.press)
 
     def hold(self, press: str, now: float) -> str:
         """Press the skin until the next press; returns the press in its full form.
@@ -78,7 +78,7 @@ class Specimen:
         """
         found, foam = self._checked(press), self._foam
         foam.state = foam.state.then(found, now - foam.state.since)
-        return label_of(found, self.scene)
+        return label_of(found, self.scene.parts.skin, self.scene.press)
 
     def momentary(self, press: str, at: float) -> Press:
         """Equivalent press at a time, s by the clock of `hold`, with creep.
@@ -90,15 +90,21 @@ class Specimen:
 
     def impedance(self, press: str | Press, frequency: float) -> complex:
         """Z in ohm at a frequency in Hz. Raises what `press_on` and `Solver.solve` raise."""
-        found = press_on(self.scene, press) if isinstance(press, str) else press
+        found = (
+            press_on(self.scene.parts.skin, self.scene.press, press)
+            if isinstance(press, str)
+            else press
+        )
         return complex(self._solved.impedances(found, frequency)[self._number])
 
     def depths(self, press: str) -> str:
         """Depths under the forces of a press, in words; empty without forces."""
-        return "; ".join(depths_in_words(self.scene, [press_on(self.scene, press)]))
+        return "; ".join(
+            depths_in_words(self.scene, [press_on(self.scene.parts.skin, self.scene.press, press)])
+        )
 
     def _checked(self, press: str) -> Press:
-        found = press_on(self.scene, press)
+        found = press_on(self.scene.parts.skin, self.scene.press, press)
         for touch in found.touches:
             if isinstance(touch, Touch) and (touch.row, touch.column) not in self._pixels:
                 raise InputError(f"press {touch}: there is no skin at that place")

@@ -18,9 +18,12 @@ def factors_under(scene: Scene, press: str) -> list[float]:
 
     Raises InputError for a press that does not fit the scene, and what `deformation` raises.
     """
-    whole, default = press_on(scene, press), strength_of(scene.press)
+    whole, default = press_on(scene.parts.skin, scene.press, press), strength_of(scene.press)
     known = {str(touch): touch.factor for touch in whole.sharp.touches}
     if whole.indented:
         under = scene.pressed_factors(np.array(deformation(scene, whole, FACTOR_RTOL).depth))
         known |= dict(zip(map(str, whole.indented), under.tolist(), strict=True))
-    return [known[str(parse_press(part, default, scene))] for part in JOINT.split(press)]
+    return [
+        known[str(parse_press(part, default, scene.parts.skin, scene.press))]
+        for part in JOINT.split(press)
+    ]

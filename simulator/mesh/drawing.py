@@ -12,11 +12,11 @@ from ..press.capacitance import touched_box
 from ..press.pixels import pixel_lines
 from ..press.press import Press
 from ..press.touch import Disc, Place, Polygon, Rectangle, Touch
+from ..scene.parts import Skin
 from ..scene.pixel_grid import Pixels
 from ..scene.planar import Circle, Points, regular, sides
 from ..scene.readings.contacts import Contact
 from ..scene.readings.wiring_checks import strip
-from ..scene.scene import Scene
 from ..scene.skin import SheetsAndFoam
 
 Shape = Circle | Points
@@ -74,17 +74,15 @@ class Drawing:
         return np.where(within, row * columns + column, -1)
 
 
-def drawing_of(
-    scene: Scene, press: Press, creases: Sequence[Shape], between: bool = True
-) -> Drawing:
+def drawing_of(skin: Skin, press: Press, creases: Sequence[Shape], between: bool = True) -> Drawing:
     """Drawing of a press on a scene."""
     return Drawing(
-        scene.skin,
-        scene.contacts,
-        scene.pixels,
-        (pixel_lines(scene, 0), pixel_lines(scene, 1)),
-        tuple(shape_of(scene, touch) for touch in sharp_touches(press)),
-        (*creases, *_strips(scene)),
+        skin,
+        skin.contacts,
+        skin.pixels,
+        (pixel_lines(skin, 0), pixel_lines(skin, 1)),
+        tuple(shape_of(skin, touch) for touch in sharp_touches(press)),
+        (*creases, *_strips(skin)),
         between,
     )
 
@@ -94,30 +92,30 @@ def sharp_touches(press: Press) -> list[Rectangle | Disc | Polygon]:
     return [each for each in press.touches if isinstance(each, Rectangle | Disc | Polygon)]
 
 
-def around_pixels(scene: Scene, press: Press) -> list[Points]:
+def around_pixels(skin: Skin, press: Press) -> list[Points]:
     """Edges of the pixels that a press presses, closed polylines of shape (5, 2)."""
-    boxes = [polygon_of(scene, each) for each in press.touches if isinstance(each, Touch)]
+    boxes = [polygon_of(skin, each) for each in press.touches if isinstance(each, Touch)]
     return [np.concatenate([box, box[:1]]) for box in boxes]
 
 
-def _strips(scene: Scene) -> list[Points]:
+def _strips(skin: Skin) -> list[Points]:
     """Edges of foils that have a width, closed polylines of shape (5, 2)."""
-    corners = [strip(contact, scene.skin) for contact in scene.contacts if contact.width]
+    corners = [strip(contact, skin) for contact in skin.contacts if contact.width]
     return [np.array([(a, b), (c, b), (c, d), (a, d), (a, b)]) for (a, b), (c, d) in corners]
 
 
-def shape_of(scene: Scene, place: Place) -> Shape:
+def shape_of(skin: Skin, place: Place) -> Shape:
     """Circle of a disc; corners of any other place."""
     if isinstance(place, Disc):
         return Circle(place.x, place.y, place.radius)
-    return polygon_of(scene, place)
+    return polygon_of(skin, place)
 
 
-def polygon_of(scene: Scene, place: Angular) -> Points:
+def polygon_of(skin: Skin, place: Angular) -> Points:
     """Corners of a place that is no disc, shape (corner, 2)."""
     if isinstance(place, Polygon):
         return np.array(place.points, dtype=float)
-    left, right, bottom, top = touched_box(scene, place)
+    left, right, bottom, top = touched_box(skin, place)
     return np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
 
 

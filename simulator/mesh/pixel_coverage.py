@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import Integer, Real
 from ..press.press import Press
-from ..scene.scene import Scene
+from ..scene.parts import Skin
 
 
 class PixelCoverage(NamedTuple):
@@ -29,21 +29,25 @@ class PixelCoverage(NamedTuple):
         return np.flatnonzero(self.part)
 
 
-def pixel_coverage(scene: Scene) -> PixelCoverage:
-    """Skin in each pixel of a scene. Raises InputError for an unusable mesh file."""
-    return _cached_coverage(scene)  # pyright: ignore[reportArgumentType]
+def pixel_coverage(skin: Skin, grid: tuple[int, int] | None = None) -> PixelCoverage:
+    """Skin in each pixel, or in each cell of a grid of rows and columns.
+
+    Raises InputError for an unusable mesh file.
+    """
+    return _cached_coverage(skin if grid is None else skin.on_grid(*grid))
 
 
 @lru_cache(maxsize=16)
-def _cached_coverage(scene: Scene) -> PixelCoverage:
-    count, (length, width) = scene.pixels.rows * scene.pixels.columns, scene.skin.sides
-    if scene.skin.rectangular:
-        row, column = np.divmod(np.arange(count), scene.pixels.columns)
-        x, y = (column + 0.5) / scene.pixels.columns, (row + 0.5) / scene.pixels.rows
+def _cached_coverage(skin: Skin) -> PixelCoverage:
+    (rows, columns), (length, width) = skin.pixels.shape, skin.sides
+    count = rows * columns
+    if skin.rectangular:
+        row, column = np.divmod(np.arange(count), columns)
+        x, y = (column + 0.5) / columns, (row + 0.5) / rows
         return PixelCoverage(np.ones(count), np.stack([x * length, y * width]))
     from .skin_mesh import domain
 
-    mesh = domain(scene, Press(), max(scene.skin.sides))
+    mesh = domain(skin, Press(), max(skin.sides))
     flat = replace(mesh, p=mesh.p[:2])
     pixel, here = flat.pixel[flat.pixel >= 0], flat.pixel >= 0
     area, x, y = (

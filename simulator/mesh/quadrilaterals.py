@@ -14,10 +14,10 @@ from skfem import MeshQuad
 
 from ..arrays import Integer, Real
 from ..press.pixels import pixel_lines
+from ..scene.parts import Skin
 from ..scene.planar import NO_LINES, SAME_LINE, Lines, distinct
 from ..scene.readings.contacts import Contact
 from ..scene.readings.wiring_checks import ACROSS, strip, touch_at
-from ..scene.scene import Scene
 from ..scene.skin import SheetsAndFoam
 from .rings import QuadrilateralCells, rectangles, ringed
 
@@ -148,47 +148,46 @@ class PixelMesh:
         return element, (is_edge * length).T
 
 
-def pixel_mesh(scene: Scene, contacts: Sequence[Contact], resolution: Resolution) -> PixelMesh:
+def pixel_mesh(skin: Skin, contacts: Sequence[Contact], resolution: Resolution) -> PixelMesh:
     """Mesh of a scene at a resolution, conforming to pixels and ends of `contacts`."""
-    skin = scene.skin
     tips = singular_ends(contacts, skin) if resolution.layers else []
     rings = {(x, y): count for x, y, count in resolution.corners}
     rings |= dict.fromkeys(tips, resolution.layers)
-    size = _patch(scene, contacts, resolution, tips) if tips else np.inf
-    x = _nodes(scene, 0, contacts, resolution, tips, size)
-    y = _nodes(scene, 1, contacts, resolution, tips, size)
+    size = _patch(skin, contacts, resolution, tips) if tips else np.inf
+    x = _nodes(skin, 0, contacts, resolution, tips, size)
+    y = _nodes(skin, 1, contacts, resolution, tips, size)
     at = np.array(
         [np.abs(y - q).argmin() * len(x) + np.abs(x - p).argmin() for p, q in rings], dtype=np.int64
     )
     cells = ringed(rectangles(x, y), at, np.array(list(rings.values()), dtype=np.int64))
     middle = cells.p[:, cells.t].mean(axis=1)
     mesh = MeshQuad(cells.p, cells.t)
-    tiles_x, tiles_y = tile_lines(scene, 0, resolution), tile_lines(scene, 1, resolution)
+    tiles_x, tiles_y = tile_lines(skin, 0, resolution), tile_lines(skin, 1, resolution)
     column, row = np.searchsorted(tiles_x, middle[0]) - 1, np.searchsorted(tiles_y, middle[1]) - 1
     return PixelMesh(skin, mesh, cells, row * (len(tiles_x) - 1) + column)
 
 
-def tile_lines(scene: Scene, axis: int, resolution: Resolution) -> Real:
+def tile_lines(skin: Skin, axis: int, resolution: Resolution) -> Real:
     """Lines across x (axis 0) or y (axis 1) that the capacitance may jump at, m, ascending."""
-    return np.sort([*pixel_lines(scene, axis), *resolution.lines[axis]])
+    return np.sort([*pixel_lines(skin, axis), *resolution.lines[axis]])
 
 
-def _lines(scene: Scene, axis: int, contacts: Sequence[Contact], resolution: Resolution) -> Real:
+def _lines(skin: Skin, axis: int, contacts: Sequence[Contact], resolution: Resolution) -> Real:
     """Lines across an axis that a mesh keeps: those of tiles and ends of foils."""
-    ends = (end[axis] for contact in contacts for end in contact.ends(scene.skin))
-    return distinct([*tile_lines(scene, axis, resolution), *ends])
+    ends = (end[axis] for contact in contacts for end in contact.ends(skin))
+    return distinct([*tile_lines(skin, axis, resolution), *ends])
 
 
 def _patch(
-    scene: Scene,
+    skin: Skin,
     contacts: Sequence[Contact],
     resolution: Resolution,
     tips: Sequence[tuple[float, float]],
 ) -> float:
     """Width of the square cells around the tips, m; none reaches another line or tip."""
     widths = [resolution.edge_cell, resolution.touch_cell]
-    for axis, length in enumerate((scene.skin.length, scene.skin.width)):
-        lines = _lines(scene, axis, contacts, resolution)
+    for axis, length in enumerate((skin.length, skin.width)):
+        lines = _lines(skin, axis, contacts, resolution)
         at_tip = np.array(
             [any(abs(line - tip[axis]) <= SAME_LINE * length for tip in tips) for line in lines]
         )
@@ -198,7 +197,7 @@ def _patch(
 
 
 def _nodes(
-    scene: Scene,
+    skin: Skin,
     axis: int,
     contacts: Sequence[Contact],
     resolution: Resolution,
@@ -206,7 +205,7 @@ def _nodes(
     patch: float,
 ) -> Real:
     """Nodes along x (axis 0) or y (axis 1)."""
-    skin, length = scene.skin, scene.skin.sides[axis]
+    skin, length = skin, skin.sides[axis]
     widths = dict.fromkeys(resolution.touched[axis], resolution.touch_cell)
     for contact in contacts:
         if axis == (0 if contact.edge in ("left", "right") else 1):
@@ -218,7 +217,7 @@ def _nodes(
     patches = [tip[axis] + side * patch for tip in tips for side in (-1, 1)]
     lines = distinct(
         [
-            *_lines(scene, axis, contacts, resolution),
+            *_lines(skin, axis, contacts, resolution),
             *(line for line in patches if 0 < line < length),
         ]
     )

@@ -8,8 +8,8 @@ from functools import lru_cache
 import numpy as np
 
 from ..press.press import Press
+from ..scene.parts import Skin
 from ..scene.planar import Circle
-from ..scene.scene import Scene
 from .domain import Domain
 from .drawing import Shape, around_pixels, drawing_of, sharp_touches
 from .imported import imported
@@ -24,7 +24,7 @@ Corners = tuple[tuple[float, ...], ...]
 
 
 def domain(
-    scene: Scene,
+    skin: Skin,
     press: Press,
     size: float,
     creases: Sequence[Shape] = (),
@@ -42,12 +42,12 @@ def domain(
     Raises InputError if a mesh file cannot be used or the mesher is not installed; ToleranceError
     if lines or circles lie too near to each other.
     """
-    if not between and scene.pixels.groups is None:
-        creases = [*creases, *around_pixels(scene, press)]
-    if scene.skin.mesh is not None:
-        return imported(drawing_of(scene, press, creases, between))
+    if not between and skin.pixels.groups is None:
+        creases = [*creases, *around_pixels(skin, press)]
+    if skin.mesh is not None:
+        return imported(drawing_of(skin, press, creases, between))
     sharp, edges = Press(tuple(sharp_touches(press))), tuple(map(_fixed, creases))
-    return _drawn(scene, sharp, size, edges, between)  # pyright: ignore[reportArgumentType]
+    return _drawn(skin, sharp, size, edges, between)  # pyright: ignore[reportArgumentType]
 
 
 def _fixed(crease: Shape) -> Circle | Corners:
@@ -56,11 +56,11 @@ def _fixed(crease: Shape) -> Circle | Corners:
 
 @lru_cache(maxsize=KEPT)
 def _drawn(
-    scene: Scene,
+    skin: Skin,
     press: Press,
     size: float,
     creases: tuple[Circle | Corners, ...],
     between: bool,
 ) -> Domain:
     edges = [each if isinstance(each, Circle) else np.array(each) for each in creases]
-    return drawn(drawing_of(scene, press, edges, between), size)
+    return drawn(drawing_of(skin, press, edges, between), size)

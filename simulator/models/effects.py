@@ -57,7 +57,7 @@ def with_effects(scene: Scene, values: Mapping[str, float]) -> dict[str, Any]:
     }
     found: dict[str, Any] = {"surroundings": around.model_copy(update=parts)}
     if finger := changed.get("finger"):
-        whole = finger_of(Touch(1, 1, 1.0), None, scene) + finger
+        whole = finger_of(Touch(1, 1, 1.0), None, scene.press.finger, scene.parts.skin) + finger
         found["press"] = scene.press.model_copy(update={"finger": whole})
     return found
 
@@ -73,5 +73,5 @@ def _stronger(scene: Scene, factor: float) -> Rim | bool:
     """Rim with its capacitance multiplied by a factor; False without a rim."""
     if "rim" not in effects_of(scene):
         return False
-    rim = rim_densities(scene)
+    rim = rim_densities(scene.parts.skin)
     return Rim(mutual=rim.mutual * factor, top=rim.top * factor, bottom=rim.bottom * factor)

@@ -32,7 +32,7 @@ class Line:
     def __init__(self, scene: Scene) -> None:
         """Raises InputError, with the reason, if the scene is no line."""
         require_uniform(scene, "the line")
-        circuit = one_field(scene)
+        circuit = one_field(scene.parts.skin, scene.parts.setup)
         if circuit is None:
             raise InputError(f"{scene.name} is no line: its sheets are not fed in pairs of foils")
         contacts = circuit.contacts
@@ -105,10 +105,10 @@ class Line:
         Raises InputError if the press varies across the line.
         """
         x, y = (
-            np.sort([*pixel_lines(self.scene, axis), *of_touches])
-            for axis, of_touches in enumerate(lines(self.scene, press))
+            np.sort([*pixel_lines(self.scene.parts.skin, axis), *of_touches])
+            for axis, of_touches in enumerate(lines(self.scene.parts.skin, press))
         )
-        along, c = x, tile_map(self.scene, press, x, y)
+        along, c = x, tile_map(self.scene.parts.skin, self.scene.press, press, x, y)
         if self._contact.edge in ("bottom", "top"):
             along, c = y, c.T
         if not (c == c[:1]).all():

@@ -53,7 +53,7 @@ class Variation:
 
     def factors(self, scene: Scene) -> Real:
         """Factors on each part of M, shape (part,), see `Parts`; `air` for a finger."""
-        parts, foam = parts_of(scene), self.foam(scene)
+        parts, foam = parts_of(scene.parts.skin), self.foam(scene)
         fixed = [1.0 if name == SOLVED else getattr(self, name) for name in parts.fixed]
         across = foam if parts.thickness else foam[:0]
         walls = foam[parts.walls.pairs].mean(axis=1)
@@ -70,7 +70,7 @@ class Variation:
 
 def of_parts(scene: Scene, map_of: Real, beyond: float) -> Real:
     """Values of parts, shape (part,), from those of pixels, shape (row, column)."""
-    return np.append(map_of.ravel(), beyond)[: foam_parts(scene)]
+    return np.append(map_of.ravel(), beyond)[: foam_parts(scene.parts.skin)]
 
 
 def nominal(scene: Scene, modes: int = 1) -> Variation:

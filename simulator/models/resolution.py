@@ -80,7 +80,7 @@ class ResolutionHierarchy:
             edge_cell=self.halved(layer),
             touch_cell=self.halved(layer) if reached.touches else math.inf,
             touched=all_lines(reached, self.scene),
-            lines=lines(self.scene, press),
+            lines=lines(self.scene.parts.skin, press),
         )
 
     @property
@@ -145,7 +145,7 @@ def reached_by_field(touch: AnyTouch, scene: Scene, depth: float) -> bool:
 
 def all_lines(press: Press, scene: Scene) -> Lines:
     """Lines at which c jumps by these touches, ascending."""
-    patches = [patch(scene, touch) for touch in press.touches]
+    patches = [patch(scene.parts.skin, touch) for touch in press.touches]
     x, y = ({line for p in patches for line in (p.x, p.y)[axis].tolist()} for axis in (0, 1))
     return tuple(sorted(x)), tuple(sorted(y))
 
@@ -155,12 +155,12 @@ def strongest(press: Press, scene: Scene) -> float:
     if all(isinstance(touch, Touch) for touch in press.touches):
         return max((touch.factor for touch in press.touches), default=1.0)
     x, y = (distinct(each) for each in all_lines(press, scene))
-    return float(tile_map(scene, press, x, y).max())
+    return float(tile_map(scene.parts.skin, scene.press, press, x, y).max())
 
 
 def _distance(touch: AnyTouch, scene: Scene) -> float:
     """Distance from a touch to the nearest foil, m."""
-    box, skin = touched_box(scene, touch), scene.skin
+    box, skin = touched_box(scene.parts.skin, touch), scene.skin
 
     def gap(touched: tuple[float, float], contact: Contact, axis: int) -> float:
         low, high = (end[axis] for end in contact.ends(skin))

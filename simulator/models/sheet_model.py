@@ -29,7 +29,7 @@ class SheetModel:
 
     def __init__(self, scene: Scene, circuit: Circuit, resolution: Resolution) -> None:
         self.scene, self.circuit, self.resolution = scene, circuit, resolution
-        self.system = build_system(scene, circuit, resolution)
+        self.system = build_system(scene.parts.skin, circuit, resolution)
         self.space = Galerkin(self.system, circuit, resolution.order)
         self._filled: tuple[Press, csc_matrix] | None = None
 
@@ -88,13 +88,15 @@ class SheetModel:
     def _capacitance(self, press: Press) -> Real:
         """c in F/m² between the lines of the mesh, shape (row, column)."""
         if self.resolution.lines == NO_LINES:
-            return capacitance_map(self.scene, press)
-        for own, of_touches in zip(self.resolution.lines, lines(self.scene, press), strict=True):
+            return capacitance_map(self.scene.parts.skin, self.scene.press, press)
+        for own, of_touches in zip(
+            self.resolution.lines, lines(self.scene.parts.skin, press), strict=True
+        ):
             if not set(of_touches) <= set(own):
                 raise InputError(f"press {press} has edges that the mesh does not conform to")
-        x, y = (tile_lines(self.scene, axis, self.resolution) for axis in (0, 1))
+        x, y = (tile_lines(self.scene.parts.skin, axis, self.resolution) for axis in (0, 1))
         return self.scene.skin.foam.unpressed_capacitance_per_area * tile_map(
-            self.scene, press, x, y
+            self.scene.parts.skin, self.scene.press, press, x, y
         )
 
     def moments(self, press: Press, count: int) -> Real:

@@ -63,7 +63,7 @@ def fields(
     currents and power are per length and area of the flat skin. progress: see `ProgressCallback`.
     Raises InputError for an unknown interface, ToleranceError if the tolerance is not reached.
     """
-    check_fingers(press, scene)
+    check_fingers(press, scene.parts.skin)
     frequency = np.array(sorted(frequencies), dtype=np.float64)
     excitation = interface_names(scene).index(checked_interface(interface, scene))
     discretised, Z = _resolved(scene, press, frequency, rtol, progress)

@@ -110,7 +110,7 @@ class Solver:
 
     def _of_skin(self, press: Press, frequency: Real) -> Solution:
         """Solution at the skin's own contacts."""
-        check_fingers(press, self.scene)
+        check_fingers(press, self.scene.parts.skin)
         if self._without_earth is not None and not press.fingers:
             return self._without_earth._of_skin(press, frequency)
         on_error = self._time_estimate.of(str(press))

@@ -122,7 +122,9 @@ class UniformModels:
 
     @cached_property
     def _circuit(self) -> Circuit:
-        return one_field(self.scene) or two_fields(self.scene)
+        return one_field(self.scene.parts.skin, self.scene.parts.setup) or two_fields(
+            self.scene.parts.skin, self.scene.parts.setup
+        )
 
     @cached_property
     def _hierarchy(self) -> ResolutionHierarchy:

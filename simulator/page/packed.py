@@ -52,7 +52,7 @@ def random_press_drawer(scene: Scene, cells: int) -> Callable[[np.random.Generat
     resistance of its own.
     """
     shape, apart = scene.pixels.shape, circuit_of(scene).fields == 2
-    parts = parts_of(scene)
+    parts = parts_of(scene.parts.skin)
     strongest = strongest_finger(scene) if parts.fingers else 0.0
 
     def draw(random: np.random.Generator) -> Case:
@@ -111,7 +111,7 @@ def reduced_for_page(
     """
     if scene.skin.foam.leak:
         raise InputError(f"{scene.name}: a page cannot take `skin.foam.leak`; leave it out here")
-    thick = parts_of(scene).thickness > 0
+    thick = parts_of(scene.parts.skin).thickness > 0
     if (gauged(scene.skin) or thick) and scene.skin.foam.mechanics is not None:
         key = "surroundings.thickness` or `surroundings.solved" if thick else "piezoresistance"
         raise InputError(
@@ -194,13 +194,13 @@ def _finger(scene: Scene) -> dict[str, Any] | None:
     assert around is not None
     if around.no_finger_reason or (isinstance(how, str) and around.finger_per_area is None):
         return None
-    places = np.unravel_index(pixel_coverage(scene).numbers, scene.pixels.shape)
+    places = np.unravel_index(pixel_coverage(scene.parts.skin).numbers, scene.pixels.shape)
     pixels = (Touch(int(i) + 1, int(j) + 1, 1.0) for i, j in zip(*places, strict=True))
     return {
         "whole": None if isinstance(how, str) else how,
         "perArea": around.finger_per_area,
         "series": PERSON if how == "floating" else None,
-        "areas": [touched_area(scene, pixel) for pixel in pixels],
+        "areas": [touched_area(scene.parts.skin, pixel) for pixel in pixels],
         "earthed": scene.press.finger is not None,
     }
 

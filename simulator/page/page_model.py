@@ -115,7 +115,7 @@ def _gauge_data(skin: ReducedSkin) -> dict[str, Any]:
     """
     reduced = skin.reduced
     scene, fields = reduced.scene, reduced.circuit.fields
-    terms = reduced.stiffness[: fields * foam_parts(scene)]
+    terms = reduced.stiffness[: fields * foam_parts(scene.parts.skin)]
     factors = [_factor(skin.turn.T @ term @ skin.turn) for term in terms]
     return {
         "piezoresistance": [scene.skin.sheet(name).piezoresistance for name in ELECTRODES[:fields]],

@@ -37,7 +37,7 @@ def plan(scene: Scene, family: Family) -> dict[str, Any]:
     """
     mesh = family.mesh.domain if isinstance(family.mesh, Triangulation) else None
     of_file = mesh if scene.skin.mesh is not None else None
-    every = pixel_coverage(scene)
+    every = pixel_coverage(scene.parts.skin)
     return {
         "outline": _rounded(_outline(scene.skin) if of_file is None else boundary_lines(of_file)),
         "foils": [

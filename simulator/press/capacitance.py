@@ -12,8 +12,9 @@ from functools import lru_cache
 import numpy as np
 
 from ..arrays import Real
+from ..scene.parts import Skin
+from ..scene.pixel_grid import Pressing
 from ..scene.planar import NO_LINES, SAME_EDGE, SAME_LINE, Lines, disc_fraction, distinct, shared
-from ..scene.scene import Scene
 from ..sweeps import InputError
 from .batch import NOTHING, TouchedCells, joined_cells
 from .parts import parts_of
@@ -45,47 +46,45 @@ class Patch:
         return mean_factor(self.share(x, y), self.factor)
 
 
-def capacitance_map(scene: Scene, press: Press) -> Real:
+def capacitance_map(skin: Skin, pressing: Pressing, press: Press) -> Real:
     """c in F/m², shape (row, column): the unpressed foam, times each touch's factor.
 
     Raises InputError for a touch that is not whole pixels; `grid_map` then gives the pixels' means.
     """
     require_plain(press)
-    c = np.full(
-        (scene.pixels.rows, scene.pixels.columns), scene.skin.foam.unpressed_capacitance_per_area
-    )
-    if scene.press.adds:
-        return c * tile_map(scene, press, pixel_lines(scene, 0), pixel_lines(scene, 1))
+    c = np.full((skin.pixels.rows, skin.pixels.columns), skin.foam.unpressed_capacitance_per_area)
+    if pressing.adds:
+        return c * tile_map(skin, pressing, press, pixel_lines(skin, 0), pixel_lines(skin, 1))
     for touch in press.touches:
         if isinstance(touch, Touch):
             c[touch.row - 1, touch.column - 1] *= touch.factor
-        elif lines(scene, Press((touch,))) != NO_LINES:
+        elif lines(skin, Press((touch,))) != NO_LINES:
             raise InputError(f"press {press}: all touches must be whole pixels here")
         else:
-            c *= patch(scene, touch).factors(pixel_lines(scene, 0), pixel_lines(scene, 1))
+            c *= patch(skin, touch).factors(pixel_lines(skin, 0), pixel_lines(skin, 1))
     return c
 
 
-def grid_map(scene: Scene, press: Press, rows: int, columns: int) -> Real:
+def grid_map(skin: Skin, pressing: Pressing, press: Press, rows: int, columns: int) -> Real:
     """c over its unpressed value, on a uniform grid over the skin, shape (row, column).
 
     Each touch enters a cell as 1 + (factor - 1) times the fraction of its area that it covers, a
     disc as an exact circle; factors multiply.
     """
-    x, y = _uniform_lines(scene.skin.length, columns), _uniform_lines(scene.skin.width, rows)
+    x, y = _uniform_lines(skin.length, columns), _uniform_lines(skin.width, rows)
     total = np.ones((rows, columns))
     for touch in press.touches:
         if isinstance(touch, Disc):
             covered = disc_fraction(touch.x, touch.y, touch.radius, x, y)
-            total = _with_touch(scene, total, mean_factor(covered, touch.factor))
+            total = _with_touch(pressing, total, mean_factor(covered, touch.factor))
         else:
-            total = _with_touch(scene, total, patch(scene, touch).factors(x, y))
+            total = _with_touch(pressing, total, patch(skin, touch).factors(x, y))
     return total
 
 
-def _with_touch(scene: Scene, total: Real, factors: Real) -> Real:
+def _with_touch(pressing: Pressing, total: Real, factors: Real) -> Real:
     """c with one more touch: factors multiply, capacitances to earth add."""
-    return total + (factors - 1) if scene.press.adds else total * factors
+    return total + (factors - 1) if pressing.adds else total * factors
 
 
 @lru_cache
@@ -96,111 +95,116 @@ def _uniform_lines(length: float, cells: int) -> Real:
     return lines
 
 
-def touched_cells(scene: Scene, press: Press, grid: tuple[int, int] | None = None) -> TouchedCells:
+def touched_cells(
+    skin: Skin, pressing: Pressing, press: Press, grid: tuple[int, int] | None = None
+) -> TouchedCells:
     """Cells of a uniform grid, by default the pixels, where a press raises c; as `grid_map`.
 
     Fingers follow, numbered as in `Parts`. Raises InputError for a finger if the scene has no
     earth, and for walls around touches that are not whole cells.
     """
-    check_fingers(press, scene)
-    shape = grid or scene.pixels.shape
-    _check_walls(scene, press, shape)
+    check_fingers(press, skin)
+    shape = grid or skin.pixels.shape
+    _check_walls(skin, press, shape)
     raised = (
-        _under_applicators(scene, press)
+        _under_applicators(skin, pressing, press)
         if press.indented
-        else _cells_under_factors(scene, press, shape)
+        else _cells_under_factors(skin, pressing, press, shape)
     )
     if not press.fingers:
         return raised
-    return joined_cells(raised, fingers(scene, press, shape))
+    return joined_cells(raised, fingers(skin, pressing, press, shape))
 
 
-def _check_walls(scene: Scene, press: Press, grid: tuple[int, int]) -> None:
-    if scene.surroundings is None or not scene.surroundings.edges:
+def _check_walls(skin: Skin, press: Press, grid: tuple[int, int]) -> None:
+    if skin.around is None or not skin.around.edges:
         return
-    cells = scene if grid == scene.pixels.shape else scene.on_grid(*grid)
     for touch in press.touches:
         if isinstance(touch, Touch | Indentation) or touch.factor == 1:
             continue
-        if not isinstance(touch, Rectangle) or lines(cells, Press((touch,))) != NO_LINES:
-            require_no_walls(scene, f"press {touch} on pixels")
+        if not isinstance(touch, Rectangle) or lines(skin, Press((touch,)), grid) != NO_LINES:
+            require_no_walls(skin, f"press {touch} on pixels")
 
 
-def fingers(scene: Scene, press: Press, grid: tuple[int, int] | None = None) -> TouchedCells:
+def fingers(
+    skin: Skin, pressing: Pressing, press: Press, grid: tuple[int, int] | None = None
+) -> TouchedCells:
     """Fingers of a press on such a grid, numbered as in `Parts`, F."""
-    shape = grid or scene.pixels.shape
-    each = [_finger(scene, touch, shape) for touch in press.touches if touch.finger]
+    shape = grid or skin.pixels.shape
+    each = [_finger(skin, pressing, touch, shape) for touch in press.touches if touch.finger]
     return joined_cells(NOTHING, *each)
 
 
-def _cells_under_factors(scene: Scene, press: Press, grid: tuple[int, int]) -> TouchedCells:
-    rises = grid_map(scene, press, *grid).ravel() - 1
+def _cells_under_factors(
+    skin: Skin, pressing: Pressing, press: Press, grid: tuple[int, int]
+) -> TouchedCells:
+    rises = grid_map(skin, pressing, press, *grid).ravel() - 1
     cells = np.flatnonzero(rises)
     return TouchedCells(cells, rises[cells])
 
 
-def _finger(scene: Scene, touch: AnyTouch, grid: tuple[int, int]) -> TouchedCells:
+def _finger(skin: Skin, pressing: Pressing, touch: AnyTouch, grid: tuple[int, int]) -> TouchedCells:
     """Finger of one touch, spread uniformly over the area that it covers."""
     cells, covered = _cells_under_factors(
-        scene, Press((replace(place_of(touch), factor=2.0),)), grid
+        skin, pressing, Press((replace(place_of(touch), factor=2.0),)), grid
     )
     share = touch.finger * covered / covered.sum()
-    return TouchedCells(parts_of(scene, grid).finger(cells), share)
+    return TouchedCells(parts_of(skin, grid).finger(cells), share)
 
 
-def _under_applicators(scene: Scene, press: Press) -> TouchedCells:
+def _under_applicators(skin: Skin, pressing: Pressing, press: Press) -> TouchedCells:
     """Pixels, and the rise of c under their applicators.
 
     Raises InputError for other touches, or if a scene is pressed by factors and a tension spreads
     presses.
     """
-    mechanics = scene.skin.foam.mechanics
+    mechanics = skin.foam.mechanics
     spreads = mechanics is not None and bool(mechanics.tension)
     places = [each.place for each in press.indented if isinstance(each.place, Touch)]
-    if len(places) < len(press.touches) or (spreads and scene.press.by_factor):
+    if len(places) < len(press.touches) or (spreads and pressing.by_factor):
         raise InputError(
             f"press {press}: needs a capacitance factor here; a depth is possible only for whole "
             "pixels of a scene with `press.depth`"
         )
-    cells = [(each.row - 1) * scene.pixels.columns + each.column - 1 for each in places]
-    rises = [pressed_factor(scene, each) - 1 for each in press.indented]
+    cells = [(each.row - 1) * skin.pixels.columns + each.column - 1 for each in places]
+    rises = [pressed_factor(skin, each) - 1 for each in press.indented]
     return TouchedCells(np.array(cells, dtype=np.int64), np.array(rises))
 
 
-def tile_map(scene: Scene, press: Press, x: Real, y: Real) -> Real:
+def tile_map(skin: Skin, pressing: Pressing, press: Press, x: Real, y: Real) -> Real:
     """c over its unpressed value between lines in m, shape (row, column): exact for `lines`.
 
     Edges that nearly coincide with a line enter the cells next to it by the covered area.
     """
     total = np.ones((len(y) - 1, len(x) - 1))
     for touch in press.touches:
-        total = _with_touch(scene, total, patch(scene, touch).factors(x, y))
+        total = _with_touch(pressing, total, patch(skin, touch).factors(x, y))
     return total
 
 
-def lines(scene: Scene, press: Press) -> Lines:
-    """Lines in addition to those of the pixels at which c may jump, ascending."""
-    areas = [patch(scene, touch) for touch in press.touches if not isinstance(touch, Touch)]
+def lines(skin: Skin, press: Press, grid: tuple[int, int] | None = None) -> Lines:
+    """Lines at which c may jump beside those of the grid, by default the pixels, ascending."""
+    areas = [patch(skin, touch, grid) for touch in press.touches if not isinstance(touch, Touch)]
     if not areas:
         return NO_LINES
-    return _between_pixels(scene, areas, 0), _between_pixels(scene, areas, 1)
+    return _between_cells(skin, areas, 0, grid), _between_cells(skin, areas, 1, grid)
 
 
-def patch(scene: Scene, touch: AnyTouch) -> Patch:
-    """Patch that a touch covers. Raises InputError if it is no patch."""
-    box = touched_box(scene, touch)
+def patch(skin: Skin, touch: AnyTouch, grid: tuple[int, int] | None = None) -> Patch:
+    """Patch that a touch covers, see `touched_box`. Raises InputError if it is no patch."""
+    box = touched_box(skin, touch, grid)
     return Patch(np.array(box[:2]), np.array(box[2:]), touch.factor)
 
 
-def touched_box(scene: Scene, touch: AnyTouch) -> Box:
-    """Rectangle of a touch; its sides are pixels' lines where they coincide.
+def touched_box(skin: Skin, touch: AnyTouch, grid: tuple[int, int] | None = None) -> Box:
+    """Rectangle of a touch; its sides are lines of the grid, or of the pixels, that they meet.
 
     Raises InputError if it is no rectangle.
     """
     if not isinstance(touch, Touch | Rectangle):
         require_plain(Press((touch,)))
     assert isinstance(touch, Touch | Rectangle)
-    x, y = pixel_lines(scene, 0), pixel_lines(scene, 1)
+    x, y = pixel_lines(skin, 0, grid), pixel_lines(skin, 1, grid)
     if isinstance(touch, Touch):
         row, column = touch.row, touch.column
         return Box(x[column - 1], x[column], y[row - 1], y[row])
@@ -218,8 +222,10 @@ def _snapped(line: float, known: Real, same: float = SAME_LINE) -> float:
     return float(nearest if abs(nearest - line) <= same * known[-1] else line)
 
 
-def _between_pixels(scene: Scene, patches: list[Patch], axis: int) -> tuple[float, ...]:
-    known = pixel_lines(scene, axis)
+def _between_cells(
+    skin: Skin, patches: list[Patch], axis: int, grid: tuple[int, int] | None
+) -> tuple[float, ...]:
+    known = pixel_lines(skin, axis, grid)
     of_touches = [line for each in patches for line in (each.x, each.y)[axis]]
     separate = distinct([*of_touches, known[-1]], SAME_EDGE).tolist()
     return tuple(line for line in separate if _snapped(line, known, SAME_EDGE) not in known)

@@ -10,9 +10,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Mask, Real
+from ..scene.parts import Skin
 from ..scene.planar import Circle, area, inside
 from ..scene.ranges import Finger
-from ..scene.scene import Scene
 from ..scene.skin_region import covers
 from ..scene.surroundings import NO_COVER, NO_EARTH
 from ..sweeps import InputError
@@ -25,61 +25,62 @@ SAMPLES_PER_SIDE = 256
 """Sample points along each side of a touch for its area on the skin: accurate to 1e-3."""
 
 
-def finger_of(place: Place, written: WrittenFinger | None, scene: Scene | None) -> float:
+def finger_of(
+    place: Place, written: WrittenFinger | None, given: Finger | None, skin: Skin | None
+) -> float:
     """Capacitance to earth of the touching object at a place, F.
 
-    It is the one in the text of the touch, else that of the scene. Raises InputError if the text
-    needs a scene and there is none, or if the scene has no earth or no cover.
+    It is the one in the text of the touch, else the given one. Raises InputError if the text needs
+    a skin and there is none, or if the skin has no earth or no cover.
     """
-    given = scene.press.finger if scene else None
     how = given if written is None else (given or EARTHED) if written == FREE_TOUCH else written
     if how is None:
         return 0.0
     if isinstance(how, float | int):
         return float(how)
-    if scene is None or scene.surroundings is None:
+    if skin is None or skin.around is None:
         raise InputError(f"{place.where}: a finger {NO_EARTH}")
-    return finger_capacitance(scene, place, how)
+    return finger_capacitance(skin, place, how)
 
 
-def finger_capacitance(scene: Scene, place: Place, how: Finger) -> float:
+def finger_capacitance(skin: Skin, place: Place, how: Finger) -> float:
     """Capacitance of a finger on a place of a scene with surroundings, F.
 
     "floating": in series with PERSON. Raises InputError without cover and air.
     """
     if isinstance(how, float | int):
         return float(how)
-    around = scene.surroundings
+    around = skin.around
     assert around is not None
     if around.finger_per_area is None:
-        raise InputError(f"{scene.name}: a finger on {place.where} {NO_COVER}")
-    return float(finger_over(scene, np.array(touched_area(scene, place)), how))
+        raise InputError(f"{skin.name}: a finger on {place.where} {NO_COVER}")
+    return float(finger_over(skin, np.array(touched_area(skin, place)), how))
 
 
-def finger_over(scene: Scene, area: Real, how: Finger | None) -> Real:
+def finger_over(skin: Skin, area: Real, how: Finger | None) -> Real:
     """Capacitances of fingers on areas in m², for a scene with surroundings; 0 for a rod.
 
     The scene needs a cover or air if the capacitance follows from it.
     """
     if not isinstance(how, str):
         return np.full(area.shape, float(how or 0.0))
-    assert scene.surroundings is not None and scene.surroundings.finger_per_area is not None
-    earthed = scene.surroundings.finger_per_area * area
+    assert skin.around is not None and skin.around.finger_per_area is not None
+    earthed = skin.around.finger_per_area * area
     return earthed if how == "earthed" else earthed * PERSON / (earthed + PERSON)
 
 
-def touched_area(scene: Scene, place: Place) -> float:
+def touched_area(skin: Skin, place: Place) -> float:
     """Area of the skin that a place covers, with stretch, m².
 
     Exact on a rectangle, and for pixels that are groups of a mesh. Otherwise
     SAMPLES_PER_SIDE² sample points in the box around the place give the share on the skin; a mesh
     in space counts as seen along z.
     """
-    skin, groups = scene.skin, scene.pixels.groups
+    skin, groups = skin, skin.pixels.groups
     stretched = np.prod(skin.stretch.ratios) if skin.stretch else 1.0
     if isinstance(place, Touch) and groups is not None and skin.mesh is not None:
         return float(stretched * skin.mesh.surface.area(groups[place.row - 1][place.column - 1]))
-    corner, extent = _box_around(scene, place)
+    corner, extent = _box_around(skin, place)
     whole = stretched * np.prod(extent)
     if skin.rectangular:
         return float(whole * _covered_share(place, extent))
@@ -88,10 +89,10 @@ def touched_area(scene: Scene, place: Place) -> float:
     return float(whole * (covers(skin, x) & _within(place, x)).mean())
 
 
-def _box_around(scene: Scene, place: Place) -> tuple[Real, Real]:
+def _box_around(skin: Skin, place: Place) -> tuple[Real, Real]:
     """Rectangle around a place: its lowest corner, and its sides along x and y; m."""
     if isinstance(place, Touch):
-        sides = np.array(scene.skin.sides) / scene.pixels.shape[::-1]
+        sides = np.array(skin.sides) / skin.pixels.shape[::-1]
         return sides * (place.column - 1, place.row - 1), sides
     box = np.array(place.box)
     return box[::2], box[1::2] - box[::2]

@@ -15,7 +15,7 @@ import numpy as np
 
 from ..arrays import Integer, Mask, Real
 from ..scene.foam.foam_mechanics import Mechanics
-from ..scene.scene import Scene
+from ..scene.parts import Skin
 from ..scene.surroundings import Surroundings
 from .batch import NOTHING, PressBatch, TouchedCells
 from .walls import NO_WALL, NO_WALLS, Walls, step_capacitance, step_capacitance_slope, walls_of
@@ -201,28 +201,28 @@ def _ratio(one: Real, other: Real) -> Real:
     return np.minimum(one, other) / np.maximum(one, other)
 
 
-def foam_parts(scene: Scene, grid: tuple[int, int] | None = None) -> int:
+def foam_parts(skin: Skin, grid: tuple[int, int] | None = None) -> int:
     """Number of parts of the foam: the cells of a grid, row by row, by default the pixels.
 
     On a mesh one more part is the foam outside the cells.
     """
-    rows, columns = grid or scene.pixels.shape
-    return rows * columns + (scene.skin.mesh is not None)
+    rows, columns = grid or skin.pixels.shape
+    return rows * columns + (skin.mesh is not None)
 
 
-def parts_of(scene: Scene, grid: tuple[int, int] | None = None) -> Parts:
+def parts_of(skin: Skin, grid: tuple[int, int] | None = None) -> Parts:
     """Parts of a scene with the cells of a grid, by default its pixels."""
-    foam, around = foam_parts(scene, grid), scene.surroundings
+    foam, around = foam_parts(skin, grid), skin.around
     if around is None:
         return Parts(foam)
-    rows, columns = grid or scene.pixels.shape
+    rows, columns = grid or skin.pixels.shape
     return Parts(
         foam,
         fingers=0 if around.no_finger_reason else rows * columns,
         thickness=foam if around.thickness or around.solved else 0,
-        mechanics=scene.skin.foam.mechanics,
+        mechanics=skin.foam.mechanics,
         fixed=_fixed(around),
-        walls=walls_of(scene, (rows, columns)) if around.edges else NO_WALLS,
+        walls=walls_of(skin, (rows, columns)) if around.edges else NO_WALLS,
     )
 
 

@@ -5,31 +5,32 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Real
-from ..scene.scene import Scene
+from ..scene.parts import Skin
 from ..scene.skin_region import reaches_into
 
 SAME = 1e-8
 """Overlap of skin and pixel over the skin's longer side below which the pixel counts as empty."""
 
 
-def pixel_lines(scene: Scene, axis: int) -> Real:
-    """Lines between pixels, across x (axis 0) or y (axis 1); m."""
-    return np.linspace(0, scene.skin.sides[axis], scene.pixels.shape[1 - axis] + 1)
+def pixel_lines(skin: Skin, axis: int, grid: tuple[int, int] | None = None) -> Real:
+    """Lines between pixels, or between cells of a grid, across x (axis 0) or y (axis 1); m."""
+    count = (grid or skin.pixels.shape)[1 - axis]
+    return np.linspace(0, skin.sides[axis], count + 1)
 
 
-def cell_centres(scene: Scene, grid: tuple[int, int]) -> Real:
+def cell_centres(skin: Skin, grid: tuple[int, int]) -> Real:
     """Centres (x, y) of equal cells by rows and columns, m, shape (2, row, column)."""
     row, column = np.indices(grid) + 0.5
-    return np.stack([column * scene.skin.length / grid[1], row * scene.skin.width / grid[0]])
+    return np.stack([column * skin.length / grid[1], row * skin.width / grid[0]])
 
 
-def pixels_with_skin(scene: Scene) -> list[tuple[int, int]]:
+def pixels_with_skin(skin: Skin) -> list[tuple[int, int]]:
     """(row, column) from 1 of each pixel that contains skin, row by row."""
-    skin, groups = scene.skin, scene.pixels.groups
-    every = [(row + 1, column + 1) for row, column in np.ndindex(*scene.pixels.shape)]
+    skin, groups = skin, skin.pixels.groups
+    every = [(row + 1, column + 1) for row, column in np.ndindex(*skin.pixels.shape)]
     if groups is not None or (skin.outline is None and skin.mesh is None):
         return every
-    lines, same = [pixel_lines(scene, axis) for axis in (0, 1)], SAME * max(skin.sides)
+    lines, same = [pixel_lines(skin, axis) for axis in (0, 1)], SAME * max(skin.sides)
 
     def corner(row: int, column: int) -> Real:
         return np.array([lines[0][column], lines[1][row]])

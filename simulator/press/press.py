@@ -7,10 +7,9 @@ from dataclasses import astuple, dataclass, replace
 import numpy as np
 
 from ..scene.form.outline import check_simple
+from ..scene.parts import Skin
 from ..scene.pixel_grid import Pressing
 from ..scene.planar import SAME_LINE
-from ..scene.scene import Scene
-from ..scene.skin import SheetsAndFoam
 from ..scene.surroundings import NO_EARTH
 from ..scene.touch_capacitance import per_pixel
 from ..sweeps import UNPRESSED, InputError
@@ -102,27 +101,32 @@ def require_plain(press: Press) -> None:
         )
 
 
-def parse_press(text: str, default: Strength, scene: Scene | None = None) -> Press:
+def parse_press(
+    text: str, default: Strength, skin: Skin | None = None, pressing: Pressing | None = None
+) -> Press:
     """Press from `text`, see `sweeps.press_text`.
 
     `default`: strength of touches without one of their own. Touches without a finger of their own
-    have the finger of the scene, and are rods without a scene. Touches are sorted: factors before
-    depths and forces, pixels before rectangles, discs and polygons. Raises what
-    `parse_touches` raises, and InputError for a finger whose capacitance no scene gives.
+    have that of the pressing on the skin, and are rods without them. Touches are sorted: factors
+    before depths and forces, pixels before rectangles, discs and polygons. Raises what
+    `parse_touches` raises, and InputError for a finger whose capacitance no skin gives.
     """
-    touches = [_touch(each, default, scene) for each in parse_touches(text)]
+    touches = [_touch(each, default, skin, pressing) for each in parse_touches(text)]
     return Press(tuple(sorted(touches, key=order)))
 
 
-def _touch(written: WrittenTouch, default: Strength, scene: Scene | None) -> AnyTouch:
+def _touch(
+    written: WrittenTouch, default: Strength, skin: Skin | None, pressing: Pressing | None
+) -> AnyTouch:
     place = _place(written)
-    if scene is not None and scene.press.adds:
-        return touch_at(place, added_factor(scene, place, written, default))
+    if skin is not None and pressing is not None and pressing.adds:
+        return touch_at(place, added_factor(skin, place, written, default))
     strength = default if written.strength is None else _parsed_strength(written.strength)
-    return touch_at(place, strength, finger_of(place, written.finger, scene))
+    given = pressing.finger if pressing else None
+    return touch_at(place, strength, finger_of(place, written.finger, given, skin))
 
 
-def added_factor(scene: Scene, place: Place, written: WrittenTouch, default: Strength) -> Strength:
+def added_factor(skin: Skin, place: Place, written: WrittenTouch, default: Strength) -> Strength:
     """Factor of a touch of a scene with `press.adds`. default: that of a touch without its own.
 
     Raises InputError for a factor with a capacitance.
@@ -132,19 +136,19 @@ def added_factor(scene: Scene, place: Place, written: WrittenTouch, default: Str
         return _parsed_strength(strength)
     if strength is not None and finger != FREE_TOUCH:
         raise InputError(
-            f"a touch adds a capacitance to earth in {scene.name}: {place.where} takes one such as "
+            f"a touch adds a capacitance to earth in {skin.name}: {place.where} takes one such as "
             ":30pF, or a factor, got both"
         )
     if not isinstance(finger, float):
         return default
-    return 1 + finger / capacitance_of(scene, place)
+    return 1 + finger / capacitance_of(skin, place)
 
 
-def capacitance_of(scene: Scene, place: Place) -> float:
+def capacitance_of(skin: Skin, place: Place) -> float:
     """Capacitance of a place without a touch, F."""
     if isinstance(place, Touch):
-        return per_pixel(scene.skin, scene.pixels)
-    return scene.skin.foam.unpressed_capacitance_per_area * touched_area(scene, place)
+        return per_pixel(skin, skin.pixels)
+    return skin.foam.unpressed_capacitance_per_area * touched_area(skin, place)
 
 
 def order(touch: AnyTouch) -> tuple:
@@ -187,58 +191,58 @@ def strength_of(pressing: Pressing) -> Strength:
     return pressing.capacitance_factor if pressing.force is None else Force(pressing.force)
 
 
-def pixel_pressed(scene: Scene, row: int, column: int, factor: float) -> AnyTouch:
+def pixel_pressed(skin: Skin, pressing: Pressing, row: int, column: int, factor: float) -> AnyTouch:
     """Pixel with this factor of c under it: by a depth if the scene presses by depth.
 
     Raises InputError if the foam cannot be compressed so far.
     """
     pixel = Touch(row, column, 1.0)
-    strength = factor if scene.press.by_factor else Depth(scene.pressed_depth(factor))
-    return touch_at(pixel, strength, finger_of(pixel, None, scene))
+    strength = factor if pressing.by_factor else Depth(skin.pressed_depth(factor))
+    return touch_at(pixel, strength, finger_of(pixel, None, pressing.finger, skin))
 
 
-def pressed_factor(scene: Scene, touch: AnyTouch) -> float:
+def pressed_factor(skin: Skin, touch: AnyTouch) -> float:
     """c under a touch over its unpressed value. Raises InputError for a force."""
     if not isinstance(touch, Indentation):
         return touch.factor
-    return scene.factor_at(touch.by.value if isinstance(touch.by, Depth) else None)
+    return skin.factor_at(touch.by.value if isinstance(touch.by, Depth) else None)
 
 
-def every_press(scene: Scene) -> list[Press]:
+def every_press(skin: Skin, pressing: Pressing) -> list[Press]:
     """The unpressed skin, then each pixel with skin alone, row by row."""
-    strength = strength_of(scene.press)
-    pixels = [Touch(row, column, 1.0) for row, column in pixels_with_skin(scene)]
-    fingers = [finger_of(pixel, None, scene) for pixel in pixels]
+    strength = strength_of(pressing)
+    pixels = [Touch(row, column, 1.0) for row, column in pixels_with_skin(skin)]
+    fingers = [finger_of(each, None, pressing.finger, skin) for each in pixels]
     pressed = [touch_at(p, strength, f) for p, f in zip(pixels, fingers, strict=True)]
     return [Press(), *(Press((touch,)) for touch in pressed)]
 
 
-def press_on(scene: Scene, text: str) -> Press:
+def press_on(skin: Skin, pressing: Pressing, text: str) -> Press:
     """Press from `text`; touches without a strength have that of the scene.
 
     Raises what `parse_press` and `check_press` raise.
     """
-    press = parse_press(text, strength_of(scene.press), scene)
-    return check_press(press, scene)
+    press = parse_press(text, strength_of(pressing), skin, pressing)
+    return check_press(press, skin)
 
 
-def label_of(press: Press, scene: Scene) -> str:
+def label_of(press: Press, skin: Skin, pressing: Pressing) -> str:
     """Text of the press that `press_on` reads as the same press.
 
     It is that of `Press`, but a rod is named if touches of the scene are fingers by default, and
     touches that add a capacitance to earth are written by it.
     """
-    if scene.press.adds:
-        return "+".join(_added(touch, scene) for touch in press.touches) or UNPRESSED
-    rod = rod_text(scene)
+    if pressing.adds:
+        return "+".join(_added(touch, skin) for touch in press.touches) or UNPRESSED
+    rod = rod_text(pressing)
     return "+".join(f"{t}{'' if t.finger else rod}" for t in press.touches) or UNPRESSED
 
 
-def _added(touch: AnyTouch, scene: Scene) -> str:
-    rise = pressed_factor(scene, touch) - 1
+def _added(touch: AnyTouch, skin: Skin) -> str:
+    rise = pressed_factor(skin, touch) - 1
     if rise < 0:
         return str(touch)
-    return f"{touch.where}:{in_picofarad(rise * capacitance_of(scene, place_of(touch)))!r}pF"
+    return f"{touch.where}:{in_picofarad(rise * capacitance_of(skin, place_of(touch)))!r}pF"
 
 
 def in_picofarad(capacitance: float) -> float:
@@ -246,58 +250,58 @@ def in_picofarad(capacitance: float) -> float:
     return round(1e12 * capacitance, PICOFARAD_DECIMALS)
 
 
-def rod_text(scene: Scene) -> str:
+def rod_text(pressing: Pressing) -> str:
     """Ending of the text of a touch by a rod."""
-    return ":rod" if scene.press.finger else ""
+    return ":rod" if pressing.finger else ""
 
 
-def check_press(press: Press, scene: Scene) -> Press:
+def check_press(press: Press, skin: Skin) -> Press:
     """The press, if it lies on the scene's skin; raises InputError."""
     for place in map(place_of, press.touches):
         if isinstance(place, Touch):
-            _check_pixel(place, press, scene)
+            _check_pixel(place, press, skin)
         else:
-            _check_place(place, press, scene)
+            _check_place(place, press, skin)
         if isinstance(place, Polygon):
-            _check_polygon(place, press, scene)
-    if press.indented and scene.skin.foam.mechanics is None:
+            _check_polygon(place, press, skin)
+    if press.indented and skin.foam.mechanics is None:
         raise InputError(
-            f"press {press}: depth and force need the table skin.foam.mechanics in {scene.name}"
+            f"press {press}: depth and force need the table skin.foam.mechanics in {skin.name}"
         )
-    check_fingers(press, scene)
+    check_fingers(press, skin)
     return press
 
 
-def check_fingers(press: Press, scene: Scene) -> None:
+def check_fingers(press: Press, skin: Skin) -> None:
     """Raise InputError for fingers if the scene has no earth, or a body covers the touched
     sheet."""
-    around = scene.surroundings
+    around = skin.around
     reason = NO_EARTH if around is None else around.no_finger_reason
     if press.fingers and reason is not None:
-        raise InputError(f"press {press} on {scene.name}: a finger {reason}")
+        raise InputError(f"press {press} on {skin.name}: a finger {reason}")
 
 
-def _check_polygon(touch: Polygon, press: Press, scene: Scene) -> None:
-    least = MIN_TOUCH_SIZE * max(scene.skin.length, scene.skin.width)
+def _check_polygon(touch: Polygon, press: Press, skin: Skin) -> None:
+    least = MIN_TOUCH_SIZE * max(skin.length, skin.width)
     try:
         check_simple("poly", np.array(touch.points), least)
     except ValueError as error:
         raise InputError(f"press {press}: {error}") from error
 
 
-def _check_pixel(touch: Touch, press: Press, scene: Scene) -> None:
+def _check_pixel(touch: Touch, press: Press, skin: Skin) -> None:
     for axis, index, count in (
-        ("row", touch.row, scene.pixels.rows),
-        ("column", touch.column, scene.pixels.columns),
+        ("row", touch.row, skin.pixels.rows),
+        ("column", touch.column, skin.pixels.columns),
     ):
         if not 1 <= index <= count:
             raise InputError(
-                f"press {press}: {axis} must be in 1..{count} on {scene.name}, got {index}"
+                f"press {press}: {axis} must be in 1..{count} on {skin.name}, got {index}"
             )
 
 
-def _check_place(touch: Rectangle | Disc | Polygon, press: Press, scene: Scene) -> None:
-    box, skin = touch.box, scene.skin
+def _check_place(touch: Rectangle | Disc | Polygon, press: Press, skin: Skin) -> None:
+    box, skin = touch.box, skin
     for axis, length, low, high in (
         ("x", skin.length, box.left, box.right),
         ("y", skin.width, box.bottom, box.top),
@@ -305,17 +309,17 @@ def _check_place(touch: Rectangle | Disc | Polygon, press: Press, scene: Scene) 
         rounding = SAME_LINE * length
         if low < -rounding or high > length + rounding:
             raise InputError(
-                f"press {press}: touches must lie within {axis} = 0..{length:g} m on {scene.name}, "
+                f"press {press}: touches must lie within {axis} = 0..{length:g} m on {skin.name}, "
                 f"got {low:g}..{high:g} m{_suggestion_in_mm(touch, skin)}"
             )
         if not high - low >= MIN_TOUCH_SIZE * length:
             raise InputError(
                 f"press {press}: touches must be at least {MIN_TOUCH_SIZE * length:g} m large "
-                f"along {axis} on {scene.name}, got {high - low:g} m"
+                f"along {axis} on {skin.name}, got {high - low:g} m"
             )
 
 
-def _suggestion_in_mm(touch: Rectangle | Disc | Polygon, skin: SheetsAndFoam) -> str:
+def _suggestion_in_mm(touch: Rectangle | Disc | Polygon, skin: Skin) -> str:
     """Suggests the touch in metres if it lies on the skin when its numbers are millimetres."""
     if isinstance(touch, Polygon):
         small = replace(touch, points=tuple((x / 1000, y / 1000) for x, y in touch.points))

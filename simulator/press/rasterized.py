@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Integer, Mask, Real
+from ..scene.parts import Skin
 from ..scene.planar import SAME_LINE
-from ..scene.scene import Scene
 from .batch import PressBatch
 
 
@@ -48,7 +48,7 @@ class Footprints(NamedTuple):
 
 
 def rasterized(
-    scene: Scene, touches: Integer, footprints: Footprints, grid: tuple[int, int]
+    skin: Skin, touches: Integer, footprints: Footprints, grid: tuple[int, int]
 ) -> PressBatch:
     """Cells in which presses raise c, and the rise relative to the unpressed c.
 
@@ -56,9 +56,7 @@ def rasterized(
     """
     from .overlap_kernel import touched
 
-    x, y = (
-        np.linspace(0, side, n + 1) for side, n in zip(scene.skin.sides, grid[::-1], strict=True)
-    )
+    x, y = (np.linspace(0, side, n + 1) for side, n in zip(skin.sides, grid[::-1], strict=True))
     disc = footprints.disc
     boxes = np.stack(
         [

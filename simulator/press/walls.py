@@ -12,7 +12,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from ..arrays import Integer, Real
-from ..scene.scene import Scene
+from ..scene.parts import Skin
 from ..sweeps import InputError
 
 NO_WALL = -1
@@ -52,12 +52,12 @@ class Walls:
 NO_WALLS = Walls(np.zeros((0, 2), dtype=np.int64))
 
 
-def walls_of(scene: Scene, grid: tuple[int, int]) -> Walls:
+def walls_of(skin: Skin, grid: tuple[int, int]) -> Walls:
     """Walls between the parts of a scene's foam on a grid of rows and columns."""
-    groups, mesh = scene.pixels.groups, scene.skin.mesh
+    groups, mesh = skin.pixels.groups, skin.mesh
     if groups is None or mesh is None:
         return _on_grid(*grid)
-    return _between_groups(scene)  # pyright: ignore[reportArgumentType]
+    return _between_groups(skin)  # pyright: ignore[reportArgumentType]
 
 
 @lru_cache(maxsize=64)
@@ -69,10 +69,10 @@ def _on_grid(rows: int, columns: int) -> Walls:
 
 
 @lru_cache(maxsize=16)
-def _between_groups(scene: Scene) -> Walls:
+def _between_groups(skin: Skin) -> Walls:
     """Walls between pixels that are groups of a mesh's triangles; the part outside all groups is
     last."""
-    groups, mesh = scene.pixels.groups, scene.skin.mesh
+    groups, mesh = skin.pixels.groups, skin.mesh
     assert groups is not None and mesh is not None
     surface = mesh.surface
     names = [name for row in groups for name in row]
@@ -86,11 +86,11 @@ def _between_groups(scene: Scene) -> Walls:
     return Walls(np.unique(met[met[:, 0] < met[:, 1]], axis=0).astype(np.int64))
 
 
-def require_no_walls(scene: Scene, what: str) -> None:
+def require_no_walls(skin: Skin, what: str) -> None:
     """Raise InputError if `what`, which covers cells in part, meets touches with walls."""
-    if scene.surroundings is not None and scene.surroundings.edges:
+    if skin.around is not None and skin.around.edges:
         raise InputError(
-            f"{scene.name}: {what} cannot take `surroundings.edges`, which is for touches of whole "
+            f"{skin.name}: {what} cannot take `surroundings.edges`, which is for touches of whole "
             "pixels; leave `edges` out"
         )
 

@@ -63,7 +63,7 @@ def ribbon(foil: Contact, scene: Scene) -> Ribbon:
     if scene.skin.mesh is None:
         along = path(foil, scene.skin)
         return Ribbon(along, outwards(along, scene.skin))
-    mesh = domain(scene, Press(), max(scene.skin.sides))
+    mesh = domain(scene.parts.skin, Press(), max(scene.skin.sides))
     along = _line_with_gaps(mesh.p[:2][:, mesh.foils[foil.name]].transpose(0, 2, 1))
     return Ribbon(along, np.zeros_like(along))
 
@@ -117,7 +117,7 @@ def _inner(count: int) -> Places:
 
 def _mesh_edges(scene: Scene) -> tuple[Places, Places]:
     """Edges between pixels and on the rim, m, each of shape (2, edge, end)."""
-    mesh = domain(scene, Press(), max(scene.skin.sides))
+    mesh = domain(scene.parts.skin, Press(), max(scene.skin.sides))
     edges, of_triangle = edges_of(mesh.t)
     of_pixel, times = np.tile(mesh.pixel, 3), np.bincount(of_triangle.ravel())
     low, high = np.full((2, edges.shape[1]), [[mesh.pixel.max()], [-1]])

@@ -7,7 +7,7 @@ alone, by `Scene.parts`. A computation takes those that it needs.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -73,10 +73,25 @@ class Skin(SheetsAndFoam, Part):
         return not (self.beyond_uniform or self.beyond_sheets)
 
     @property
+    def two_terminal(self) -> bool:
+        """True if all current that enters the skin leaves it through the meter.
+
+        Otherwise a virtual earth reads only a part of the current, and Z is a transfer impedance,
+        to which the laws of passive networks do not apply.
+        """
+        return self.around is None or self.around.low == "floating"
+
+    @property
     def beyond_sheets(self) -> list[str]:
         """Keys that add more than two sheets with foils on their edges."""
         wide = [f"contact[{k + 1}].width" for k, foil in enumerate(self.contacts) if foil.width]
         return [*(["surroundings"] if self.around else []), *wide]
+
+    def on_grid(self, rows: int, columns: int) -> Skin:
+        """The skin with a grid of equal pixels, without the limits of `Pixels` on their number."""
+        if (rows, columns) == self.pixels.shape and self.pixels.groups is None:
+            return self
+        return replace(self, pixels=Pixels.model_construct(rows=rows, columns=columns))
 
     def require_sheets_alone(self, what: str) -> None:
         """Raises InputError naming a key of `beyond_sheets`, which `what` does not support."""
@@ -92,11 +107,17 @@ class Skin(SheetsAndFoam, Part):
         others = [one for each in chosen for one in sources_of_others(each, every)]
         return max_foil_distance(self, self.contacts, [*chosen, *others])
 
-    def factor_at(self, depth: float) -> float:
-        """Capacitance factor under an applicator at a depth in m.
+    def factor_at(self, depth: float | None) -> float:
+        """Capacitance factor under an applicator at a depth in m; None is for `press.force`.
 
-        Raises InputError for a depth beyond the foam's range.
+        Raises InputError for a depth beyond the foam's range, and for None, because the depth of a
+        force differs between pixels.
         """
+        if depth is None:
+            raise InputError(
+                f"{self.name}: `press.force` presses pixels to different depths; give "
+                "`press.depth` here"
+            )
         deepest = self._mechanics.elastic.greatest_strain * self._thickness
         if depth > deepest:
             raise InputError(

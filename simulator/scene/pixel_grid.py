@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from ..sweeps import InputError
 from .ranges import AnyFinger, CapacitanceFactor, Force, Thickness, TouchCapacitance
 from .skin import Name
 from .touch_capacitance import Added
@@ -78,14 +77,7 @@ class Pressing(Table):
         Raises InputError for a depth beyond the foam's range, and for a force, which presses pixels
         to different depths.
         """
-        if self.by_factor:
-            return self.capacitance_factor
-        if self.depth is None:
-            raise InputError(
-                f"{skin.name}: `press.force` presses pixels to different depths; give "
-                "`press.depth` here"
-            )
-        return skin.factor_at(self.depth)
+        return self.capacitance_factor if self.by_factor else skin.factor_at(self.depth)
 
     @model_validator(mode="after")
     def _pressed_one_way(self) -> Self:

@@ -199,17 +199,21 @@ class PressReader:
         press = (
             given
             if isinstance(given, Press)
-            else press_on(self.scene, UNPRESSED if given is None else given)
+            else press_on(
+                self.scene.parts.skin, self.scene.press, UNPRESSED if given is None else given
+            )
         )
-        check_press(press, self.scene)
-        label = PressLabel(label_of(press, self.scene), *press.pixel)
+        check_press(press, self.scene.parts.skin)
+        label = PressLabel(label_of(press, self.scene.parts.skin, self.scene.press), *press.pixel)
         fixed = self._fixes_depths(press)
         if press.indented and spreads(self.scene):
             pressed = self._rasterizer(_indenters(self.scene, press))
             limited = bool(pressed.limited[0])
             return GivenPress(pressed.batch, (label,), (fixed,), (limited,), (0.0,))
         by_factor = Press(tuple(map(self._by_factor, press_by_depths(self.scene, press).touches)))
-        batch = PressBatch.of([touched_cells(self.scene, by_factor, self.cells.fine)])
+        batch = PressBatch.of(
+            [touched_cells(self.scene.parts.skin, self.scene.press, by_factor, self.cells.fine)]
+        )
         if not self.scene.skin.foam.in_time:
             batch = self.cells.spread(batch)
         return GivenPress(batch, (label,), (fixed,), (False,), (0.0,))
@@ -230,7 +234,7 @@ class PressReader:
         """Touch by the factor that its depth causes."""
         if not isinstance(touch, Indentation):
             return touch
-        factor = pressed_factor(self.scene, touch)
+        factor = pressed_factor(self.scene.parts.skin, touch)
         return replace(touch.place, factor=factor, finger=touch.finger)
 
     @cached_property
@@ -238,7 +242,7 @@ class PressReader:
         """Number of the foam's parts, and the largest rise there; that of a finger is far less."""
         spread = self.cells.spreading is not None and not self.scene.skin.foam.in_time
         grid, margin = (self.cells.coarse, OVERSHOOT) if spread else (self.cells.fine, 1 + ROUNDING)
-        return foam_parts(self.scene, grid), margin * (self.highest - 1)
+        return foam_parts(self.scene.parts.skin, grid), margin * (self.highest - 1)
 
     def _checked(self, given: GivenPress) -> GivenPress:
         batch, (foam, highest) = given.batch, self._limits
@@ -281,7 +285,7 @@ def _indenters(scene: Scene, press: Press) -> PointContacts:
             f"press {press}: where `skin.foam.mechanics.tension` spreads it, a sensor takes "
             "touches all by depth or all by force, all disc or all pixels and rect, and no finger"
         )
-    sides = [disc.box for disc in discs] or [touched_box(scene, box) for box in boxes]
+    sides = [disc.box for disc in discs] or [touched_box(scene.parts.skin, box) for box in boxes]
     x, y = ([(box[k] + box[k + 1]) / 2 for box in sides] for k in (0, 2))
     end: dict[str, list] = {"radius": [disc.radius for disc in discs]}
     if not discs:

@@ -291,7 +291,7 @@ class Sensor:
             self._mounted = self._mount(seed, self._faults)
         self.seed, self._now = seed, 0
         self._errors = MeterErrors(self.scene, seed, self.numbers, self.noise)
-        self._pressed, foam = self._press(None), foam_parts(self.scene, self._cells.fine)
+        self._pressed, foam = self._press(None), foam_parts(self.scene.parts.skin, self._cells.fine)
         in_time = self.scene.skin.foam.in_time
         self._foam = FoamMemory(self.scene, foam, count) if in_time else None
         self._known: dict[int, Complex] = {}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
@@ -14,8 +14,7 @@ from ..mesh.refining.refinement import refined
 from ..mesh.skin_mesh import domain
 from ..press.press import Press
 from ..scene.foam.foam import VACUUM_PERMITTIVITY, Foam
-from ..scene.pixel_grid import Pressing
-from ..scene.scene import Scene
+from ..scene.parts import Skin
 from ..scene.skin import Sheet
 from ..sweeps import InputError
 from .panels import PanelBlock, Points, quarter
@@ -40,7 +39,7 @@ PLACEHOLDER_SHEET = Sheet(sheet_resistance=1.0)
 class Shape:
     """Geometry of a block: sides in m as the skin is stretched, foam, and outline.
 
-    drawn: scene of the same outline or mesh, before it is stretched by `ratios`; its sheets and
+    drawn: skin of the same outline or mesh, before it is stretched by `ratios`; its sheets and
     foam do not count. It is None for a rectangle.
     """
 
@@ -49,24 +48,24 @@ class Shape:
     thickness: float
     permittivity: float
     ratios: tuple[float, float] = (1.0, 1.0)
-    drawn: Scene | None = None
+    drawn: Skin | None = None
 
 
-def shape_of(scene: Scene, key: str) -> Shape:
+def shape_of(skin: Skin, key: str) -> Shape:
     """Shape of a scene's skin.
 
     key: the key that needs it. Raises InputError for a mesh that is not flat.
     """
-    skin, foam = scene.skin, scene.skin.foam
+    skin, foam = skin, skin.foam
     thickness = foam.thickness_or_assumed
     if skin.mesh is not None and len(skin.mesh.surface.p) == 3:
-        raise InputError(f"{scene.name}: `{key}` needs a flat skin; `skin.mesh` lies in space")
+        raise InputError(f"{skin.name}: `{key}` needs a flat skin; `skin.mesh` lies in space")
     permittivity = foam.unpressed_capacitance_per_area * thickness / VACUUM_PERMITTIVITY
     ratios, thinner = (1.0, 1.0), 1.0
     if skin.stretch is not None:
         ratios, power = skin.stretch.ratios, skin.stretch.thinning[1]
         thinner = (ratios[0] * ratios[1]) ** power
-    drawn = None if skin.rectangular else _outlined(scene)
+    drawn = None if skin.rectangular else _outlined(skin)
     return Shape(*skin.stretched_sides, thickness / thinner, permittivity, ratios, drawn)
 
 
@@ -75,26 +74,25 @@ def blocks(shape: Shape) -> list[tuple[PanelBlock, float]]:
     if shape.drawn is None:
         sides = shape.length, shape.width, shape.thickness
         return [(quarter(*sides, count), 1 / count) for count in PANELS]
-    size = min(shape.drawn.skin.sides) / ACROSS
+    size = min(shape.drawn.sides) / ACROSS
     mesh = domain(shape.drawn, Press(), size, between=False)
     return [(_of_triangles(mesh, shape, layers), 1 / layers) for layers in LAYERS]
 
 
-def _outlined(scene: Scene) -> Scene:
-    """Scene of the same outline with other sheets and foam.
+def _outlined(skin: Skin) -> Skin:
+    """Skin of the same outline with other sheets and foam.
 
     All skins with one outline then share their blocks.
     """
-    foam = Foam(thickness=1e-3, relative_permittivity=1.0)
-    skin = scene.skin.model_copy(
-        update={
-            "top": PLACEHOLDER_SHEET,
-            "bottom": PLACEHOLDER_SHEET,
-            "foam": foam,
-            "stretch": None,
-        }
+    return replace(
+        skin,
+        name="",
+        top=PLACEHOLDER_SHEET,
+        bottom=PLACEHOLDER_SHEET,
+        foam=Foam(thickness=1e-3, relative_permittivity=1.0),
+        stretch=None,
+        around=None,
     )
-    return scene.model_copy(update={"skin": skin, "surroundings": None, "press": Pressing()})
 
 
 def _of_triangles(mesh: Domain, shape: Shape, layers: int) -> PanelBlock:

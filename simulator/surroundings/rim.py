@@ -14,7 +14,7 @@ import numpy as np
 
 from ..arrays import Real
 from ..scene.foam.foam import VACUUM_PERMITTIVITY
-from ..scene.scene import Scene
+from ..scene.parts import Skin
 from ..scene.surroundings import Rim
 from .blocks import Shape, blocks, shape_of
 from .charges import capacitances
@@ -45,7 +45,7 @@ class RimDensities:
     error: float = 0.0
 
 
-def rim_densities(scene: Scene) -> RimDensities:
+def rim_densities(skin: Skin) -> RimDensities:
     """Densities of a scene: given, computed if `surroundings.rim = true`, else 0.
 
     A bent skin is taken as flat, and a stretched one as it is stretched. A foam without thickness
@@ -53,18 +53,18 @@ def rim_densities(scene: Scene) -> RimDensities:
     earth takes no part: both sheets' capacitance to it is in `mutual`, in series. Raises InputError
     for a mesh that is not flat.
     """
-    around = scene.surroundings
+    around = skin.around
     if around is None or around.rim is False:
         return RimDensities(0.0)
     if isinstance(around.rim, Rim):
         return RimDensities(around.rim.mutual, around.rim.top, around.rim.bottom)
-    return computed(scene)
+    return computed(skin)
 
 
-def computed(scene: Scene) -> RimDensities:
+def computed(skin: Skin) -> RimDensities:
     """Computed densities of a scene, even if it gives its rim."""
-    around, key = scene.surroundings, "surroundings.rim = true"
-    shape = shape_of(scene, key)
+    around, key = skin.around, "surroundings.rim = true"
+    shape = shape_of(skin, key)
     above, below = (around.in_front_of(side) if around else None for side in ("top", "bottom"))
     if below is None and above is not None:
         mutual, bottom, top, error = _solved(shape, layer(above))

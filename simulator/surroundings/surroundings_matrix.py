@@ -14,7 +14,7 @@ import numpy as np
 
 from ..arrays import Real
 from ..scene.foam.foam import VACUUM_PERMITTIVITY
-from ..scene.scene import Scene
+from ..scene.parts import Skin
 from ..sweeps import InputError
 from . import array_cache
 from .blocks import Shape, shape_of
@@ -61,24 +61,24 @@ class SurroundingsMatrix:
         return (modes[:, kept] * np.sqrt(power[kept])).reshape(2, self.basis.count, -1)
 
 
-def surroundings_matrix(scene: Scene) -> SurroundingsMatrix:
+def surroundings_matrix(skin: Skin) -> SurroundingsMatrix:
     """Matrix of a scene with `surroundings.solved`, cached on disk.
 
     Raises InputError for unsupported scenes: skins that are not rectangles, two bodies, and a body
     that is not at the potential of earth.
     """
-    key, around, skin = "surroundings.solved", scene.surroundings, scene.skin
+    key, around, skin = "surroundings.solved", skin.around, skin
     if not skin.rectangular:
         raise InputError(
-            f"{scene.name}: `{key}` needs a rectangle; elsewhere give `surroundings.rim = true`"
+            f"{skin.name}: `{key}` needs a rectangle; elsewhere give `surroundings.rim = true`"
         )
     bodies = around.body if around else ()
     if len(bodies) > 1 or any(body.potential != "earth" for body in bodies):
         raise InputError(
-            f'{scene.name}: `{key}` takes one body at most, of `potential = "earth"`; with others '
+            f'{skin.name}: `{key}` takes one body at most, of `potential = "earth"`; with others '
             "give `surroundings.rim` in F/m in its place"
         )
-    shape, plane = shape_of(scene, key), layer(bodies[0]) if bodies else None
+    shape, plane = shape_of(skin, key), layer(bodies[0]) if bodies else None
     upside_down = bool(bodies) and bodies[0].side == "top"
     basis = polynomials((shape.length, shape.width))
     matrix, error = _solved(shape, plane, basis)

@@ -115,7 +115,7 @@ def _viewed_press(
     from .scenery import ViewedPress
 
     scene = requested_scene(name)
-    pressed = press_on(scene, press)
+    pressed = press_on(scene.parts.skin, scene.press, press)
     chosen = checked_interface(interface, scene)
     wiring = next(each for each in scene.interfaces if each.name == chosen)
     if wiring.driven_with:

@@ -95,7 +95,7 @@ class SkinMesh:
         from ..mesh.skin_mesh import domain
 
         self._rows, self._columns = scene.pixels.rows, scene.pixels.columns
-        self._domain: Domain = domain(scene, press, skin.size)
+        self._domain: Domain = domain(scene.parts.skin, press, skin.size)
         p = self._domain.p
         self._p = p if len(p) == 3 else skin.carry(p)[0]
 

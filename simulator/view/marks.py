@@ -96,14 +96,14 @@ def marks(
 
 
 def _grid_lines(scene: Scene, to_space: Callable[[Real], Real]) -> tuple[Real, Real]:
-    x, y = pixel_lines(scene, 0), pixel_lines(scene, 1)
+    x, y = pixel_lines(scene.parts.skin, 0), pixel_lines(scene.parts.skin, 1)
     along, across = np.stack([x, 0 * x]), np.stack([0 * y, y])
     return to_space(along)[0], to_space(across)[1]
 
 
 def _middles(scene: Scene, skin: SkinSurface) -> Real:
     """Middles of pixels in a grid, in space, m, (3, pixel); nan off the skin."""
-    flat = cell_centres(scene, scene.pixels.shape).reshape(2, -1)
+    flat = cell_centres(scene.parts.skin, scene.pixels.shape).reshape(2, -1)
     places, _, _ = skin.carry(flat)
     return np.where(skin.covers(flat), places, np.nan)
 
@@ -123,14 +123,16 @@ def _pressed_outlines(
 def pixel_grid(scene: Scene) -> list[Real]:
     """Lines between pixels, flat (2, n)."""
     length, width = scene.skin.length, scene.skin.width
-    upright = [_between((x, 0.0), (x, width)) for x in pixel_lines(scene, 0)[1:-1]]
-    return upright + [_between((0.0, y), (length, y)) for y in pixel_lines(scene, 1)[1:-1]]
+    upright = [_between((x, 0.0), (x, width)) for x in pixel_lines(scene.parts.skin, 0)[1:-1]]
+    return upright + [
+        _between((0.0, y), (length, y)) for y in pixel_lines(scene.parts.skin, 1)[1:-1]
+    ]
 
 
 def outline(touch: AnyTouch, scene: Scene) -> Real:
     """Closed flat line (2, n) around a touch."""
     place = place_of(touch)
-    corners = polygon_of(scene, polygonal(place, CIRCLE))
+    corners = polygon_of(scene.parts.skin, polygonal(place, CIRCLE))
     steps = 1 if isinstance(place, Disc) else STEPS
     return np.hstack([_between(low, high, steps) for low, high in sides(corners)])
 

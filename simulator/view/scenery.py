@@ -59,7 +59,7 @@ class ViewedPress:
     @property
     def press_text(self) -> str:
         """Text of the press for titles and messages."""
-        return displayed_press(label_of(self.press, self.scene))
+        return displayed_press(label_of(self.press, self.scene.parts.skin, self.scene.press))
 
     def plain_skin(self) -> SkinSurface:
         """Surface, deflected only if that is requested."""

@@ -62,12 +62,12 @@ class PlainSkin:
     """
 
     def __init__(self, scene, resolution):
-        circuit, order = two_fields(scene), resolution.order
+        circuit, order = two_fields(scene.parts.skin, scene.parts.setup), resolution.order
         terminals = [terminal for terminal in circuit.terminals if terminal.contacts]
         contacts = [contact for terminal in terminals for contact in terminal.contacts]
-        pixels = pixel_mesh(scene, contacts, resolution)
+        pixels = pixel_mesh(scene.parts.skin, contacts, resolution)
         self.scene, self.pixel, self.excitations = scene, pixels.pixel, circuit.excitations
-        self.tiles = [tile_lines(scene, axis, resolution) for axis in (0, 1)]
+        self.tiles = [tile_lines(scene.parts.skin, axis, resolution) for axis in (0, 1)]
         self.basis = Basis(pixels.mesh, quadrilateral(order), intorder=2 * order)
         N = self.basis.N
         self.size = 2 * N + len(terminals)
@@ -111,7 +111,9 @@ class PlainSkin:
         skin = self.scene.skin
         s = laplace_variable(frequency, skin.foam.loss)
         K = self.stiffness(skin.top.sheet_resistance, skin.bottom.sheet_resistance)
-        c = skin.foam.unpressed_capacitance_per_area * tile_map(self.scene, press, *self.tiles)
+        c = skin.foam.unpressed_capacitance_per_area * tile_map(
+            self.scene.parts.skin, self.scene.press, press, *self.tiles
+        )
         A = K + s * self.mass(c)
         A = (self.tie.T @ A @ self.tie).tocsr()
         first_foil = A.shape[0] - (self.size - 2 * self.basis.N)

@@ -14,7 +14,7 @@ def test_fields_of_every_kind_of_skin_report_their_progress(name, press):
     scene, heard = load_scene(name), list[tuple[str, float | None]]()
     fields(
         scene,
-        press_on(scene, press),
+        press_on(scene.parts.skin, scene.press, press),
         [1e3, 2e4],
         scene.interfaces[0].name,
         1e-3,
@@ -26,7 +26,10 @@ def test_fields_of_every_kind_of_skin_report_their_progress(name, press):
     assert all(0 < share <= 1 for share in solving[1:])
     assert [share for told, share in heard if told.startswith("fields")] == [0, 0.5]
     pressing = [share for told, share in heard if told == "pressing the skin in"]
-    if press_on(scene, press).indented and scene.skin.foam.mechanics.tension:
+    if (
+        press_on(scene.parts.skin, scene.press, press).indented
+        and scene.skin.foam.mechanics.tension
+    ):
         assert pressing[0] == 0 and pressing[-1] == 1 and len(pressing) > 2
         assert all(0 <= share <= 1 for share in pressing)
 

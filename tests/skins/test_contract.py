@@ -63,7 +63,10 @@ def model(library, name):
 def touches(library, name):
     """Cells and rises of each press of a kind."""
     scene = library.scene(name)
-    return [touched_cells(scene, press_on(scene, text)) for text in KINDS[name].presses]
+    return [
+        touched_cells(scene.parts.skin, scene.press, press_on(scene.parts.skin, scene.press, text))
+        for text in KINDS[name].presses
+    ]
 
 
 def drawn(model, count):
@@ -80,7 +83,9 @@ def test_the_full_solver_agrees_within_the_certificate(library, model, touches, 
     closely = 0.1 * kind.rtol
     solver = Solver(scene, closely)
     for text, touched in zip(kind.presses, touches, strict=True):
-        off = relative_difference(own.sweep(*touched), solver.solve(press_on(scene, text)).Z)
+        off = relative_difference(
+            own.sweep(*touched), solver.solve(press_on(scene.parts.skin, scene.press, text)).Z
+        )
         estimated = own.certificate(*touched) + model.mesh_error + KRYLOV * kind.rtol
         assert (off <= estimated + closely).all() and off.max() <= kind.rtol
         assert estimated.max() <= kind.rtol
@@ -103,7 +108,7 @@ def other_skin(model):
 def test_the_certificate_bounds_what_the_reduction_leaves_out(model, touches, name):
     own, worst = model.skin(other_skin(model)), 0.0
     for cells, rises in [*touches, *drawn(model, 4)]:
-        press = cells, np.where(cells < foam_parts(model.scene), 5 * rises, rises)
+        press = cells, np.where(cells < foam_parts(model.scene.parts.skin), 5 * rises, rises)
         true = relative_difference(own.sweep(*press), own.exact(*press))
         bound = own.certificate(*press)
         assert (true <= bound + KRYLOV * KINDS[name].rtol + model.mesh_error).all()
@@ -171,7 +176,7 @@ def test_slopes_are_differences(library, touches, values, name):
     scene = library.scene(name)
     forward = library.forward(scene, rtol=KINDS[name].rtol if name in BY_DEPTH else ROUGH)
     if name in BY_DEPTH:
-        coupled, foam = forward.reduced.family.coupled, foam_parts(scene)
+        coupled, foam = forward.reduced.family.coupled, foam_parts(scene.parts.skin)
         touches = [touch for touch in touches if not coupled(touch[0][touch[0] < foam])]
     check_slopes(forward, touches, values)
 
@@ -183,7 +188,7 @@ def test_slopes_of_the_exact_line_are_differences(library, touches, values, name
 
 def check_slopes(forward, touches, values):
     """By parameters and touches; of one press and of presses together."""
-    foam, own = foam_parts(forward.scene), own_values(forward.scene)
+    foam, own = foam_parts(forward.scene.parts.skin), own_values(forward.scene)
     values = {key: value for key, value in values.items() if key in own}
 
     def difference(step, *ends):
@@ -238,8 +243,10 @@ def test_a_data_set_has_the_sweeps_of_the_full_solver(library, tmp_path, name):
     generate(Plan(scene, 20 if name in BY_DEPTH else 40, 1, rtol), tmp_path / "set.zarr")
     data = open_zarr(tmp_path / "set.zarr").load()
     pressed = {*zip(data["row"].values.tolist(), data["column"].values.tolist(), strict=True)}
-    assert pressed - {(0, 0), (-1, -1)} == set(pixels_with_skin(scene))
+    assert pressed - {(0, 0), (-1, -1)} == set(pixels_with_skin(scene.parts.skin))
     solver, bound = Solver(scene, 0.1 * rtol), data.attrs["audit_bound"] + 0.1 * rtol
     for k in np.flatnonzero(data["touches"].values)[:3]:
-        truth = solver.solve(press_on(scene, str(data["press"].values[k]))).Z
+        truth = solver.solve(
+            press_on(scene.parts.skin, scene.press, str(data["press"].values[k]))
+        ).Z
         assert relative_difference(impedance(data)[k], truth).max() <= bound <= 1.1 * rtol

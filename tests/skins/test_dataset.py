@@ -98,9 +98,7 @@ def test_touches_anywhere_have_their_middles_on_the_skin(kinds):
     x = np.stack([presses.x[there], presses.y[there]])
     within = on_skin(scene.skin, x)
     assert 0.8 < within.mean()  # the others lie in cells that are partly skin
-    assert (
-        pixel_coverage(scene.with_({"pixels.rows": 8, "pixels.columns": 8})).part.sum() < 0.75 * 64
-    )
+    assert pixel_coverage(scene.parts.skin, (8, 8)).part.sum() < 0.75 * 64
     assert len({str(each) for each in presses.text}) > 250
 
 

@@ -93,7 +93,7 @@ def test_sweeps_by_depth_and_force_are_reduced_where_that_serves(scene):
 
 def test_a_calibration_finds_the_sheets_of_a_twin_pressed_by_depth(scene):
     twin = scene.with_({"skin.top.sheet_resistance": 60e3})
-    sweeps = simulate(Solver(twin, CLOSELY), every_press(twin))
+    sweeps = simulate(Solver(twin, CLOSELY), every_press(twin.parts.skin, twin.press))
     found = calibrate(scene, sweeps, Options(fit=("sheet_resistance", "capacitance")))
     sheets = (found.scene.skin.top, found.scene.skin.bottom)
     assert sum(each.sheet_resistance for each in sheets) == pytest.approx(100e3, rel=2e-3)
@@ -111,7 +111,12 @@ def test_limits_and_studies_press_by_depth(scene, coarse):
     presses = planned_presses(planned, np.random.default_rng(1))
     assert all(touch.by.unit == "m" for press in presses for touch in press.touches)
     plan = EvaluationSettings(draws=1).plan(planned, 0, RTOL)
-    (Z,) = impedances(plan.scene, [press_on(plan.scene, "1,2")], family_of(plan.scene, RTOL), RTOL)
+    (Z,) = impedances(
+        plan.scene,
+        [press_on(plan.scene.parts.skin, plan.scene.press, "1,2")],
+        family_of(plan.scene, RTOL),
+        RTOL,
+    )
     off = relative_difference(Z, Solver(scene, CLOSELY).solve(parse_press("1,2", DEEP)).Z)
     assert off.max() <= RTOL
 

@@ -115,7 +115,7 @@ def test_every_command_says_how_deep_a_force_goes(tmp_path, tension, force):
     path.write_text(scene_text(scene), encoding="utf-8")
     done = run("sweep", path, "--press", "1,2", "--press", "none", "-o", tmp_path / "a.nc")
     (depth,) = re.findall(rf"note: press 1,2:{force:g}N: ([\d.]+) mm deep", done.stderr)
-    back = deformation(scene, press_on(scene, f"1,2:{depth}mm"), 1e-2).force
+    back = deformation(scene, press_on(scene.parts.skin, scene.press, f"1,2:{depth}mm"), 1e-2).force
     assert back == pytest.approx([force], rel=0.02)
     assert len(re.findall(r" mm deep", done.stderr)) == 1
     shown = re.search(rf"by {force:g} N, ([\d. to]+) mm deep", run("describe", path).stdout)[1]
@@ -131,7 +131,18 @@ def test_every_command_says_how_deep_a_force_goes(tmp_path, tension, force):
 
 def test_many_presses_by_a_force_are_summarized_in_one_line():
     scene = strip(0.0, force=4.0)
-    presses = [press_on(scene, f"1,1:{force}N") for force in np.linspace(1, 5, 40)]
+    presses = [
+        press_on(scene.parts.skin, scene.press, f"1,1:{force}N") for force in np.linspace(1, 5, 40)
+    ]
     (line,) = depths_in_words(scene, presses)
     assert re.fullmatch(r"40 presses by force are [\d.]+ to [\d.]+ mm deep .*", line)
-    assert depths_in_words(scene, [press_on(scene, "none"), press_on(scene, "1,1:1mm")]) == []
+    assert (
+        depths_in_words(
+            scene,
+            [
+                press_on(scene.parts.skin, scene.press, "none"),
+                press_on(scene.parts.skin, scene.press, "1,1:1mm"),
+            ],
+        )
+        == []
+    )

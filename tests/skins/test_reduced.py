@@ -132,7 +132,10 @@ def test_walls_change_more_than_a_model_leaves_out(library, name):
 
 def test_walls_between_groups_of_a_mesh_are_where_these_meet(library):
     """Two groups with foam of no pixel between them, and none of them beside the other."""
-    assert parts_of(library.scene("walls of groups")).walls.pairs.tolist() == [[0, 2], [1, 2]]
+    assert parts_of(library.scene("walls of groups").parts.skin).walls.pairs.tolist() == [
+        [0, 2],
+        [1, 2],
+    ]
 
 
 def test_slopes_where_the_foam_of_pixels_differs_are_differences(library):
@@ -181,14 +184,22 @@ def test_random_skins_have_walls_of_their_own_foam(library):
     foam = nominal(scene)
     foam.capacitance[:] = 1.2
     foam = type(foam)(**{**vars(foam), "beyond_pixels": 1.2})
-    press = press_on(scene, "1,1:2.2:rod+1,2:1.5:rod")
+    press = press_on(scene.parts.skin, scene.press, "1,1:2.2:rod+1,2:1.5:rod")
     truth = Solver(scene_with(scene, {"capacitance": np.log(1.2)}), 2e-4).solve(press).Z
-    found = library.model("walls of groups").skin(foam).sweep(*touched_cells(scene, press))
+    found = (
+        library.model("walls of groups")
+        .skin(foam)
+        .sweep(*touched_cells(scene.parts.skin, scene.press, press))
+    )
     assert relative_difference(found, truth).max() <= 2e-3
 
 
 REFUSED = {
-    "a disc": lambda scene: touched_cells(scene, press_on(scene, "disc(0.05,0.05,0.02):2")),
+    "a disc": lambda scene: touched_cells(
+        scene.parts.skin,
+        scene.press,
+        press_on(scene.parts.skin, scene.press, "disc(0.05,0.05,0.02):2"),
+    ),
     "places of a data set": lambda scene: Plan(
         scene.with_({"dataset.press.place": "anywhere"}), 20, 1, RTOL
     ),

@@ -46,7 +46,11 @@ def test_pixels_without_skin_are_no_class_and_no_press(kinds):
     there = [(0, 0), (0, 1), (1, 0)]
     at_rest, *pressed = [each.pixels for each in hypotheses(scene, "pixel")]
     assert (at_rest, pressed) == ((), [(pixel,) for pixel in there])
-    assert [str(press)[:3] for press in every_press(scene)[1:]] == ["1,1", "1,2", "2,1"]
+    assert [str(press)[:3] for press in every_press(scene.parts.skin, scene.press)[1:]] == [
+        "1,1",
+        "1,2",
+        "2,1",
+    ]
     planned = planned_presses(scene, np.random.default_rng(1))
     for presses in (planned, EvaluationSettings().nominal(scene)):
         assert {press.pixel for press in presses} == {(0, 0), *((i + 1, j + 1) for i, j in there)}

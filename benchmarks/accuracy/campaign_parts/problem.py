@@ -90,7 +90,7 @@ def first_valid(draw: Callable[[], Problem]) -> Problem:
     for _ in range(MOST_DRAWS):
         try:
             problem = draw()
-            check_press(problem.press, problem.scene)
+            check_press(problem.press, problem.scene.parts.skin)
         except (ValidationError, InputError):
             continue
         return problem

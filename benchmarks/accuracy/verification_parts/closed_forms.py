@@ -105,7 +105,7 @@ def pressed_line(u: NDArray) -> Iterator[Check]:
     for title, model, limit in ways:
         errors = []
         for press in (parse_press(text, 2.0) for text in PRESSES):
-            c = capacitance_map(scene, press)[0]
+            c = capacitance_map(scene.parts.skin, scene.press, press)[0]
             share = c / scene.skin.foam.unpressed_capacitance_per_area * C / 5
             truth = piecewise((R1 + R2) / 5, share, variable(scene))
             errors.append(worst(shipped(scene, press, model), truth))
@@ -136,8 +136,8 @@ def five_pixels() -> Check:
     scene = varied("sheet-5x5", [1e-9], COLUMNS)
     R1, R2, _ = totals(scene)
     errors = []
-    for press in every_press(scene):
-        c = capacitance_map(scene, press)[0]
+    for press in every_press(scene.parts.skin, scene.press):
+        c = capacitance_map(scene.parts.skin, scene.press, press)[0]
         Rs = shipped(scene, press, "sheet").real[0]
         errors.append(abs(Rs / Rs_at_zero((R1 + R2) / 5, list(c)) - 1))
     return below("5 Rs(0) of five pixels, elements (Rs only)", RTOL, max(errors))
@@ -170,7 +170,10 @@ def symmetries() -> Iterator[Check]:
     ):
         scene = load_scene(name)
         solver = Solver(scene, RTOL)
-        answers = {press.pixel: solver.solve(press).Z[0] for press in every_press(scene)[1:]}
+        answers = {
+            press.pixel: solver.solve(press).Z[0]
+            for press in every_press(scene.parts.skin, scene.press)[1:]
+        }
         errors = [worst(Z, answers[image(*pixel)]) for pixel, Z in answers.items()]
         yield below(title, RTOL, *np.max(errors, axis=0))
     scene = varied("sheet-5x5-crossed", [1e-9], {})
@@ -195,7 +198,11 @@ def passivity(skins: int) -> Iterator[Check]:
         broken += len(
             violations(build(Z[None], scene.frequencies, **labels).dataset(), tolerance=1e-4)
         )
-        total = capacitance_map(scene, press).mean() * scene.skin.length * scene.skin.width
+        total = (
+            capacitance_map(scene.parts.skin, scene.press, press).mean()
+            * scene.skin.length
+            * scene.skin.width
+        )
         off.append(abs(parallel_capacitance(Z, scene.frequencies)[0, 0] / total - 1))
     what = f"4 laws of passive networks, {answered} random skins, u from 1e-6 to 30"
     yield Check(what, "0 broken", f"{broken} broken", broken == 0 and answered > skins / 2)

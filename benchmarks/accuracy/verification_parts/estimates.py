@@ -130,11 +130,13 @@ def light_cases() -> Iterator[tuple[int, Scene, Press, float]]:
         rng = np.random.default_rng(seed)
         scene = random_scene(rng, U_RANGE)
         press, rtol = random_press(rng, scene), float(rng.choice(RTOLS))
-        circuit = one_field(scene) or two_fields(scene)
+        circuit = one_field(scene.parts.skin, scene.parts.setup) or two_fields(
+            scene.parts.skin, scene.parts.setup
+        )
         ladder = ResolutionHierarchy(scene, circuit)
         resolution = ladder.resolution(ladder.first(rtol), press, scene.frequencies[-1])
         foils = [contact for terminal in circuit.terminals for contact in terminal.contacts]
-        elements = pixel_mesh(scene, foils, resolution).mesh.nelements
+        elements = pixel_mesh(scene.parts.skin, foils, resolution).mesh.nelements
         if circuit.fields * elements * (resolution.order - 1) ** 2 <= LIGHT:
             yield seed, scene, press, rtol
 
@@ -162,7 +164,9 @@ def reference(
     scene: Scene, press: Press, rtol: float, Z: NDArray[np.complex128]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """True errors of Z and what they are known to, shape (2, interface, frequency)."""
-    circuit = one_field(scene) or two_fields(scene)
+    circuit = one_field(scene.parts.skin, scene.parts.setup) or two_fields(
+        scene.parts.skin, scene.parts.setup
+    )
     ladder = ResolutionHierarchy(scene, circuit)
     orders = [order for order, _ in ladder.levels]
     first = min(ladder.first(rtol) + MORE_ORDERS, orders.index(HIGHEST_ORDER))

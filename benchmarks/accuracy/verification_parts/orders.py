@@ -50,7 +50,9 @@ class Case:
 
     def errors(self, resolution: Resolution) -> tuple[float, float]:
         """Relative errors of Rs and Cp."""
-        circuit = one_field(self.scene) or two_fields(self.scene)
+        circuit = one_field(self.scene.parts.skin, self.scene.parts.setup) or two_fields(
+            self.scene.parts.skin, self.scene.parts.setup
+        )
         Z = SheetModel(self.scene, circuit, resolution).impedance(
             self.press, self.scene.frequencies
         )
@@ -87,7 +89,9 @@ def foil_on_part_of_an_edge(truth: Resolution) -> Case:
     ]
     meter = {"name": "meter", "high": ("top",), "low": ("bottom",)}
     scene = varied("sheet-5x5", [10.0], ONE_PIXEL | {"contact": foils, "interface": [meter]})
-    circuit = one_field(scene) or two_fields(scene)
+    circuit = one_field(scene.parts.skin, scene.parts.setup) or two_fields(
+        scene.parts.skin, scene.parts.setup
+    )
     Z = SheetModel(scene, circuit, truth).impedance(Press(), scene.frequencies)[0]
     return Case("foil on part of an edge", scene, Press(), Z)
 

@@ -69,7 +69,9 @@ class Foreign(Twin):
         """The skin at the first press."""
         assert self.around is not None
         own = self.drawn.variation
-        centres = mode_values(self.scene, cell_centres(self.scene, GRID), len(HALF_WAVES))
+        centres = mode_values(
+            self.scene, cell_centres(self.scene.parts.skin, GRID), len(HALF_WAVES)
+        )
         foam, *_ = np.linalg.lstsq(
             centres.reshape(len(HALF_WAVES), -1).T, own.capacitance.ravel(), rcond=None
         )
@@ -138,7 +140,7 @@ class ForeignBench(Bench):
     def check(self, press: str) -> str:
         """What the hand makes of a press. Raises InputError where it does not fit the scene."""
         scene = self._twin.scene
-        asked = check_press(parse_press(press, scene.press.capacitance_factor), scene)
+        asked = check_press(parse_press(press, scene.press.capacitance_factor), scene.parts.skin)
         self._event += self._checked
         self._press, self._checked, self._Z = asked, True, None
         return str(self._twin.pressed(asked, self._event))

@@ -19,7 +19,7 @@ def read_at_once(twin: Twin, presses: list[str], session: int = 0, ranges: str =
     """Sweeps of a twin with the meter's errors. ranges: ONE, OWN or HELD."""
     scene = twin.scene
     factor = scene.press.capacitance_factor
-    asked = [check_press(parse_press(press, factor), scene) for press in presses]
+    asked = [check_press(parse_press(press, factor), scene.parts.skin) for press in presses]
     Z = np.array([twin.impedances(press, event) for event, press in enumerate(asked)])
     return build(
         _measured(Z, scene, np.random.default_rng([twin.seed, twin.number]), ranges),

@@ -93,7 +93,9 @@ class Twin:
 
     def impedances(self, asked: Press, event: int) -> NDArray[np.complex128]:
         """Z in ohm behind the leads, shape (interface, frequency), at the hand's event-th press."""
-        touched = touched_cells(self.family.scene, self.pressed(asked, event))
+        touched = touched_cells(
+            self.family.scene.parts.skin, self.family.scene.press, self.pressed(asked, event)
+        )
         Z = self.skin(event).sweep(*touched, self.scene.frequencies)
         return self.drawn.leads.at_meter(Z, self.scene.frequencies)
 
@@ -102,7 +104,7 @@ class Twin:
         return Bench(self, interface)
 
     def _touch(self, touch: AnyTouch, random: np.random.Generator) -> Rectangle:
-        box, skin, hand = touched_box(self.scene, touch), self.scene.skin, self.hand
+        box, skin, hand = touched_box(self.scene.parts.skin, touch), self.scene.skin, self.hand
         normal = np.clip(random.standard_normal(5), -MOST, MOST)
         low, high = np.array([box.left, box.bottom]), np.array([box.right, box.top])
         sides = high - low
@@ -157,7 +159,7 @@ class Bench(WithoutCreep):
     def check(self, press: str) -> str:
         """What the hand makes of a press. Raises InputError where it does not fit the scene."""
         scene = self._twin.scene
-        asked = check_press(parse_press(press, scene.press.capacitance_factor), scene)
+        asked = check_press(parse_press(press, scene.press.capacitance_factor), scene.parts.skin)
         self._event += 1
         self._skin, self._known = self._twin.skin(self._event), ("", {})
         return str(self._twin.pressed(asked, self._event))
@@ -172,6 +174,8 @@ class Bench(WithoutCreep):
 
     def _impedances(self, press: str, f: NDArray[np.float64]) -> NDArray[np.complex128]:
         family, drawn = self._twin.family, self._twin.drawn
-        cells, rises = touched_cells(family.scene, parse_press(press, 1.0))
+        cells, rises = touched_cells(
+            family.scene.parts.skin, family.scene.press, parse_press(press, 1.0)
+        )
         Z = self._skin.sweep(cells, rises, f)
         return drawn.leads.at_meter(Z, f)[self._number]

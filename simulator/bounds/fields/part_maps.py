@@ -28,7 +28,7 @@ class PartMaps:
     @cached_property
     def parts(self) -> Parts:
         """Numbering of the parts."""
-        return parts_of(self._scene)
+        return parts_of(self._scene.parts.skin)
 
     @property
     def foam(self) -> slice:

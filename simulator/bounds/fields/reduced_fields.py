@@ -116,6 +116,11 @@ def trained(
         return Case(None, *lines.drawn(touch, random))
 
     with one_blas_thread():
-        family = unreduced(driven, two_fields(driven).read(chain(driven)), MESH_RTOL, highest)
+        family = unreduced(
+            driven,
+            two_fields(driven.parts.skin, driven.parts.setup).read(chain(driven)),
+            MESH_RTOL,
+            highest,
+        )
         reduced = GreedyBasis(family, RTOL, 0.0, band).grow(draw, random, silent, most=1)
     return ReducedFields(scene, read(reduced, scene.interfaces).skin(None), cells)

@@ -64,7 +64,7 @@ def rasterized_with_fingers(
 
     size: of a side, m.
     """
-    foam = parts_of(scene).foam
+    foam = parts_of(scene.parts.skin).foam
     finger = batch.cells >= foam
     on_cells = touches.rasterized(batch.where(~finger))
     if not finger.any():
@@ -73,7 +73,7 @@ def rasterized_with_fingers(
     pixel, capacitance = by_touch(own)
     x, y = np.moveaxis(np.array(middles(scene))[pixel - foam], -1, 0)
     squares = Footprints.rectangles(x, y, size, size, 1.0, capacitance)
-    return with_fingers_at(scene, on_cells, np.diff(own.starts), squares, grid)
+    return with_fingers_at(scene.parts.skin, on_cells, np.diff(own.starts), squares, grid)
 
 
 def by_touch(batch: PressBatch) -> tuple[Integer, Real]:
@@ -89,7 +89,7 @@ def by_touch(batch: PressBatch) -> tuple[Integer, Real]:
 def middles(scene: Scene) -> list[Point]:
     """Middle of the skin of each pixel, m."""
     if not scene.skin.rectangular:
-        return [(float(x), float(y)) for x, y in pixel_coverage(scene).middle.T]
+        return [(float(x), float(y)) for x, y in pixel_coverage(scene.parts.skin).middle.T]
     skin, (rows, columns) = scene.skin, scene.pixels.shape
     x, y = (
         (np.arange(count) + 0.5) * side / count
@@ -110,7 +110,7 @@ class SharpPixelTouches:
         pixel, rises = by_touch(batch)
         x, y = np.moveaxis(self._middles[pixel], -1, 0)
         squares = Footprints.rectangles(x, y, self._size, self._size, 1 + rises)
-        return rasterized(self._scene, np.diff(batch.starts), squares, self._grid)
+        return rasterized(self._scene.parts.skin, np.diff(batch.starts), squares, self._grid)
 
 
 class _Depths(NamedTuple):

@@ -199,7 +199,7 @@ def _presses(scene: Scene, texts: Sequence[str]) -> tuple[list[Press | None], tu
             press, rods = _recorded(scene, text)
             press = press_by_depths(scene, press)
             for touch in press.touches:
-                pressed_factor(scene, touch)
+                pressed_factor(scene.parts.skin, touch)
         except InputError as reason:
             presses.append(None)
             remarks[str(reason)] = None
@@ -222,11 +222,11 @@ def _named(presses: Sequence[str]) -> str:
 def _recorded(scene: Scene, text: str) -> tuple[Press, list[str]]:
     """The press, without its fingers where the scene has no earth, and a remark on that."""
     if scene.surroundings is not None:
-        return press_on(scene, text), []
-    press = parse_press(text, strength_of(scene.press), scene)
+        return press_on(scene.parts.skin, scene.press, text), []
+    press = parse_press(text, strength_of(scene.press), scene.parts.skin, scene.press)
     rods = Press(tuple(replace(touch, finger=0.0) for touch in press.touches))
     remark = f"fingers of presses, because {scene.name} has no [surroundings]"
-    return check_press(rods, scene), [remark] if press.fingers else []
+    return check_press(rods, scene.parts.skin), [remark] if press.fingers else []
 
 
 def _not_fitted(scene: Scene, press: Press) -> str | None:

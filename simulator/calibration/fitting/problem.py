@@ -105,7 +105,9 @@ class LeastSquaresProblem:
 
     def strengths(self, u: Real, k: int) -> Real:
         """Rises of c under the touches of one sweep."""
-        return self.rises(u, k)[self.cells[k][0] < foam_parts(self.spec.measurements.scene)]
+        return self.rises(u, k)[
+            self.cells[k][0] < foam_parts(self.spec.measurements.scene.parts.skin)
+        ]
 
     def whitened(self, change: Complex) -> Real:
         """Changes of ln |Z| and of phase over the noise, shape (sweep, 2 * readings).

@@ -39,7 +39,7 @@ def _of_surroundings(scene: Scene, values: Mapping[str, float]) -> Iterator[Prod
             yield Product(name, "m", body.distance, body.distance / factor, {"body": -1.0})
     if "rim" in own:
         factor = math.exp(values["rim"])
-        rim = rim_densities(scene)
+        rim = rim_densities(scene.parts.skin)
         for part in ("mutual", "top", "bottom"):
             if value := getattr(rim, part):
                 yield Product(f"rim, {part}", "F/m", value, value * factor, {"rim": 1.0})

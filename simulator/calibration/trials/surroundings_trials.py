@@ -102,7 +102,7 @@ def effect_text(scene: Scene, name: str, value: float) -> str:
     around = scene_with(scene, {name: value}).surroundings
     assert around is not None
     if name == "rim":
-        rim = rim_densities(scene_with(scene, {name: value}))
+        rim = rim_densities(scene_with(scene, {name: value}).parts.skin)
         return f"a rim of about {_two_digits(1e12 * max(rim.mutual, rim.top, rim.bottom))} pF/m"
     nearest = max(around.body, key=lambda body: body.per_area)
     if nearest.distance is None:

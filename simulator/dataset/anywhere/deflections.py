@@ -27,7 +27,7 @@ def cell_presses(
 ) -> PressBatch:
     """Presses rasterized on cells; by the deflection if a tension spreads the scene's presses."""
     if not spreading(scene):
-        return rasterized(scene, touches, placed, grid)
+        return rasterized(scene.parts.skin, touches, placed, grid)
     from ...models.mechanics.lattice.relaxed_presses import raised
 
     lattice = lattice_for(scene, grid)

@@ -79,7 +79,7 @@ def _first_on_skin(scene: Scene, x: Real, y: Real, grid: tuple[int, int]) -> Int
         on_skin = covers(scene.skin, np.stack([x, y]))
     else:
         (rows, columns), (along, across) = grid, scene.skin.sides
-        part = pixel_coverage(scene.on_grid(*grid)).part.reshape(grid)
+        part = pixel_coverage(scene.parts.skin, grid).part.reshape(grid)
         row, column = (y / across * rows).astype(np.int64), (x / along * columns).astype(np.int64)
         on_skin = part[row, column] >= HALF
     on_skin[-1] = True

@@ -45,7 +45,7 @@ class Pairs:
 def check_comparable(scene: Scene, target: str) -> None:
     """Raises InputError where all pairs of hypotheses of a target do not fit in memory."""
     touches = 2 if target == "pair" else 1
-    count = math.comb(len(pixel_coverage(scene).numbers), touches)
+    count = math.comb(len(pixel_coverage(scene.parts.skin).numbers), touches)
     check_memory(
         BYTES_FOR_NUMBER * (count * (1 + 2 * touches)) ** 2,
         "a comparison of all pairs of presses on {} x {} pixels".format(*scene.pixels.shape),

@@ -16,10 +16,11 @@ from typing import Literal
 import numpy as np
 
 from ...arrays import Real
+from ...scene.parts import Skin
 from ...scene.readings.contacts import Contact, Interface
 from ...scene.readings.node_gain import driven_terminals
+from ...scene.readings.setup import Setup
 from ...scene.readings.wiring_checks import conductor_groups
-from ...scene.scene import Scene
 from ...scene.surroundings import Surroundings
 from .excitation import Combination, Excitation, combination, through_virtual_earth
 
@@ -96,45 +97,44 @@ class Circuit:
         return np.diag(np.eye(self.fields)[field])
 
 
-def two_fields(scene: Scene) -> Circuit:
+def two_fields(skin: Skin, setup: Setup) -> Circuit:
     """Circuit of both sheets' potentials and of the conductors near them; always exact."""
-    first = conductor_groups(scene.contacts, scene.skin)
+    first = conductor_groups(skin.contacts, skin)
     leaders = sorted(set(first))
     terminal_of = {
         contact.name: leaders.index(leader)
-        for contact, leader in zip(scene.contacts, first, strict=True)
+        for contact, leader in zip(skin.contacts, first, strict=True)
     }
-    terminals = [_terminal(scene, terminal_of, index) for index in range(len(leaders))]
+    terminals = [_terminal(skin, terminal_of, index) for index in range(len(leaders))]
     carrying = {terminal.field for terminal in terminals}
     terminals += [Terminal(field, ()) for field in (0, 1) if field not in carrying]
-    terminals += _conductors(scene.surroundings)
-    low = _low(scene)
+    terminals += _conductors(skin.around)
+    low = _low(skin, setup)
     return Circuit(
         conductance=(
-            1 / scene.skin.top.sheet_resistance,
-            1 / scene.skin.bottom.sheet_resistance,
+            1 / skin.top.sheet_resistance,
+            1 / skin.bottom.sheet_resistance,
         ),
         coupling=np.array([[1.0, -1.0], [-1.0, 1.0]]),
         terminals=tuple(terminals),
-        excitations=_excitations(terminals, scene.interfaces, low),
+        excitations=_excitations(terminals, setup.interfaces, low),
         low=low,
     )
 
 
-def one_field(scene: Scene) -> Circuit | None:
+def one_field(skin: Skin, setup: Setup) -> Circuit | None:
     """Circuit of the potential difference, or None where it would not be exact."""
-    if scene.surroundings is not None:
+    if skin.around is not None:
         return None
-    both = two_fields(scene)
+    both = two_fields(skin, setup)
     tops = [index for index, terminal in enumerate(both.terminals) if terminal.field == 0]
-    pairs = {top: _partner(top, both.terminals, scene) for top in tops}
+    pairs = {top: _partner(top, both.terminals, skin) for top in tops}
     if None in pairs.values() or 2 * len(tops) != len(both.terminals):
         return None
-    paired = _over_earth if scene.skin.one_conductor else _pair_excitation
+    paired = _over_earth if skin.one_conductor else _pair_excitation
     excitations = [paired(excitation, tops, pairs) for excitation in both.excitations]
     if any(excitation is None for excitation in excitations):
         return None
-    skin = scene.skin
     return Circuit(
         conductance=(1 / skin.both_sheets,),
         coupling=np.array([[1.0]]),
@@ -156,16 +156,16 @@ def _conductors(around: Surroundings | None) -> list[Terminal]:
     return found
 
 
-def _low(scene: Scene) -> Low:
+def _low(skin: Skin, setup: Setup) -> Low:
     """Low terminal, see `Circuit`; None if the meter floats and nothing reaches earth."""
-    around = scene.surroundings
+    around = skin.around
     if around is None or (around.low == "floating" and not around.reaches_earth):
         return None
-    return "earth" if scene.parts.setup.gain and around.low == "virtual earth" else around.low
+    return "earth" if setup.gain and around.low == "virtual earth" else around.low
 
 
-def _terminal(scene: Scene, terminal_of: dict[str, int], index: int) -> Terminal:
-    contacts = tuple(c for c in scene.contacts if terminal_of[c.name] == index)
+def _terminal(skin: Skin, terminal_of: dict[str, int], index: int) -> Terminal:
+    contacts = tuple(c for c in skin.contacts if terminal_of[c.name] == index)
     return Terminal(("top", "bottom").index(contacts[0].electrode), contacts)
 
 
@@ -193,25 +193,25 @@ def _indices(names: Sequence[str], terminal_of: dict[str, int]) -> tuple[int, ..
     return tuple(sorted({terminal_of[name] for name in names}))
 
 
-def _partner(top: int, terminals: Sequence[Terminal], scene: Scene) -> int | None:
+def _partner(top: int, terminals: Sequence[Terminal], skin: Skin) -> int | None:
     return next(
         (
             index
             for index, terminal in enumerate(terminals)
-            if terminal.field == 1 and _mirror(terminals[top], terminal, scene)
+            if terminal.field == 1 and _mirror(terminals[top], terminal, skin)
         ),
         None,
     )
 
 
-def _mirror(top: Terminal, bottom: Terminal, scene: Scene) -> bool:
+def _mirror(top: Terminal, bottom: Terminal, skin: Skin) -> bool:
     """True if both have the same places, and contact resistances in the ratio of the sheet
     resistances."""
     if not (len(top.contacts) == len(bottom.contacts) > 0 and _places(top) == _places(bottom)):
         return False
-    if scene.skin.one_conductor:
+    if skin.one_conductor:
         return True
-    ratio = scene.skin.bottom.sheet_resistance / scene.skin.top.sheet_resistance
+    ratio = skin.bottom.sheet_resistance / skin.top.sheet_resistance
     return math.isclose(
         bottom.contacts[0].resistance, ratio * top.contacts[0].resistance, rel_tol=SAME
     )

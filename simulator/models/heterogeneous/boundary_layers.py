@@ -28,7 +28,9 @@ def jumping(press: Press, scene: Scene) -> Press:
     c = scene.skin.foam.unpressed_capacitance_per_area
     return Press(
         tuple(
-            replace(t, factor=t.factor + t.finger / (c * patch(scene, t).area), finger=0.0)
+            replace(
+                t, factor=t.factor + t.finger / (c * patch(scene.parts.skin, t).area), finger=0.0
+            )
             for t in press.touches
             if isinstance(t, Touch | Rectangle)
         )
@@ -45,7 +47,10 @@ def layered(
     every jump: the foam charges wherever the current passes from one sheet to the other.
     """
     scene, depth = hierarchy.scene, depth_of(hierarchy.scene, frequency)
-    in_pairs = one_field(equivalent_scene(scene)) is not None
+    in_pairs = (
+        one_field(equivalent_scene(scene).parts.skin, equivalent_scene(scene).parts.setup)
+        is not None
+    )
     jumps = Press(
         tuple(
             touch

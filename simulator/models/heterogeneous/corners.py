@@ -67,7 +67,9 @@ def power_at(
     around_corner = at[:, None] + away[:, None] * QUADRANTS
     sides = np.array(scene.skin.sides)[:, None]
     within: Mask = np.all((around_corner > 0) & (around_corner < sides), axis=0)
-    found = gauges(scene.skin, _factors([patch(scene, t) for t in press.touches], around_corner))
+    found = gauges(
+        scene.skin, _factors([patch(scene.parts.skin, t) for t in press.touches], around_corner)
+    )
     powers = [1.0]
     for sheet, conductances in zip(ELECTRODES, found, strict=True):
         jumps = np.ptp(conductances[within]) > 0

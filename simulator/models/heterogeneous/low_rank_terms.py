@@ -23,7 +23,7 @@ def low_rank_charges(elements: Elements, materials: Materials, unknowns: Unknown
     around = materials.scene.surroundings
     if around is None or not around.solved:
         return None
-    found, surface = surroundings_matrix(materials.scene), elements.surface
+    found, surface = surroundings_matrix(materials.scene.parts.skin), elements.surface
     b = found.basis.at(surface.x).reshape(found.basis.count, -1)
     weights = (surface.area * elements.rule.weights).ravel()
     gram = (b * weights) @ b.T
@@ -43,4 +43,4 @@ def describe_accuracy(materials: Materials) -> str:
     around = materials.scene.surroundings
     if around is None or not around.solved:
         return ""
-    return f", surroundings solved to {surroundings_matrix(materials.scene).error:.0e}"
+    return f", surroundings solved to {surroundings_matrix(materials.scene.parts.skin).error:.0e}"

@@ -132,7 +132,7 @@ def meshes(
         first = Triangles(scene, circuit, press, rtol, pressed)
         return DeflectedTriangles(place or PressPlace(), first, pressed, rtol)
     if rectangular:
-        check_grid_fits(scene, circuit)
+        check_grid_fits(scene.parts.skin, circuit)
     triangles = Triangles(scene, circuit, press, rtol)
     if rectangular and press.boxes:
         return SquaresThenTriangles(Squares(scene, circuit, press, rtol), triangles)
@@ -145,7 +145,9 @@ def circuit_of(scene: Scene, same_sheets: bool = True) -> Circuit:
     same_sheets: True if they vary in the same way on all skins that share the model.
     """
     uniform = equivalent_scene(scene)
-    return (_single(scene, uniform) if same_sheets else None) or two_fields(uniform)
+    return (_single(scene, uniform) if same_sheets else None) or two_fields(
+        uniform.parts.skin, uniform.parts.setup
+    )
 
 
 def single_field(scene: Scene) -> Circuit | None:
@@ -154,4 +156,6 @@ def single_field(scene: Scene) -> Circuit | None:
 
 
 def _single(scene: Scene, uniform: Scene) -> Circuit | None:
-    return one_field(uniform) if Materials(scene).same_sheets else None
+    return (
+        one_field(uniform.parts.skin, uniform.parts.setup) if Materials(scene).same_sheets else None
+    )

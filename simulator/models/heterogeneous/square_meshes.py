@@ -81,11 +81,11 @@ class Squares:
 
     def _discretised(self, resolution: Resolution) -> Discretised:
         scene, circuit = self.scene, self.circuit
-        pixels = pixel_mesh(scene, circuit.contacts, resolution)
-        x, y = (tile_lines(scene, axis, resolution) for axis in (0, 1))
-        factors = tile_map(scene, self.press, x, y).ravel()[pixels.pixel]
+        pixels = pixel_mesh(scene.parts.skin, circuit.contacts, resolution)
+        x, y = (tile_lines(scene.parts.skin, axis, resolution) for axis in (0, 1))
+        factors = tile_map(scene.parts.skin, scene.press, self.press, x, y).ravel()[pixels.pixel]
         shares = [
-            (touch.finger, patch(scene, touch).share(x, y).ravel()[pixels.pixel])
+            (touch.finger, patch(scene.parts.skin, touch).share(x, y).ravel()[pixels.pixel])
             for touch in self.press.touches
             if touch.finger
         ]
@@ -116,7 +116,9 @@ class Squares:
         kinks = with_foil_sides(self.scene, self.materials.lines)
         lines = (self._with(0, resolution.lines, kinks), self._with(1, resolution.lines, kinks))
         finer = replace(resolution, lines=lines)
-        widest = max(np.diff(tile_lines(self.scene, axis, finer)).max() for axis in (0, 1))
+        widest = max(
+            np.diff(tile_lines(self.scene.parts.skin, axis, finer)).max() for axis in (0, 1)
+        )
         needed = CELLS_TO_A_LENGTH * widest / self.materials.shortest / resolution.order
         corners = ringed_corners(self.materials, self.circuit.contacts, self.press, self.rtol)
         cells = max(resolution.cells, math.ceil(needed))
@@ -138,7 +140,7 @@ class Squares:
     def _with(self, axis: int, lines: Lines, kinks: Lines) -> tuple[float, ...]:
         """Lines across an axis, and those kinks that are separate from them and from pixels'
         lines."""
-        known = np.array([*pixel_lines(self.scene, axis), *lines[axis]])
+        known = np.array([*pixel_lines(self.scene.parts.skin, axis), *lines[axis]])
         least = SAME_EDGE * self.scene.skin.sides[axis]
         separate = [kink for kink in kinks[axis] if np.abs(known - kink).min() > least]
         return tuple(sorted([*lines[axis], *separate]))

@@ -48,7 +48,7 @@ def check_surroundings(scene: Scene) -> None:
                 "leave it out and draw the skin without the covered strip"
             )
     if around is not None and around.solved:
-        surroundings_matrix(scene)
+        surroundings_matrix(scene.parts.skin)
     if around is not None:
         _check_rim(scene, around)
 
@@ -61,7 +61,7 @@ def _check_rim(scene: Scene, around: Surroundings) -> None:
                 f"{scene.name}: `surroundings.rim = true` is computed towards a body at earth, got "
                 f"`potential` = {body.potential!r}; give the rim in F/m"
             )
-    rim_densities(scene)
+    rim_densities(scene.parts.skin)
 
 
 def energy_to_earth(coefficients: PressCoefficients, x: Real, u: Real) -> Real | float:
@@ -90,7 +90,7 @@ def add_in_air(
     for farads, share in coefficients.fingers:
         add_finger(values, circuit.field_alone(touched), farads, share, *where)
     if around.rim is not False:
-        add_rim(values, rim_densities(materials.scene), *where)
+        add_rim(values, rim_densities(materials.scene.parts.skin), *where)
 
 
 def add_within_foam(

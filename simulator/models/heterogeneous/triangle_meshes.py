@@ -185,7 +185,7 @@ class Triangles:
         size = min(pixel, self.order * self.materials.shortest)
         if skin.rectangular:
             _check_width(*skin.sides, size)
-        found = domain(scene, self.press, size, [*creases, *self._kinks()], between)
+        found = domain(scene.parts.skin, self.press, size, [*creases, *self._kinks()], between)
         return _fine_at_foils(found, DEPTHS_PER_ORDER * self.order * depth_of(scene, frequency))
 
     def _left_out(self, mesh: Domain, frequency: float) -> float:

@@ -80,10 +80,10 @@ def contact_mesh(
     check_plane(scene.skin)
     size = max(scene.skin.length, scene.skin.width) / COARSEST
     drawn = tuple(place for place in places if not isinstance(place, Touch))
-    found = domain(scene, Press(drawn), size)
+    found = domain(scene.parts.skin, Press(drawn), size)
     columns = scene.pixels.columns
     pixel = [(p.row - 1) * columns + p.column - 1 if isinstance(p, Touch) else -1 for p in places]
-    shapes = [shape_of(scene, place) for place in places]
+    shapes = [shape_of(scene.parts.skin, place) for place in places]
     angular = [shape for shape in shapes if not isinstance(shape, Circle)]
     sharp = np.concatenate([np.zeros((0, 2)), *angular]).T
     meshed = ContactMesh(found, np.array(pixel), sharp, sum(map(_around, shapes)))
@@ -99,7 +99,9 @@ def straight_contact_mesh(scene: Scene, places: Sequence[Place], sides: int) -> 
     Its corners are so blunt that they count as none.
     """
     meshed = contact_mesh(_angular(scene), [polygonal(place, sides) for place in places], places)
-    angular = [polygon_of(scene, place) for place in places if not isinstance(place, Disc)]
+    angular = [
+        polygon_of(scene.parts.skin, place) for place in places if not isinstance(place, Disc)
+    ]
     return replace(meshed, sharp=np.concatenate([np.zeros((0, 2)), *angular]).T)
 
 

@@ -68,7 +68,7 @@ def _in_pixels(scene: Scene) -> list[Press]:
     """Presses of each pixel by the scene's force."""
     force = scene.press.force
     assert force is not None
-    touches = [Touch(i, j, 1.0) for i, j in pixels_with_skin(scene)]
+    touches = [Touch(i, j, 1.0) for i, j in pixels_with_skin(scene.parts.skin)]
     return [Press((Indentation(touch, Force(force)),)) for touch in touches]
 
 

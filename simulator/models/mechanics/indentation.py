@@ -51,7 +51,7 @@ def deformation(
     touches = press.indented
     if not touches:
         return Deformation(None, 1.0, _flat, (), (), 0.0, (), press)
-    check_press(press, scene)
+    check_press(press, scene.parts.skin)
     mechanics, thickness = scene.skin.foam.mechanics, scene.skin.foam.thickness
     assert mechanics is not None and thickness is not None
     check_depths(press, mechanics, thickness)
@@ -75,7 +75,9 @@ def _spread(
 
     again = again or DeflectionCache()
     places = [touch.place for touch in press.indented]
-    kinks = tuple(ring(polygon_of(scene, polygonal(each, DISC_SIDES))) for each in places)
+    kinks = tuple(
+        ring(polygon_of(scene.parts.skin, polygonal(each, DISC_SIDES))) for each in places
+    )
     contact = again.contact or straight_contact_mesh(scene, places, DISC_SIDES)
     found = adaptive_deflection(press, contact, mechanics, thickness, rtol, progress, again)
     depth, force = tuple(found.solution.depth.tolist()), tuple(found.solution.force.tolist())

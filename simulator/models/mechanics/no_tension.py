@@ -33,7 +33,7 @@ def deformation_without_tension(
     Raises what `deformation` raises.
     """
     places = [touch.place for touch in press.indented]
-    shapes = tuple(shape_of(scene, place) for place in places)
+    shapes = tuple(shape_of(scene.parts.skin, place) for place in places)
     boxes = [_box(scene, place) for place in places]
     separated = not any(meet(one, other) for one, other in combinations(boxes, 2))
     by_depth = all(isinstance(touch.by, Depth) for touch in press.indented)
@@ -92,7 +92,7 @@ def meet(one: Box, other: Box) -> bool:
 
 
 def _box(scene: Scene, place: Place) -> Box:
-    return touched_box(scene, place) if isinstance(place, Touch) else place.box
+    return touched_box(scene.parts.skin, place) if isinstance(place, Touch) else place.box
 
 
 def _areas(scene: Scene, press: Press, shapes: Shapes, separated: bool) -> Real:

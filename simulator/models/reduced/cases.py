@@ -34,12 +34,12 @@ class Case:
 
     def map_on(self, scene: Scene) -> Real:
         """Amount of each part of M over the scene's own, shape (part,), see `Parts`."""
-        pressed = parts_of(scene).pressed(self.cells, self.rises)
+        pressed = parts_of(scene.parts.skin).pressed(self.cells, self.rises)
         return pressed if self.variation is None else pressed * self.variation.factors(scene)
 
     def press_on(self, scene: Scene) -> Press:
         """Press of the case's pixels by capacitance factors, with the fingers on them."""
-        columns, parts = scene.pixels.columns, parts_of(scene)
+        columns, parts = scene.pixels.columns, parts_of(scene.parts.skin)
         of = dict(zip(self.cells.tolist(), self.rises.tolist(), strict=True))
         pixels = dict.fromkeys(k if k < parts.foam else k - parts.foam for k in of)
         return Press(
@@ -57,7 +57,7 @@ class Case:
 
 def touched(scene: Scene, cells: Integer, rises: Real) -> Real:
     """Factors on c by touches, shape (part,), see `foam_parts`."""
-    factors = np.ones(foam_parts(scene))
+    factors = np.ones(foam_parts(scene.parts.skin))
     on_foam = cells < len(factors)
     np.add.at(factors, cells[on_foam], rises[on_foam])
     return factors
@@ -86,7 +86,7 @@ def pixel_touches(scene: Scene, factor: tuple[float, float] = (1.0, 3.0)) -> Dra
 
     If the scene has an earth, fingers of any capacitance up to `strongest_finger` press them.
     """
-    pixels, parts = scene.pixels.rows * scene.pixels.columns, parts_of(scene)
+    pixels, parts = scene.pixels.rows * scene.pixels.columns, parts_of(scene.parts.skin)
     strongest = strongest_finger(scene) if parts.fingers else 0.0
 
     def draw(random: np.random.Generator) -> Case:
@@ -110,8 +110,11 @@ def strongest_finger(scene: Scene) -> float:
     It is LARGEST_FINGER, or BEYOND_NAMED times the strongest finger of the scene if that is more.
     """
     drawn = scene.dataset.press.finger
-    pixels = (Touch(row, column, 1.0) for row, column in pixels_with_skin(scene))
-    named = [0.0 if drawn is None else drawn.high, *(finger_of(p, None, scene) for p in pixels)]
+    pixels = (Touch(row, column, 1.0) for row, column in pixels_with_skin(scene.parts.skin))
+    named = [
+        0.0 if drawn is None else drawn.high,
+        *(finger_of(p, None, scene.press.finger, scene.parts.skin) for p in pixels),
+    ]
     return max(LARGEST_FINGER, BEYOND_NAMED * max(named))
 
 

@@ -34,7 +34,10 @@ class FactorPressModel:
         Raises InputError for touches that the model is not trained on.
         """
         _check_trained(press, self.scene)
-        skin, (cells, rises) = self._skin, touched_cells(self.scene, press)
+        skin, (cells, rises) = (
+            self._skin,
+            touched_cells(self.scene.parts.skin, self.scene.press, press),
+        )
         if not skin.reduced.on_skin[skin.parts.pixels(cells[None])[0]].all():
             raise InputError(f"press {press}: there is no skin at that place")
         return certified_result(skin, cells, rises, frequency)

@@ -71,7 +71,7 @@ class Forward:
     def cells(self, press: Press) -> TouchedCells:
         """Cells that a press touches, row by row from 0, and the rises of c there over unpressed
         c."""
-        return touched_cells(self.divided, press)
+        return touched_cells(self.divided.parts.skin, self.divided.press, press)
 
     def respond(
         self,
@@ -246,7 +246,7 @@ class Forward:
 
     @cached_property
     def _parts(self) -> Parts:
-        return parts_of(self.divided)
+        return parts_of(self.divided.parts.skin)
 
     @cached_property
     def _foam_mode_terms(self) -> FoamModeTerms:
@@ -265,7 +265,7 @@ class Forward:
 
     @cached_property
     def _terms(self) -> StiffnessTerms:
-        parts = foam_parts(self.divided) if gauged(self.scene.skin) else 1
+        parts = foam_parts(self.divided.parts.skin) if gauged(self.scene.skin) else 1
         return StiffnessTerms(self.reduced.circuit.fields, self.modes, parts)
 
     def _by_gauge(self, weighed: Complex, pressed: Real) -> Complex:

@@ -46,7 +46,7 @@ def training_draw(scene: Scene, cells_per_pixel: int, modes: int, varied: bool) 
     """
     divided = scene.divided(cells_per_pixel)
     on_pixels, own = pixel_touches(divided, PIXEL_FACTORS), own_values(scene)
-    fixed = [name for name in dict.fromkeys(parts_of(divided).fixed) if name in own]
+    fixed = [name for name in dict.fromkeys(parts_of(divided.parts.skin).fixed) if name in own]
 
     def draw(random: np.random.Generator) -> Case:
         mismatch, film = random.uniform(-1, 1, 2) * math.log(REACH)
@@ -57,15 +57,20 @@ def training_draw(scene: Scene, cells_per_pixel: int, modes: int, varied: bool) 
         variation = uniform_variation(divided, drawn, modes) if varied else None
         if cells_per_pixel == 1:
             return replace(on_pixels(random), variation=variation)
-        press = random_presses(divided, random, 2)[int(random.integers(2))]
-        return Case(variation, *touched_cells(divided, _by_fingers(scene, divided, press, random)))
+        press = random_presses(divided.parts.skin, random, 2)[int(random.integers(2))]
+        return Case(
+            variation,
+            *touched_cells(
+                divided.parts.skin, divided.press, _by_fingers(scene, divided, press, random)
+            ),
+        )
 
     return draw
 
 
 def _by_fingers(scene: Scene, divided: Scene, press: Press, random: np.random.Generator) -> Press:
     """Press with the same touches by fingers, if the scene has an earth that they reach."""
-    if not parts_of(divided).fingers:
+    if not parts_of(divided.parts.skin).fingers:
         return press
     strongest = strongest_finger(scene)
     fingers = random.uniform(0.0, strongest, len(press.touches)).tolist()

@@ -108,7 +108,7 @@ def reduce(
     )
     circuit = circuit_of(scene, same_sheets)
     circuit = circuit if readings is None else circuit.read(readings)
-    check_grid_fits(scene, circuit)
+    check_grid_fits(scene.parts.skin, circuit)
     random, f = np.random.default_rng(seed), scene.frequencies if frequency is None else frequency
     progress(TRAINING, 0.0)
     with one_blas_thread():
@@ -263,7 +263,10 @@ class GreedyBasis:
         terms = [W.T @ (term @ W) for term in self._sheets]
         terms += [family.space.film_energy(W, term) for term in family.film_terms]
         size = sizes(len(family.space.conductance), self.vectors.shape[1], self._most)
-        parts, share = parts_of(family.scene), TRAINED_SHARE * COMPRESSED_SHARE * self.rtol
+        parts, share = (
+            parts_of(family.scene.parts.skin),
+            TRAINED_SHARE * COMPRESSED_SHARE * self.rtol,
+        )
         factors = family.masses.factors(W, size, share, parts)
         fixed = [*family.masses.energies(W, slice(parts.touched, None))]
         if family.far_inside is not None:

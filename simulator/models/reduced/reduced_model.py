@@ -24,8 +24,14 @@ class Reduced(Projection, Tabular):
         no whole pixel counts in each pixel by the area that it covers there. Raises InputError for
         a text that is no press on the scene.
         """
-        pressed = press_on(self.scene, press) if isinstance(press, str) else press
-        return self.skin(None).sweep(*touched_cells(self.scene, pressed), frequency)
+        pressed = (
+            press_on(self.scene.parts.skin, self.scene.press, press)
+            if isinstance(press, str)
+            else press
+        )
+        return self.skin(None).sweep(
+            *touched_cells(self.scene.parts.skin, self.scene.press, pressed), frequency
+        )
 
     def _table(self) -> tuple[str, list[tuple[str, ...]]]:
         rows, columns = self.grid

@@ -60,12 +60,15 @@ class ReducedSkin:
     ) -> None:
         """pressed: factors on c by touches, shape (part,); only piezoresistive sheets use them."""
         self.reduced, self.variation, self._pressed = reduced, variation, pressed
-        factors = np.ones(foam_parts(reduced.scene)) if pressed is None else pressed
+        factors = np.ones(foam_parts(reduced.scene.parts.skin)) if pressed is None else pressed
         given = reduced.scene, reduced.circuit, reduced.modes
         self.weights = weights_under(variation, *given, factors)
         own = nominal(reduced.scene, reduced.modes) if variation is None else variation
         self.loss = own.loss
-        self.unpressed_factors, self.parts = own.factors(reduced.scene), parts_of(reduced.scene)
+        self.unpressed_factors, self.parts = (
+            own.factors(reduced.scene),
+            parts_of(reduced.scene.parts.skin),
+        )
         self.s = laplace_variable(reduced.frequency, own.loss)
         K = self.stiffness
         unpressed = (self.unpressed_factors * self.parts.resting)[
@@ -278,7 +281,7 @@ class ReducedSkin:
     def min_conductance(self) -> float:
         """Lower bound of the factor on K anywhere. Raises InputError unless it is above zero."""
         reduced = self.reduced
-        parts = foam_parts(reduced.scene) if gauged(reduced.scene.skin) else 1
+        parts = foam_parts(reduced.scene.parts.skin) if gauged(reduced.scene.skin) else 1
         return min_conductance_factor(self.weights, reduced.circuit, reduced.modes, parts)
 
     def exact(self, cells: Integer, rises: Real) -> Complex:

@@ -31,6 +31,6 @@ def with_fingers(
     low, high = (np.clip(y + side * height / 2, 0.0, scene.skin.width) for side in (-1, 1))
     area = np.where(disc, np.pi * outer**2, (right - left) * (high - low))
     there = (np.arange(x.shape[1]) < contacts.counts[:, None]) & (area > 0)
-    finger = np.where(there, finger_over(scene, area, scene.press.finger), 0.0)
+    finger = np.where(there, finger_over(scene.parts.skin, area, scene.press.finger), 0.0)
     placed = Footprints(disc, x, y, width, height, np.ones(x.shape), finger)
-    return with_fingers_at(scene, batch, contacts.counts, placed, grid)
+    return with_fingers_at(scene.parts.skin, batch, contacts.counts, placed, grid)

@@ -34,7 +34,7 @@ def _check_kind(scene: Scene, kind: str) -> None:
         raise InputError(
             f"{scene.name}: {what} cannot be fingers; leave out `press.finger` or use PointContacts"
         )
-    require_no_walls(scene, what)
+    require_no_walls(scene.parts.skin, what)
     if kind == "factor":
         return
     if scene.press.adds:

@@ -48,7 +48,7 @@ def clocked(creeping):
 
 def read(scene, press):
     """(Rs, X) in ohm, by the solver alone."""
-    Z = Solver(scene).solve(press_on(scene, press), 1105.0).Z[0, 0]
+    Z = Solver(scene).solve(press_on(scene.parts.skin, scene.press, press), 1105.0).Z[0, 0]
     return pytest.approx([Z.real, Z.imag], rel=1e-5)
 
 

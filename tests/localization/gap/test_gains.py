@@ -31,7 +31,7 @@ def yarn(magnitude_only, sheet_resistance=13.889e3):
 
 def simulated(magnitude_only):
     scene = yarn(magnitude_only)
-    return simulate(Solver(scene), every_press(scene))
+    return simulate(Solver(scene), every_press(scene.parts.skin, scene.press))
 
 
 def recorded(magnitude_only):

@@ -18,7 +18,9 @@ def yarn():
 
 def test_the_key_of_a_touch_follows_from_magnitudes_at_both_ends(yarn):
     def logarithms(text):
-        return np.log(np.abs(Solver(yarn).solve(press_on(yarn, text)).Z)).ravel()
+        return np.log(
+            np.abs(Solver(yarn).solve(press_on(yarn.parts.skin, yarn.press, text)).Z)
+        ).ravel()
 
     untouched = logarithms("none")
     changes = [logarithms(f"1,{key}:{20 + 2 * key}pF") - untouched for key in range(1, 10)]

@@ -39,7 +39,7 @@ def own(shared):
 @pytest.fixture(scope="module")
 def sweeps(shared, own):
     """Of all readings, and of those taken."""
-    rest, *pressed = every_press(shared)
+    rest, *pressed = every_press(shared.parts.skin, shared.press)
     exact = simulate(Solver(shared, 1e-4), [rest] * 9 + pressed * 4)
     random = np.random.default_rng(4)
     whole = concatenate([read_out(exact, shared.readout, random, session=k) for k in range(3)])

@@ -22,7 +22,10 @@ def test_the_coth_law_at_complex_s(make_scene, frequency_at, loss_tangent):
     C = skin.foam.unpressed_capacitance_per_area * skin.length * skin.width
     q = np.sqrt(2 * np.pi * frequency * (loss_tangent + 1j) * R * C)
     expected = R / (q * np.tanh(q))
-    for model in (Line(scene), SheetModel(scene, one_field(scene), FINE)):
+    for model in (
+        Line(scene),
+        SheetModel(scene, one_field(scene.parts.skin, scene.parts.setup), FINE),
+    ):
         np.testing.assert_allclose(model.impedance(Press(), frequency)[0], expected, rtol=1e-12)
 
 
@@ -34,6 +37,9 @@ def test_low_frequency_resistance_is_the_loss(make_scene, frequency_at, loss_tan
     R = (skin.top.sheet_resistance + skin.bottom.sheet_resistance) * skin.length / skin.width
     C = skin.foam.unpressed_capacitance_per_area * skin.length * skin.width
     loss = loss_tangent / (1 + loss_tangent**2) / (2 * np.pi * frequency * C)
-    for model in (Line(scene), Lumped(SheetModel(scene, two_fields(scene), FINE))):
+    for model in (
+        Line(scene),
+        Lumped(SheetModel(scene, two_fields(scene.parts.skin, scene.parts.setup), FINE)),
+    ):
         Z = model.impedance(Press(), frequency)[0]
         np.testing.assert_allclose(Z.real, loss + R / 3, rtol=1e-12)

@@ -27,7 +27,10 @@ def Rs_at_zero(R, C):
 
 def models(scene):
     """Every model that applies to a line."""
-    one, two = one_field(scene), two_fields(scene)
+    one, two = (
+        one_field(scene.parts.skin, scene.parts.setup),
+        two_fields(scene.parts.skin, scene.parts.setup),
+    )
     return [
         Line(scene),
         *(SheetModel(scene, circuit, COARSE) for circuit in (one, two)),
@@ -39,7 +42,12 @@ def models(scene):
 def test_Rs_of_a_line_tells_where_it_is_pressed(make_scene, random, data):
     scene = make_scene(columns=data.draw(st.integers(1, 6)))
     press, skin = data.draw(random.presses(scene)), scene.skin
-    C = capacitance_map(scene, press)[0] * skin.length * skin.width / scene.pixels.columns
+    C = (
+        capacitance_map(scene.parts.skin, scene.press, press)[0]
+        * skin.length
+        * skin.width
+        / scene.pixels.columns
+    )
     sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
     expected = Rs_at_zero(sheets * skin.length / skin.width / len(C), C)
     for model in models(scene):
@@ -64,7 +72,7 @@ def test_crossed_feed(make_scene, size):
     scene = make_scene({"top-left": {}, "bottom-bottom": {}}, length=L, width=W)
     skin = scene.skin
     expected = skin.top.sheet_resistance * L / (3 * W) + skin.bottom.sheet_resistance * W / (3 * L)
-    sheet = SheetModel(scene, two_fields(scene), COARSE)
+    sheet = SheetModel(scene, two_fields(scene.parts.skin, scene.parts.setup), COARSE)
     for model in (sheet, Lumped(sheet)):
         Z = model.impedance(Press(), MILLIHERTZ)
         assert Z.real == pytest.approx(expected, rel=1e-12)
@@ -76,7 +84,9 @@ def test_crossed_feed(make_scene, size):
 def test_floating_foils_on_the_next_edge_lower_Rs(name, Rs):
     """Two sheets of 50 kohm/sq; the second scene has foils on the bottom edge too."""
     scene = load_scene(name)
-    sheet = SheetModel(scene, one_field(scene), Resolution(order=4, layers=6))
+    sheet = SheetModel(
+        scene, one_field(scene.parts.skin, scene.parts.setup), Resolution(order=4, layers=6)
+    )
     left = Lumped(sheet).series(Press())[0]
     assert round(left.R, -2) == Rs
 
@@ -85,7 +95,7 @@ def test_floating_foils_on_the_next_edge_lower_Rs(name, Rs):
 def test_Cp_is_the_total_capacitance_on_any_skin(random, data):
     scene = data.draw(random.between())
     press, skin = data.draw(random.presses(scene)), scene.skin
-    total = capacitance_map(scene, press).mean() * skin.length * skin.width
-    sheet = SheetModel(scene, two_fields(scene), Resolution(order=2))
+    total = capacitance_map(scene.parts.skin, scene.press, press).mean() * skin.length * skin.width
+    sheet = SheetModel(scene, two_fields(scene.parts.skin, scene.parts.setup), Resolution(order=2))
     Cp = parallel_capacitance(sheet.impedance(press, MILLIHERTZ), MILLIHERTZ)
     assert Cp == pytest.approx(total, rel=1e-12)

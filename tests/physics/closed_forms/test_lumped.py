@@ -30,7 +30,10 @@ def test_bounds_against_the_line(make_scene, random, frequency_at, data, loss_ta
     press = data.draw(random.presses(scene))
     frequency = frequency_at(scene, data.draw(random.logarithmic(1e-6, 1e4)))
     assert_bounded(
-        Lumped(SheetModel(scene, one_field(scene), ON_LINES)), Line(scene), press, frequency
+        Lumped(SheetModel(scene, one_field(scene.parts.skin, scene.parts.setup), ON_LINES)),
+        Line(scene),
+        press,
+        frequency,
     )
 
 
@@ -40,14 +43,14 @@ def test_bounds_against_the_sheet_of_the_same_mesh(random, frequency_at, data):
     scene = data.draw(random.between())
     press = data.draw(random.presses(scene))
     frequency = frequency_at(scene, data.draw(random.logarithmic(1e-6, 1e4)))
-    circuit, resolution = two_fields(scene), Resolution(order=3)
+    circuit, resolution = two_fields(scene.parts.skin, scene.parts.setup), Resolution(order=3)
     sheet = SheetModel(scene, circuit, resolution)
     assert_bounded(Lumped(sheet), sheet, press, frequency)
 
 
 def test_bounds_are_sharp_at_low_frequency(make_scene, frequency_at):
     scene = make_scene()
-    lumped = Lumped(SheetModel(scene, one_field(scene), ON_LINES))
+    lumped = Lumped(SheetModel(scene, one_field(scene.parts.skin, scene.parts.setup), ON_LINES))
     frequency = frequency_at(scene, 1e-2)
     Z, true_Z = (model.impedance(Press(), frequency) for model in (lumped, Line(scene)))
     Rs_bound, Cp_bound = lumped.bounds(Press(), frequency)
@@ -59,4 +62,6 @@ def test_bounds_are_sharp_at_low_frequency(make_scene, frequency_at):
 def test_a_resistor_is_no_capacitor(make_scene):
     scene = make_scene({"top-left": {}, "top-right": {}})
     with pytest.raises(InputError, match="both driven"):
-        Lumped(SheetModel(scene, two_fields(scene), ON_LINES)).series(Press())
+        Lumped(SheetModel(scene, two_fields(scene.parts.skin, scene.parts.setup), ON_LINES)).series(
+            Press()
+        )

@@ -27,7 +27,9 @@ def test_line_is_the_product_of_its_segments(make_scene, random, frequency_at, d
     skin, frequency = scene.skin, frequency_at(scene, np.geomspace(1e-2, 1e3, 6))
     length, width = (skin.length, skin.width) if across else (skin.width, skin.length)
     R = (skin.top.sheet_resistance + skin.bottom.sheet_resistance) * length / width / count
-    from_feed = capacitance_map(scene, press).ravel()[:: 1 if edge in ("left", "bottom") else -1]
+    from_feed = capacitance_map(scene.parts.skin, scene.press, press).ravel()[
+        :: 1 if edge in ("left", "bottom") else -1
+    ]
     expected = []
     for f in frequency:
         M = np.eye(2)

@@ -14,7 +14,9 @@ U = np.geomspace(1e-6, 30, 9)
 
 
 def sheet_impedance(scene, press, frequency):
-    return SheetModel(scene, two_fields(scene), FINE).impedance(press, frequency)[0]
+    return SheetModel(scene, two_fields(scene.parts.skin, scene.parts.setup), FINE).impedance(
+        press, frequency
+    )[0]
 
 
 @pytest.mark.parametrize("edge", EDGES)

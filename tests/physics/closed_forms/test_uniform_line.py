@@ -49,7 +49,9 @@ def test_line_is_the_coth_law_in_both_parts(line, frequency_at):
 
 def test_sheet_is_the_coth_law_in_both_parts(make_scene, frequency_at):
     scene = make_scene()
-    sheet = SheetModel(scene, one_field(scene), Resolution(order=8, cells=4))
+    sheet = SheetModel(
+        scene, one_field(scene.parts.skin, scene.parts.setup), Resolution(order=8, cells=4)
+    )
     u = np.geomspace(1e-9, 1e2, 12)
     expected = R * coth_over_q(1j * u)
     np.testing.assert_allclose(

@@ -64,10 +64,13 @@ def product(u, v, _):
 def test_matrices_are_those_of_scikit_fem(make_scene, order):
     """One field whose foils have contact resistance: its unknowns are those of the basis."""
     scene = make_scene(TOUCHING_HALVES, rows=2, columns=3)
-    circuit, resolution = one_field(scene), Resolution(order, cells=2, layers=1)
-    system = build_system(scene, circuit, resolution)
+    circuit, resolution = (
+        one_field(scene.parts.skin, scene.parts.setup),
+        Resolution(order, cells=2, layers=1),
+    )
+    system = build_system(scene.parts.skin, circuit, resolution)
     foils = [contact for terminal in circuit.terminals for contact in terminal.contacts]
-    pixels, c = pixel_mesh(scene, foils, resolution), np.linspace(1, 3, 6).reshape(2, 3)
+    pixels, c = pixel_mesh(scene.parts.skin, foils, resolution), np.linspace(1, 3, 6).reshape(2, 3)
     basis = Basis(pixels.mesh, quadrilateral(order), intorder=2 * order + 40)
     assert system.unknowns.inner == basis.N
 
@@ -86,9 +89,9 @@ def test_matrices_are_those_of_scikit_fem(make_scene, order):
 @given(data=st.data(), order=st.integers(1, 5))
 def test_a_volt_between_the_sheets_charges_the_whole_capacitance(random, data, order):
     scene = data.draw(random.across())
-    circuit, skin = two_fields(scene), scene.skin
-    system = build_system(scene, circuit, Resolution(order))
-    c = capacitance_map(scene, data.draw(random.presses(scene)))
+    circuit, skin = two_fields(scene.parts.skin, scene.parts.setup), scene.skin
+    system = build_system(scene.parts.skin, circuit, Resolution(order))
+    c = capacitance_map(scene.parts.skin, scene.press, data.draw(random.presses(scene)))
     volt = np.append(
         system.unknowns.one[:, 0], [terminal.field == 0 for terminal in circuit.terminals]
     )

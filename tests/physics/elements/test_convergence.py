@@ -28,7 +28,10 @@ def test_pressed_columns(make_scene, frequency_at, order):
     scene = make_scene(columns=2)
     press, frequency = parse_press("1,2:3", 2.0), frequency_at(scene, 100)
     Z = Line(scene).impedance(press, frequency)
-    assert slope(scene, one_field(scene), press, frequency, order, Z) > 2 * order - 0.3
+    assert (
+        slope(scene, one_field(scene.parts.skin, scene.parts.setup), press, frequency, order, Z)
+        > 2 * order - 0.3
+    )
 
 
 @pytest.fixture(scope="module")
@@ -36,7 +39,9 @@ def crossed(make_scene, frequency_at):
     """A scene without a press, its frequency, and Z to 1e-13."""
     scene = make_scene({"top-left": {}, "bottom-bottom": {}})
     frequency = frequency_at(scene, 10)
-    sheet = SheetModel(scene, two_fields(scene), Resolution(order=8, cells=8))
+    sheet = SheetModel(
+        scene, two_fields(scene.parts.skin, scene.parts.setup), Resolution(order=8, cells=8)
+    )
     return scene, frequency, sheet.impedance(Press(), frequency)
 
 
@@ -44,5 +49,7 @@ def crossed(make_scene, frequency_at):
 def test_crossed_feed(crossed, order):
     """Where both foils end at one corner the fields go as r³ log r: no slope beyond 6."""
     scene, frequency, Z = crossed
-    reached = slope(scene, two_fields(scene), Press(), frequency, order, Z)
+    reached = slope(
+        scene, two_fields(scene.parts.skin, scene.parts.setup), Press(), frequency, order, Z
+    )
     assert reached > min(2 * order, 6) - 0.3

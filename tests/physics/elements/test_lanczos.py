@@ -180,7 +180,9 @@ def test_against_complex_solves(random, frequency_at, data):
     scene = data.draw(random.between())
     press = data.draw(random.presses(scene))
     frequency = frequency_at(scene, np.geomspace(1e-4, 1e4, 5))
-    sheet = SheetModel(scene, two_fields(scene), Resolution(order=3, layers=2))
+    sheet = SheetModel(
+        scene, two_fields(scene.parts.skin, scene.parts.setup), Resolution(order=3, layers=2)
+    )
     ((Z, change),) = sheet.sweep(press, frequency, 1e-9)
     difference = relative_difference(Z, complex_solves(sheet, press, frequency))
     low = frequency < frequency_at(scene, 200)
@@ -195,7 +197,11 @@ def test_no_digits_are_lost_far_above_cut_off(make_scene, frequency_at, resistan
     bottom = {"resistance": 0.6 * resistance}
     scene = make_scene({"top-left": {"resistance": resistance}, "bottom-left": bottom})
     frequency = frequency_at(scene, np.geomspace(1e-6, 1e4, 6))
-    sheet = SheetModel(scene, two_fields(scene), Resolution(order=12, cells=2, edge_cell=1e-3))
+    sheet = SheetModel(
+        scene,
+        two_fields(scene.parts.skin, scene.parts.setup),
+        Resolution(order=12, cells=2, edge_cell=1e-3),
+    )
     ((Z, _),) = sheet.sweep(Press(), frequency, 1e-11)
     exact = Line(scene).impedance(Press(), frequency)
     assert relative_difference(Z, exact).max() <= 1e-8
@@ -206,7 +212,7 @@ def test_against_complex_solves_where_direct_current_may_flow(random, frequency_
     """Cp may then be nothing but rounding: Z as a whole is compared."""
     scene = data.draw(random.across())
     frequency = frequency_at(scene, np.geomspace(1e-3, 1e2, 5))
-    sheet = SheetModel(scene, two_fields(scene), Resolution(order=3))
+    sheet = SheetModel(scene, two_fields(scene.parts.skin, scene.parts.setup), Resolution(order=3))
     ((Z, _),) = sheet.sweep(Press(), frequency, 1e-9)
     np.testing.assert_allclose(Z, sheet.impedance(Press(), frequency), rtol=1e-7)
 
@@ -217,7 +223,9 @@ def test_lower_orders_are_nested_in_higher_ones(random, frequency_at, data):
     scene = data.draw(random.between())
     press = data.draw(random.presses(scene))
     frequency = frequency_at(scene, [0.1, 10.0])
-    circuit = one_field(scene) or two_fields(scene)
+    circuit = one_field(scene.parts.skin, scene.parts.setup) or two_fields(
+        scene.parts.skin, scene.parts.setup
+    )
     high, low = (SheetModel(scene, circuit, Resolution(order, layers=2)) for order in (5, 4))
     ((Z, _),) = high.sweep(press, frequency, 1e-9, high.nested)
     np.testing.assert_allclose(Z, low.impedance(press, frequency), rtol=1e-8)
@@ -227,7 +235,10 @@ def test_lower_orders_are_nested_in_higher_ones(random, frequency_at, data):
 def test_any_step_is_passive_and_no_step_loses_capacitance(random, frequency_at, data, steps):
     """Galerkin in a real space: Re Z >= 0, Im Z <= 0, Rs and Cp fall with frequency."""
     scene = data.draw(random.between())
-    press, circuit = data.draw(random.presses(scene)), two_fields(scene)
+    press, circuit = (
+        data.draw(random.presses(scene)),
+        two_fields(scene.parts.skin, scene.parts.setup),
+    )
     sheet = SheetModel(scene, circuit, Resolution(order=2))
     frequency = frequency_at(scene, np.geomspace(1e-2, 1e4, 30))
     pencil = sheet.space.pencil(sheet.mass(press), circuit.excitations[0], 0.0)

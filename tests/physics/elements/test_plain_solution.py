@@ -27,18 +27,39 @@ def assert_same(scene, circuit, resolution, press, frequency, plain_skin):
 def test_between_the_sheets(random, frequency_at, plain_skin, data, order):
     scene = data.draw(random.between())
     press, frequency = data.draw(random.presses(scene)), frequency_at(scene, U)
-    assert_same(scene, two_fields(scene), Resolution(order), press, frequency, plain_skin)
+    assert_same(
+        scene,
+        two_fields(scene.parts.skin, scene.parts.setup),
+        Resolution(order),
+        press,
+        frequency,
+        plain_skin,
+    )
 
 
 @given(data=st.data(), order=st.integers(1, 4))
 def test_between_any_foils(random, frequency_at, plain_skin, data, order):
     scene = data.draw(random.across())
     press, frequency = data.draw(random.presses(scene)), frequency_at(scene, U)
-    assert_same(scene, two_fields(scene), Resolution(order), press, frequency, plain_skin)
+    assert_same(
+        scene,
+        two_fields(scene.parts.skin, scene.parts.setup),
+        Resolution(order),
+        press,
+        frequency,
+        plain_skin,
+    )
 
 
 @given(data=st.data(), order=st.integers(1, 4))
 def test_the_difference_alone(random, frequency_at, plain_skin, data, order):
     scene = data.draw(random.in_pairs())
     press, frequency = data.draw(random.presses(scene)), frequency_at(scene, U)
-    assert_same(scene, one_field(scene), Resolution(order), press, frequency, plain_skin)
+    assert_same(
+        scene,
+        one_field(scene.parts.skin, scene.parts.setup),
+        Resolution(order),
+        press,
+        frequency,
+        plain_skin,
+    )

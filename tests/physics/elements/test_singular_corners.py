@@ -60,7 +60,9 @@ def test_even_sheets_have_no_such_corners_and_loose_tolerances_need_no_rings(var
 def test_cells_with_rings_at_corners_of_neighbouring_lines_conform(varied):
     scene = varied(DIRECTED, FOILS, rows=4, columns=3, **SHEETS)
     at = tuple((x, y, n) for n, x in ((1, 0.04), (2, 0.08)) for y in (0.03, 0.06))
-    pixels = pixel_mesh(scene, scene.contacts, Resolution(3, corners=(*at, (0.0, 0.0, 3))))
+    pixels = pixel_mesh(
+        scene.parts.skin, scene.contacts, Resolution(3, corners=(*at, (0.0, 0.0, 3)))
+    )
     rim = pixels.mesh.boundary_facets()
     ends = pixels.mesh.p[:, pixels.mesh.facets[:, rim]]
     assert np.hypot(*(ends[:, 1] - ends[:, 0])).sum() == pytest.approx(4 * SIDE)

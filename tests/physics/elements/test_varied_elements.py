@@ -72,9 +72,13 @@ def discretised(varied):
         scene = varied(MAPS, FILMS, rows=2, columns=2)
         press = parse_press("1,2:3", 2.0)
         if kind == "squares":
-            pixels = pixel_mesh(scene, two_fields(scene).contacts, Resolution(order, layers=1))
+            pixels = pixel_mesh(
+                scene.parts.skin,
+                two_fields(scene.parts.skin, scene.parts.setup).contacts,
+                Resolution(order, layers=1),
+            )
             return scene, pixels.mesh, squares(pixels, order), np.where(pixels.pixel == 1, 3.0, 1.0)
-        found = domain(scene, press, 0.03)
+        found = domain(scene.parts.skin, press, 0.03)
         mesh = MeshTri(found.p, found.t, sort_t=False)
         return scene, mesh, triangles(found, order), np.where(found.pixel == 1, 3.0, 1.0)
 
@@ -86,7 +90,7 @@ def discretised(varied):
 def test_matrices_are_those_of_scikit_fem(discretised, kind, order):
     """Of foils with contact resistance: all unknowns of each field are those of the basis."""
     scene, mesh, elements, factors = discretised(kind, order)
-    circuit, materials = two_fields(scene), Materials(scene)
+    circuit, materials = two_fields(scene.parts.skin, scene.parts.setup), Materials(scene)
     system = pressed_system(circuit, elements, PressCoefficients(materials, factors, None, 2))
     rule = elements.rule
     basis = Basis(mesh, elements.element, quadrature=(rule.points, rule.weights))
@@ -122,12 +126,16 @@ def test_films_on_a_sphere_are_integrals_along_the_stretched_edge(varied, kind):
     foils = {"top-left": {"resistance": 50.0}, "bottom-left": {}}
     scene = varied({"shape": {"kind": "sphere", "radius": R}}, foils)
     if kind == "squares":
-        pixels = pixel_mesh(scene, two_fields(scene).contacts, Resolution(4, cells=3))
+        pixels = pixel_mesh(
+            scene.parts.skin,
+            two_fields(scene.parts.skin, scene.parts.setup).contacts,
+            Resolution(4, cells=3),
+        )
         elements = squares(pixels, 4)
     else:
-        elements = triangles(domain(scene, Press(), 0.02), 4)
+        elements = triangles(domain(scene.parts.skin, Press(), 0.02), 4)
     coefficients = PressCoefficients(Materials(scene), np.ones(elements.cells), None, 2)
-    system = pressed_system(two_fields(scene), elements, coefficients)
+    system = pressed_system(two_fields(scene.parts.skin, scene.parts.setup), elements, coefficients)
     one = np.append(system.unknowns.one[:, 0], [0, 0])
     x, width = scene.skin.length / 2, scene.skin.width
     nodes, weights = np.polynomial.legendre.leggauss(60)
@@ -142,7 +150,7 @@ def test_films_on_a_sphere_are_integrals_along_the_stretched_edge(varied, kind):
 @pytest.mark.parametrize("kind", ["squares", "triangles"])
 def test_a_volt_between_the_sheets_charges_the_whole_capacitance(discretised, kind):
     scene, _, elements, factors = discretised(kind, 3)
-    circuit, materials = two_fields(scene), Materials(scene)
+    circuit, materials = two_fields(scene.parts.skin, scene.parts.setup), Materials(scene)
     system = pressed_system(circuit, elements, PressCoefficients(materials, factors, None, 2))
     volt = system.unknowns.one[:, 0]
     volt = np.append(volt, np.zeros(system.pattern.size - len(volt)))
@@ -155,7 +163,7 @@ def test_a_volt_between_the_sheets_charges_the_whole_capacitance(discretised, ki
 @pytest.mark.parametrize("kind", ["squares", "triangles"])
 def test_sheets_of_one_potential_carry_no_current(discretised, kind):
     scene, _, elements, factors = discretised(kind, 3)
-    circuit = two_fields(scene)
+    circuit = two_fields(scene.parts.skin, scene.parts.setup)
     system = pressed_system(
         circuit, elements, PressCoefficients(Materials(scene), factors, None, 2)
     )

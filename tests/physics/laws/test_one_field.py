@@ -46,8 +46,14 @@ PAIRS = {f"{sheet}-{edge}": {} for edge in ("left", "right") for sheet in ("top"
 )
 def test_one_field_is_not_offered(make_scene, why, contacts, interface):
     scene = make_scene(contacts, interface and {"meter": interface}, top=50e3, bottom=30e3)
-    assert one_field(scene) is None, why
+    assert one_field(scene.parts.skin, scene.parts.setup) is None, why
 
 
 def test_one_field_is_offered_whatever_the_polarity(make_scene):
-    assert one_field(make_scene(PAIRS, {"meter": ("bottom-left", "top-left")})) is not None
+    assert (
+        one_field(
+            make_scene(PAIRS, {"meter": ("bottom-left", "top-left")}).parts.skin,
+            make_scene(PAIRS, {"meter": ("bottom-left", "top-left")}).parts.setup,
+        )
+        is not None
+    )

@@ -14,7 +14,9 @@ PRESS = parse_press("1,2:3+2,3:0.5", 2.0)
 
 
 def solve(scene, frequency):
-    return SheetModel(scene, two_fields(scene), Resolution(order=3)).impedance(PRESS, frequency)
+    return SheetModel(
+        scene, two_fields(scene.parts.skin, scene.parts.setup), Resolution(order=3)
+    ).impedance(PRESS, frequency)
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +87,9 @@ def test_order_and_names_of_foils_do_not_matter(random, frequency_at, data):
     shuffled = tuple(data.draw(st.permutations(scene.contacts)))
     press, frequency = data.draw(random.presses(scene)), frequency_at(scene, U)
     Z, other = (
-        SheetModel(each, two_fields(each), Resolution(order=2)).impedance(press, frequency)
+        SheetModel(
+            each, two_fields(each.parts.skin, each.parts.setup), Resolution(order=2)
+        ).impedance(press, frequency)
         for each in (scene, scene.model_copy(update={"contacts": shuffled}))
     )
     np.testing.assert_allclose(other.view(float), Z.view(float), rtol=1e-9)

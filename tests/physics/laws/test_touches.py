@@ -94,13 +94,15 @@ def test_edges_next_to_lines_of_pixels_change_little(sheet, whole_pixel, beyond)
 
 def over_resolved(scene, press):
     """Z by elements of higher order on smaller cells."""
-    circuit = one_field(scene) or two_fields(scene)
+    circuit = one_field(scene.parts.skin, scene.parts.setup) or two_fields(
+        scene.parts.skin, scene.parts.setup
+    )
     singular = bool(singular_ends(scene.contacts, scene.skin))
     finest = Resolution(
         order=6 if singular else 10,
         cells=1 if singular else 2,
         layers=7 if singular else 0,
-        lines=lines(scene, press),
+        lines=lines(scene.parts.skin, press),
     )
     ((Z, _),) = SheetModel(scene, circuit, finest).sweep(press, scene.frequencies, 1e-11)
     return Z
@@ -149,13 +151,19 @@ def test_first_order_change_of_a_rectangle(random, frequency_at, plain_skin, dat
     scene = data.draw(random.between())
     press = data.draw(rectangular_presses(scene))
     first, *others = press.touches
-    resolution = Resolution(order=3, lines=lines(scene, press))
-    x, y = (tile_lines(scene, axis, resolution) for axis in (0, 1))
+    resolution = Resolution(order=3, lines=lines(scene.parts.skin, press))
+    x, y = (tile_lines(scene.parts.skin, axis, resolution) for axis in (0, 1))
     assume(min(np.diff(x).min(), np.diff(y).min()) > THINNEST * max(x[-1], y[-1]))
-    frequency, sheet = frequency_at(scene, at), SheetModel(scene, two_fields(scene), resolution)
+    frequency, sheet = (
+        frequency_at(scene, at),
+        SheetModel(scene, two_fields(scene.parts.skin, scene.parts.setup), resolution),
+    )
     stronger = Press((Rectangle(*_place(first), first.factor + 1), *others))
     plain, rest = plain_skin(scene, resolution), scene.skin.foam.unpressed_capacitance_per_area
-    dc = rest * (tile_map(scene, stronger, x, y) - tile_map(scene, press, x, y))
+    dc = rest * (
+        tile_map(scene.parts.skin, scene.press, stronger, x, y)
+        - tile_map(scene.parts.skin, scene.press, press, x, y)
+    )
     u, _ = plain.solve(press, frequency.item())
     predicted = laplace_variable(frequency.item()) * (u @ plain.mass(dc) @ u)
 
@@ -191,7 +199,9 @@ def test_a_mesh_without_the_edges_is_refused(sheet):
     press = parse_press("rect(0.03,0.04,0.01,0.02)", 2.0)
     for resolution in (Resolution(2), Resolution(2, lines=((0.03,), ()))):
         with pytest.raises(InputError):
-            SheetModel(sheet, two_fields(sheet), resolution).mass(press)
+            SheetModel(sheet, two_fields(sheet.parts.skin, sheet.parts.setup), resolution).mass(
+                press
+            )
 
 
 def test_forgotten_meshes_make_room(sheet):

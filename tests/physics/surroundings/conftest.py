@@ -31,7 +31,7 @@ def solve():
     """A function from a scene, a press and a tolerance to the answer."""
 
     def solve(scene, press="none", rtol=1e-6):
-        return Solver(scene, rtol).solve(parse_press(press, 2.0, scene))
+        return Solver(scene, rtol).solve(parse_press(press, 2.0, scene.parts.skin, scene.press))
 
     return solve
 
@@ -65,7 +65,9 @@ def on_triangles():
     """A function from a scene and a press to the first rung of triangles within a tolerance."""
 
     def on_triangles(scene, press="none", rtol=1e-4):
-        found = Triangles(scene, circuit_of(scene), parse_press(press, 2.0, scene), rtol)
+        found = Triangles(
+            scene, circuit_of(scene), parse_press(press, 2.0, scene.parts.skin, scene.press), rtol
+        )
         while True:
             rung = found.finer(scene.frequencies).result(scene.frequencies, rtol)
             if rung.error.max() <= rtol:

@@ -151,7 +151,9 @@ def test_estimated_errors_bound_the_truth(around, solve, low, rtol):
 def test_terms_are_symmetric_and_never_negative(around):
     foils = {"top-left": {"width": 0.01}, "bottom-bottom": {}}
     scene = around(SURROUNDED, contacts=foils, rows=2, columns=2)
-    press = parse_press("2,2:1.7:5e-12F+rect(0.05,0.02,0.03,0.02):1.0:2pF", 2.0, scene)
+    press = parse_press(
+        "2,2:1.7:5e-12F+rect(0.05,0.02,0.03,0.02):1.0:2pF", 2.0, scene.parts.skin, scene.press
+    )
     found = meshes(scene, press, None, 1e-2).finer(scene.frequencies)
     M = found.coarse.system.mass.toarray()
     assert np.abs(M - M.T).max() <= 1e-15 * np.abs(M).max()
@@ -198,9 +200,9 @@ FOLDED = {
 def test_a_virtual_earth_that_nothing_reaches_takes_one_excitation(around, name):
     """The form of both terminals at +1/2 V is 0, and the answer the same to rounding."""
     scene = around(FOLDED[name], {"thickness": 4e-3}, rows=2, columns=2)
-    assert len(two_fields(scene).excitations) == 2
-    assert len(two_fields(scene.for_rods).excitations) == 1
-    press = press_on(scene, "1,2:2.0:rod")
+    assert len(two_fields(scene.parts.skin, scene.parts.setup).excitations) == 2
+    assert len(two_fields(scene.for_rods.parts.skin, scene.for_rods.parts.setup).excitations) == 1
+    press = press_on(scene.parts.skin, scene.press, "1,2:2.0:rod")
     found, both = Solver(scene, 1e-4), Solver(scene, 1e-4)
     vars(both)["_without_earth"] = None
     assert relative_difference(found.solve(press).Z, both.solve(press).Z).max() < 1e-13
@@ -226,7 +228,10 @@ def test_fingers_find_the_earth_that_rods_do_not_need(around):
     """Named by a press, or by the scene: then it is not left out at all."""
     scene = around({"thickness": True}, {"thickness": 4e-3}, rows=2, columns=2)
     solver = Solver(scene, 1e-4)
-    rod, finger = (solver.solve(press_on(scene, f"1,2:2.0:{how}")).Z for how in ("rod", "3pF"))
+    rod, finger = (
+        solver.solve(press_on(scene.parts.skin, scene.press, f"1,2:2.0:{how}")).Z
+        for how in ("rod", "3pF")
+    )
     assert relative_difference(finger, rod).max() > 1e-3
     assert scene.with_({"press.finger": 3e-12}).for_rods.surroundings == scene.surroundings
 

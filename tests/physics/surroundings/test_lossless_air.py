@@ -96,7 +96,7 @@ def test_a_finger_is_in_air(around):
     scene = around(cover, loss, columns=2, frequencies=[1e3, 1e5])
     body = around({"body": {"side": "top", "capacitance_per_area": 1e-9}}, loss, columns=2,
                   frequencies=[1e3, 1e5])  # fmt: skip
-    press = parse_press("rect(0.05,0.04,0.1,0.08):1.0:8pF", 2.0, scene)
+    press = parse_press("rect(0.05,0.04,0.1,0.08):1.0:8pF", 2.0, scene.parts.skin, scene.press)
     one, other = Solver(scene, 1e-5).solve(press).Z, Solver(body, 1e-5).solve(Press()).Z
     assert relative_difference(one, other).max() <= 2e-5
 

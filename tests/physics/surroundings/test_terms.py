@@ -223,7 +223,7 @@ def test_a_finger_that_pushes_in(around):
     scene = around({"body": {"distance": 5e-3}}, foam, rows=2, columns=2)
     kept = Solver(scene, 1e-2)
     depths = ("1mm:rod", "1mm:9pF", "1.1mm:9pF")
-    presses = [parse_press(f"2,2:{depth}", 2.0, scene) for depth in depths]
+    presses = [parse_press(f"2,2:{depth}", 2.0, scene.parts.skin, scene.press) for depth in depths]
     Z = [kept.solve(press).Z for press in presses]
     assert relative_difference(Z[1], Z[0]).max() > 2e-2
     assert relative_difference(Z[1], Solver(scene, 1e-2).solve(presses[1]).Z).max() <= 1e-3
@@ -232,12 +232,16 @@ def test_a_finger_that_pushes_in(around):
 
 def test_fields_are_those_of_one_volt_at_high_and_low_at_earth(around):
     scene = around({"body": {"distance": 5e-3}}, contacts={"top-left": {}, "bottom-right": {}})
-    found = fields(scene, parse_press("1,1:2.0:4pF", 2.0, scene), [1e4], "meter")
+    found = fields(
+        scene, parse_press("1,1:2.0:4pF", 2.0, scene.parts.skin, scene.press), [1e4], "meter"
+    )
     x = found.x[0]
     assert np.abs(found.potential[0, 0, x < 1e-9] - 1).max() < 1e-9
     assert np.abs(found.potential[1, 0, x > 0.1 - 1e-9]).max() < 1e-9
     assert np.abs(found.potential[0, 0]).min() < 0.999, "earth draws current through the sheet"
-    Z = fields(scene, parse_press("1,1:2.0002:4pF", 2.0, scene), [1e4], "meter").Z
+    Z = fields(
+        scene, parse_press("1,1:2.0002:4pF", 2.0, scene.parts.skin, scene.press), [1e4], "meter"
+    ).Z
     change = np.log(Z.real / found.Z.real).item() / 1e-4
     corners = found.x[:, found.cells]
     area = np.abs(np.prod(corners[:, 2] - corners[:, 0], axis=0))

@@ -30,7 +30,9 @@ def tabs(low, high, resistance=0.0):
 def kept_at(scene, press, rtol=RTOL):
     """Asserts that the answer is within rtol of elements three orders finer; the answer."""
     answer = Solver(scene, rtol).solve(press)
-    circuit = one_field(scene) or two_fields(scene)
+    circuit = one_field(scene.parts.skin, scene.parts.setup) or two_fields(
+        scene.parts.skin, scene.parts.setup
+    )
     ladder = ResolutionHierarchy(scene, circuit)
     elements = [model for model in answer.models if "Q" in model]
     order = max((int(model.split("Q")[1].split(",")[0]) for model in elements), default=4)

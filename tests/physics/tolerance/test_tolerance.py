@@ -45,7 +45,9 @@ def depth(scene):
 
 def over_resolved(scene, press):
     """Z of elements of higher order, on smaller cells, nearer to the ends of foils."""
-    circuit = one_field(scene) or two_fields(scene)
+    circuit = one_field(scene.parts.skin, scene.parts.setup) or two_fields(
+        scene.parts.skin, scene.parts.setup
+    )
     singular = bool(singular_ends(scene.contacts, scene.skin))
     finest = Resolution(
         order=8 if singular else 10,
@@ -210,7 +212,7 @@ def test_a_mere_resistor_is_answered(make_scene):
 @pytest.mark.parametrize("name", ["strip-1x3", "strip-1x4", "strip-1x5"])
 def test_the_line_is_chosen_where_it_is_exact(name):
     scene = load_scene(name)
-    for press in every_press(scene):
+    for press in every_press(scene.parts.skin, scene.press):
         answer = Solver(scene, 1e-9).solve(press)
         assert answer.model == "exact line"
         assert not answer.rejected
@@ -231,5 +233,7 @@ def test_a_tolerance_out_of_reach_is_not_answered(make_scene):
 
 def test_the_same_bits_on_a_second_run():
     scene = load_scene("sheet-3x3")
-    first, second = (simulate(Solver(scene), every_press(scene)) for _ in range(2))
+    first, second = (
+        simulate(Solver(scene), every_press(scene.parts.skin, scene.press)) for _ in range(2)
+    )
     assert first.identical(second)

@@ -35,7 +35,10 @@ def yarn():
 
 def gains(scene, presses, noise=0.0, seed=0):
     """Gains of a skin with noise."""
-    found = simulate(Solver(scene, 1e-5), [parse_press(each, 2.0, scene) for each in presses])
+    found = simulate(
+        Solver(scene, 1e-5),
+        [parse_press(each, 2.0, scene.parts.skin, scene.press) for each in presses],
+    )
     shape = found["gain"].shape
     magnitude, phase = noise * np.random.default_rng(seed).standard_normal((2, *shape))
     own = {"gain": (found["gain"].dims, found["gain"].values * (1 + magnitude))}

@@ -61,7 +61,9 @@ def twins(scene):
     found, called = {}, (*REST, *PRESSED)
     for name, changes in TWINS.items():
         twin = scene.with_(changes)
-        sweeps = simulate(Solver(twin, 1e-4), [press_on(twin, press) for press in called])
+        sweeps = simulate(
+            Solver(twin, 1e-4), [press_on(twin.parts.skin, twin.press, press) for press in called]
+        )
         sweeps["press"] = ("sweep", np.array(called, dtype=object))
         found[name] = read_out(sweeps, scene.readout, np.random.default_rng(0))
     return found
@@ -86,7 +88,7 @@ def test_what_surrounds_a_twin_explains_its_gap(scene, model, twins, twin, words
 
 def test_fingers_are_rods_where_the_scene_has_no_earth(scene):
     twin = scene.with_({"surroundings": {}})
-    sweeps = simulate(Solver(twin, 1e-4), [press_on(twin, "1,2:2.0:5.3pF")])
+    sweeps = simulate(Solver(twin, 1e-4), [press_on(twin.parts.skin, twin.press, "1,2:2.0:5.3pF")])
     (reading,) = (found := measurements_of(scene, sweeps)).sweeps
     assert [str(touch) for touch in reading.press.touches] == ["1,2:2.0"]
     assert found.left_out == ("fingers of presses, because scene has no [surroundings]",)
@@ -157,7 +159,7 @@ def test_a_calibration_says_what_surrounds_a_twin_without_a_trained_model(
 def test_no_effect_is_larger_than_its_bound(scene, changes, leads):
     scene = scene.with_({"leads": leads, "surroundings": {}})
     there, without = (
-        Solver(each, 1e-4).solve(press_on(each, "1,2:2.0")).Z
+        Solver(each, 1e-4).solve(press_on(each.parts.skin, each.press, "1,2:2.0")).Z
         for each in (scene.with_(changes), scene)
     )
     assert (np.abs(there / without - 1) <= largest_changes(scene, without, 1)).all()
@@ -174,7 +176,9 @@ def test_effects_under_the_noise_are_not_tried(scene, monkeypatch):
         }
     )
     twin = heavy.with_({"skin.foam.phase_exponent": 0.9})
-    sweeps = simulate(Solver(twin, 1e-4), [press_on(twin, press) for press in REST])
+    sweeps = simulate(
+        Solver(twin, 1e-4), [press_on(twin.parts.skin, twin.press, press) for press in REST]
+    )
     monkeypatch.setattr(surroundings_trials, "PlainEffects", None)
     found = calibrate(heavy, sweeps, Options(fit=("capacitance",)))
     assert found.chi_squared > 2
@@ -217,7 +221,10 @@ def test_intervals_hold_the_truth(scene, model):
     for _ in range(3):
         truth = dict(zip(names, random.normal(0, 0.2, len(names)), strict=True))
         truth["finger"] = random.uniform(1e-12, 8e-12)
-        cells = [model.cells(press_on(around, press)) for press in (*REST, *PRESSED)]
+        cells = [
+            model.cells(press_on(around.parts.skin, around.press, press))
+            for press in (*REST, *PRESSED)
+        ]
         Z = np.stack([model.respond(*each, truth).Z for each in cells])
         sweeps = build(
             Z,

@@ -32,7 +32,9 @@ def scene_fed_at_a_corner():
 
 def twin_of(scene, waves, rtol=1e-4):
     made = scene.with_({"skin.foam.map": map_of(scene, waves).model_dump()})
-    return simulate(Solver(made, rtol), every_press(scene)).assign_attrs(scene=scene_text(scene))
+    return simulate(Solver(made, rtol), every_press(scene.parts.skin, scene.press)).assign_attrs(
+        scene=scene_text(scene)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -106,7 +108,7 @@ def test_foam_that_varies_within_pixels_is_answered_as_a_map_of_it(wide_pixels, 
     """The bilinear map is off by a hundredth of a wave at most."""
     scene, rtol = wide_pixels.with_({"pixels": 2, **changed}), 1e-3
     model, solver = Forward(scene, rtol=rtol), Solver(with_foam_modes(scene, TRUE), rtol)
-    for press in every_press(scene)[::3]:
+    for press in every_press(scene.parts.skin, scene.press)[::3]:
         cells, rises = model.cells(press)
         Z, true = model.respond(cells, rises, TRUE).Z, solver.solve(press).Z
         assert relative_difference(Z, true).max() <= rtol
@@ -135,12 +137,16 @@ def _waves(found):
 def test_the_fit_gains_and_the_fitted_scene_says_the_waves(scene, twin, model):
     even, uneven = (calibrate(scene, twin, each, model=model) for each in (NO_MODES, UNEVEN))
     assert uneven.rms_error < 0.1 * even.rms_error
-    again = simulate(Solver(uneven.scene, 1e-4), every_press(scene))
+    again = simulate(Solver(uneven.scene, 1e-4), every_press(scene.parts.skin, scene.press))
     off = np.abs(again["Cp"] / twin["Cp"] - 1).max()
     assert (
         off
         < 0.1
-        * np.abs(simulate(Solver(even.scene), every_press(scene))["Cp"] / twin["Cp"] - 1).max()
+        * np.abs(
+            simulate(Solver(even.scene), every_press(scene.parts.skin, scene.press))["Cp"]
+            / twin["Cp"]
+            - 1
+        ).max()
     )
 
 
@@ -150,7 +156,7 @@ def test_what_a_line_does_not_determine_is_reported(scene, twin):
     lined = scene.with_(
         {"contact.top-left.span": [0.0, 1.0], "contact.bottom-left.span": [0.0, 1.0]}
     )
-    rest = simulate(Solver(lined), every_press(lined)[:1])
+    rest = simulate(Solver(lined), every_press(lined.parts.skin, lined.press)[:1])
     found = calibrate(lined, rest, UNEVEN)
     assert not found.identified["foam_y"] and not found.identified["foam_xy"]
     assert any("foam_y: not identified by the data" in line for line in found.unclear)
@@ -172,5 +178,5 @@ def test_modes_of_the_foam_leave_a_body_behind_the_skin_as_it_is():
     own = {"foam_x": 0.08, "foam_y": -0.06, "body": 1.2}
     found = Forward(scene, rtol=1e-3).respond(np.array([6]), np.array([1.0]), own).Z
     changed = with_foam_modes(scene_with(scene, own), own)
-    exact = Solver(changed, 1e-4).solve(press_on(changed, "2,3:2.0")).Z
+    exact = Solver(changed, 1e-4).solve(press_on(changed.parts.skin, changed.press, "2,3:2.0")).Z
     assert relative_difference(found[0], exact).max() < 2e-3

@@ -34,7 +34,9 @@ def asked(*waves):
 
 def twin_of(scene, waves):
     made = with_sheet_modes(with_foam_modes(scene, waves), waves)
-    return simulate(Solver(made, 2e-4), every_press(scene)).assign_attrs(scene=scene_text(scene))
+    return simulate(Solver(made, 2e-4), every_press(scene.parts.skin, scene.press)).assign_attrs(
+        scene=scene_text(scene)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -96,7 +98,7 @@ def test_a_fit_without_waves_leaves_far_more(scene, twin, model):
     even = calibrate(scene, twin, asked(), model=model)
     uneven = calibrate(scene, twin, asked(*SHEET_MODES), model=model)
     assert uneven.rms_error < 0.03 * even.rms_error
-    again = simulate(Solver(uneven.scene, 2e-4), every_press(scene)[:3])
+    again = simulate(Solver(uneven.scene, 2e-4), every_press(scene.parts.skin, scene.press)[:3])
     for name in ("Rs", "Cp"):
         off = again[name].to_numpy() / twin[name].to_numpy()[:3] - 1
         assert np.abs(off).max() < 3e-3
@@ -112,7 +114,7 @@ def test_waves_of_an_even_skin_are_zero_within_their_intervals(scene, model):
 @pytest.mark.slow
 def test_waves_of_sheets_and_of_foam_are_distinguished(scene, twin, model):
     """The foam's are constant over each pixel, as the fit has them."""
-    read, presses = twin.copy(deep=True), every_press(scene)
+    read, presses = twin.copy(deep=True), every_press(scene.parts.skin, scene.press)
     Z = np.stack([model.respond(*model.cells(each), SHEETS | FOAM).Z for each in presses])
     read["Rs"].values, read["X"].values = Z.real, Z.imag
     read["Cp"].values = (1 / Z).imag / (2 * np.pi * scene.frequencies)

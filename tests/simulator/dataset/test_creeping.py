@@ -40,7 +40,9 @@ def test_a_session_is_the_sweeps_of_its_presses_one_after_the_other(changes):
     scene = load_scene("strip-1x5").with_({**ALIKE, "experiment.timing": TIMING, **changes})
     rtol = 1e-4
     drawn = in_memory(Plan(scene, 12, 3, rtol))
-    presses = [press_on(scene, str(press)) for press in drawn["press"].values]
+    presses = [
+        press_on(scene.parts.skin, scene.press, str(press)) for press in drawn["press"].values
+    ]
     assert len(set(presses)) > 6
     solved = simulate(Solver(scene, 1e-5), presses)
     for name in ("Rs", "Cp"):
@@ -53,11 +55,19 @@ def test_a_session_is_the_sweeps_of_its_presses_one_after_the_other(changes):
 def test_cells_creep_as_the_touches_that_they_are_of():
     """The readable twin: one touch after the other, of whole pixels."""
     scene = load_scene("sheet-3x3").with_({"skin.foam.relaxation": TWO})
-    presses = [press_on(scene, text) for text in ("none", "1,2:2.3", "3,1:0.8+3,3:1.4")]
-    crept = at_sweep_end(scene, PressBatch.of([touched_cells(scene, press) for press in presses]))
+    presses = [
+        press_on(scene.parts.skin, scene.press, text)
+        for text in ("none", "1,2:2.3", "3,1:0.8+3,3:1.4")
+    ]
+    crept = at_sweep_end(
+        scene,
+        PressBatch.of([touched_cells(scene.parts.skin, scene.press, press) for press in presses]),
+    )
     _, whole = reading_moments(scene)
     for press, own in zip(presses, crept.each(), strict=True):
-        twin = touched_cells(scene, FoamState(scene).then(press, 0.0).after(whole))
+        twin = touched_cells(
+            scene.parts.skin, scene.press, FoamState(scene).then(press, 0.0).after(whole)
+        )
         np.testing.assert_array_equal(own.cells, twin.cells)
         np.testing.assert_allclose(own.rises, twin.rises, rtol=1e-12)
 

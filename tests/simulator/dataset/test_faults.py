@@ -128,8 +128,12 @@ def test_sessions_have_the_readings_of_their_faults():
             np.testing.assert_allclose(Z, open_meter, rtol=1e-3)
             continue
         if isinstance(fault, StuckSpot):
-            press = with_spot(press_on(nominal, press), fault)
-        found = Solver(fault.changed(nominal), 1e-4).solve(press_on(nominal, press)).Z[0]
+            press = with_spot(press_on(nominal.parts.skin, nominal.press, press), fault)
+        found = (
+            Solver(fault.changed(nominal), 1e-4)
+            .solve(press_on(nominal.parts.skin, nominal.press, press))
+            .Z[0]
+        )
         np.testing.assert_allclose(
             Z, leads.at_meter(found, frequency) * fault.gain(frequency), rtol=2e-3
         )

@@ -30,7 +30,7 @@ def drawn(scene, count=60, grid=(6, 6)):
 @pytest.mark.parametrize("place", [{}, ANYWHERE])
 def test_fingers_equal_their_texts_and_have_the_places_of_their_touches(place):
     presses = drawn(FINGERS.with_(place))
-    foam = parts_of(FINGERS, (6, 6)).foam
+    foam = parts_of(FINGERS.parts.skin, (6, 6)).foam
     for k, text in enumerate(presses.text):
         press = parse_press(text, default=np.nan)
         assert str(press) == text
@@ -46,7 +46,7 @@ def test_fingers_equal_their_texts_and_have_the_places_of_their_touches(place):
 def test_a_finger_is_as_dense_all_over_a_touch():
     for scene in (FINGERS, FINGERS.with_(ANYWHERE)):
         presses = drawn(scene)
-        foam = parts_of(scene, (6, 6)).foam
+        foam = parts_of(scene.parts.skin, (6, 6)).foam
         for k in np.flatnonzero(presses.touches == 1):
             cells, rises = presses.batch.one(k)
             covered = dict(zip(cells.tolist(), rises / (presses.factor[k, 0] - 1), strict=True))
@@ -85,7 +85,7 @@ def test_some_touches_do_not_press():
 def test_the_finger_of_the_scene_is_the_default():
     scene = EARTH.with_({"press.finger": "floating"})
     presses, one = drawn(scene), Touch(1, 1, 1.0)
-    own = finger_capacitance(EARTH.with_({"surroundings.body": None}), one, "floating")
+    own = finger_capacitance(EARTH.with_({"surroundings.body": None}).parts.skin, one, "floating")
     there = np.arange(2) < presses.touches[:, None]
     np.testing.assert_allclose(presses.finger[there], own, rtol=1e-4)
     pressed = pressed_pixels(scene, np.array([[0, 1]]), np.array([2.0]), (3, 3))

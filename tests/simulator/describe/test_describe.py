@@ -132,9 +132,9 @@ def test_keys_of_the_file_are_not_listed_as_assumed():
 
 
 def test_pixels_without_skin_are_left_out():
-    assert (3, 3) not in pixels_with_skin(skin(L_SHAPE))
-    assert len(pixels_with_skin(skin(L_SHAPE))) == 8
-    assert len(pixels_with_skin(skin(DISC))) == 9
+    assert (3, 3) not in pixels_with_skin(skin(L_SHAPE).parts.skin)
+    assert len(pixels_with_skin(skin(L_SHAPE).parts.skin)) == 8
+    assert len(pixels_with_skin(skin(DISC).parts.skin)) == 9
 
 
 @pytest.mark.parametrize(
@@ -155,7 +155,7 @@ def test_pixels_without_skin_are_left_out():
 )
 def test_pixels_have_equal_sweeps_only_on_symmetric_skins(changes, groups):
     scene = skin(changes)
-    assert len(equal_sweep_groups(scene, pixels_with_skin(scene))) == groups
+    assert len(equal_sweep_groups(scene, pixels_with_skin(scene.parts.skin))) == groups
 
 
 @pytest.mark.parametrize("changes", [DISC, {"contact.bottom-left.edge": "right"}])
@@ -166,7 +166,7 @@ def test_pixels_with_equal_sweeps_have_the_same_impedance(changes):
     def shown(row, column):
         return solver.solve(Press((Touch(row, column, 2.0),))).Z
 
-    groups = equal_sweep_groups(scene, pixels_with_skin(scene))
+    groups = equal_sweep_groups(scene, pixels_with_skin(scene.parts.skin))
     largest = max(groups, key=len)
     other = next(group[0] for group in groups if group is not largest)
     first = shown(*largest[0])
@@ -176,7 +176,7 @@ def test_pixels_with_equal_sweeps_have_the_same_impedance(changes):
 
 
 def test_a_skin_without_symmetry_is_described():
-    told = indistinguishable_pixels(skin(L_SHAPE), pixels_with_skin(skin(L_SHAPE)))
+    told = indistinguishable_pixels(skin(L_SHAPE), pixels_with_skin(skin(L_SHAPE).parts.skin))
     assert told.startswith("none: every pixel gives a sweep of its own")
 
 
@@ -196,7 +196,7 @@ def test_a_drawing_names_foils_and_pixels(run, tmp_path, kind, ending):
         assert "<!-- top-left, top (high) -->" in drawn
         assert "<!-- bottom-left, bottom (low) -->" in drawn
         named = {f"{i},{j}" for i in (1, 2, 3) for j in (1, 2, 3) if f"<!-- {i},{j} -->" in drawn}
-        assert named == {f"{i},{j}" for i, j in pixels_with_skin(scene)}
+        assert named == {f"{i},{j}" for i, j in pixels_with_skin(scene.parts.skin)}
         assert "<!-- column 1 -->" in drawn and "<!-- row 1 -->" in drawn
 
 

@@ -106,7 +106,7 @@ def texts(forward):
 
 
 def cells(forward, text):
-    return forward.cells(press_on(forward.scene, text))
+    return forward.cells(press_on(forward.scene.parts.skin, forward.scene.press, text))
 
 
 def test_readings_equal_those_of_numpy(forward, module, moved):

@@ -16,7 +16,9 @@ SHIFTS = np.geomspace(1e3, 1e6, 4)
 @pytest.fixture(scope="module")
 def sheet():
     scene = load_scene("sheet-5x5-two-interfaces")
-    return SheetModel(scene, two_fields(scene), Resolution(order=3, layers=2))
+    return SheetModel(
+        scene, two_fields(scene.parts.skin, scene.parts.setup), Resolution(order=3, layers=2)
+    )
 
 
 @pytest.mark.kernel

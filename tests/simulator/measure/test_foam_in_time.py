@@ -42,7 +42,7 @@ def creeping(strip):
 
 def pressed_foam(scene, text, seconds=0.0):
     """State of a foam that is unpressed at first and pressed after that time."""
-    return FoamState(scene).then(press_on(scene, text), seconds)
+    return FoamState(scene).then(press_on(scene.parts.skin, scene.press, text), seconds)
 
 
 def strain(press):
@@ -68,7 +68,9 @@ def test_a_released_press_leaves_a_trace_that_goes(creeping):
 
 def test_a_trace_adds_to_the_next_press_of_its_place_alone(creeping):
     state = pressed_foam(creeping, "1,2:2.0").then(Press(), 3.0)
-    again = state.then(press_on(creeping, "1,2:1.5+1,4:1.5"), 1.0).after(0.0)
+    again = state.then(press_on(creeping.parts.skin, creeping.press, "1,2:1.5+1,4:1.5"), 1.0).after(
+        0.0
+    )
     here, there = again.touches
     trace = 0.05 * (1 - np.exp(-3.0)) * np.exp(-1.0)
     assert 1 - 1 / here.factor == pytest.approx(1 / 3 + trace, rel=1e-12)
@@ -103,16 +105,18 @@ def test_a_force_creeps_from_the_depth_that_it_takes_at_once(strip):
 def test_hysteresis_counts_as_a_press_is_lessened_and_not_let_go(strip):
     scene = strip.with_({"skin.foam.hysteresis": 0.2})
     up, down = (pressed_foam(scene, text) for text in ("1,2:1.5", "1,2:2.0"))
-    less = down.then(press_on(scene, "1,2:1.5"), 1.0)
+    less = down.then(press_on(scene.parts.skin, scene.press, "1,2:1.5"), 1.0)
     assert strain(up.after(5.0)) == pytest.approx(1 / 3, rel=1e-14)
     lagging = 1 / 3 + 3 * 0.2 / 3 * (1 - 2 / 3)
     assert strain(less.after(5.0)) == pytest.approx(lagging, rel=1e-12)
-    pressed_anew = less.then(Press(), 1.0).then(press_on(scene, "1,2:1.5"), 1.0)
+    pressed_anew = less.then(Press(), 1.0).then(
+        press_on(scene.parts.skin, scene.press, "1,2:1.5"), 1.0
+    )
     assert pressed_anew.after(0.0) == up.press
 
 
 def test_a_state_is_the_same_through_any_change_that_is_none(creeping):
-    press = press_on(creeping, "1,2:2.0+1,5:1.4")
+    press = press_on(creeping.parts.skin, creeping.press, "1,2:2.0+1,5:1.4")
     once = FoamState(creeping).then(press, 0.0)
     twice = once.then(press, 0.8)
     for one, other in zip(once.after(2.0).touches, twice.after(1.2).touches, strict=True):
@@ -135,7 +139,9 @@ def one_by_one(scene, texts):
     solver, (moments, whole) = Solver(scene, 1e-6), reading_moments(scene)
     state, Z = FoamState(scene), []
     for text in texts:
-        state = state.then(press_on(scene, text), scene.experiment.timed.pause)
+        state = state.then(
+            press_on(scene.parts.skin, scene.press, text), scene.experiment.timed.pause
+        )
         readings = itertools.product(*map(range, moments.shape))
         Z.append(
             [
@@ -159,7 +165,9 @@ def one_by_one(scene, texts):
 )
 def test_sweeps_in_time_are_their_readings_within_the_estimated_error(strip, changes):
     scene, texts = strip.with_(changes), ["1,1", "none", "1,1+1,4"]
-    sweeps = simulate(Solver(scene, 1e-4), [press_on(scene, text) for text in texts])
+    sweeps = simulate(
+        Solver(scene, 1e-4), [press_on(scene.parts.skin, scene.press, text) for text in texts]
+    )
     Z, read = (
         impedance(sweeps),
         np.broadcast_to(scene.parts.setup.read, (3, *scene.parts.setup.shape)),
@@ -173,7 +181,7 @@ def test_sweeps_in_time_are_their_readings_within_the_estimated_error(strip, cha
 
 def test_foam_that_creeps_not_at_all_reads_as_before(strip):
     """No key, hysteresis of released presses, or creep too slow to be observed."""
-    presses = [press_on(strip, text) for text in ("none", "1,1", "1,3")]
+    presses = [press_on(strip.parts.skin, strip.press, text) for text in ("none", "1,1", "1,3")]
     plain = simulate(Solver(strip), presses)
     for foam in ({"hysteresis": 0.1}, {"relaxation": [{"share": 1e-6, "time_constant": 1e7}]}):
         changes = {f"skin.foam.{key}": value for key, value in foam.items()}
@@ -206,7 +214,7 @@ def test_foam_that_creeps_not_at_all_reads_as_before(strip):
 )
 def test_presses_that_creep_too_far_are_refused(strip, changes, texts, message):
     scene = strip.with_(changes)
-    presses = [press_on(scene, text) for text in texts]
+    presses = [press_on(scene.parts.skin, scene.press, text) for text in texts]
     if not message:  # a fixed depth stays
         assert simulate(Solver(scene, 1e-2), presses).sizes["sweep"] == 1
         return
@@ -217,7 +225,10 @@ def test_sweeps_are_simulated_again_in_their_order_session_by_session(creeping):
     """As a recording of two sessions has them: traces go from one sweep to the next of its own."""
     first, second = ["1,1:2.0", "none"], ["none", "1,3:1.5"]
     parts = [
-        simulate(Solver(creeping), [press_on(creeping, text) for text in texts])
+        simulate(
+            Solver(creeping),
+            [press_on(creeping.parts.skin, creeping.press, text) for text in texts],
+        )
         for texts in (first, second)
     ]
     both = concatenate(

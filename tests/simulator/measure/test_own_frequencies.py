@@ -67,7 +67,7 @@ def test_wrong_frequencies_are_refused_by_key(shared, given, message):
 
 
 def test_a_meter_shows_what_is_read_and_nothing_else(own):
-    found = simulate(Solver(own, 1e-3), every_press(own)[:2])
+    found = simulate(Solver(own, 1e-3), every_press(own.parts.skin, own.press)[:2])
     shown = read_out(found, own.readout, np.random.default_rng(0))
     np.testing.assert_array_equal(shown["taken"].values, TAKEN)
     assert np.isnan(shown["Rs"].values[:, ~TAKEN]).all()
@@ -77,7 +77,8 @@ def test_a_meter_shows_what_is_read_and_nothing_else(own):
 
 def test_sweeps_hold_what_is_read_and_nothing_else(shared, own, tmp_path):
     found, whole = (
-        simulate(Solver(scene, 1e-3), every_press(scene)[:2]) for scene in (own, shared)
+        simulate(Solver(scene, 1e-3), every_press(scene.parts.skin, scene.press)[:2])
+        for scene in (own, shared)
     )
     for name in ("Rs", "X", "Cp"):
         np.testing.assert_array_equal(found[name].values[:, TAKEN], whole[name].values[:, TAKEN])
@@ -98,7 +99,7 @@ def test_sweeps_hold_what_is_read_and_nothing_else(shared, own, tmp_path):
 
 
 def test_cp_alone_is_followed_at_what_each_interface_was_read_at(own, tmp_path):
-    found = simulate(Solver(own, 1e-3), every_press(own)[:2])
+    found = simulate(Solver(own, 1e-3), every_press(own.parts.skin, own.press)[:2])
     write(found, tmp_path / "own.csv")
     table = pd.read_csv(tmp_path / "own.csv", comment="#").drop(columns="X_ohm")
     table.to_csv(tmp_path / "Cp.csv", index=False)
@@ -108,7 +109,10 @@ def test_cp_alone_is_followed_at_what_each_interface_was_read_at(own, tmp_path):
 
 
 def test_recordings_are_joined_if_their_readings_are_equal(own, shared):
-    part, whole = (simulate(Solver(scene, 1e-3), every_press(scene)[:2]) for scene in (own, shared))
+    part, whole = (
+        simulate(Solver(scene, 1e-3), every_press(scene.parts.skin, scene.press)[:2])
+        for scene in (own, shared)
+    )
     both = join([part, part.isel(interface=[1, 0])], ["one.nc", "other.nc"])
     np.testing.assert_array_equal(both["taken"].values, TAKEN)
     assert np.isfinite(both["Rs"].values[:, TAKEN]).all() and both.sizes["sweep"] == 4
@@ -119,7 +123,10 @@ def test_recordings_are_joined_if_their_readings_are_equal(own, shared):
 
 
 def test_fewer_readings_are_those_of_a_scene_of_fewer(own, shared):
-    part, whole = (simulate(Solver(scene, 1e-3), every_press(scene)[:2]) for scene in (own, shared))
+    part, whole = (
+        simulate(Solver(scene, 1e-3), every_press(scene.parts.skin, scene.press)[:2])
+        for scene in (own, shared)
+    )
     for name in ("Rs", "X", "Cp", "Rs_error", "taken"):
         assert restricted(whole, TAKEN)[name].equals(part[name])
     only = restricted(part, np.array([[True, True, False], [False, False, False]]))
@@ -138,7 +145,10 @@ def test_a_scene_is_read_otherwise_by_its_interfaces(own, shared):
 
 
 def test_presses_are_simulated_anew_at_what_was_read(own, shared):
-    part, whole = (simulate(Solver(scene, 1e-3), every_press(scene)[:2]) for scene in (own, shared))
+    part, whole = (
+        simulate(Solver(scene, 1e-3), every_press(scene.parts.skin, scene.press)[:2])
+        for scene in (own, shared)
+    )
     again = resimulated(part, own, own.frequencies)
     np.testing.assert_allclose(again["Rs"].values, part["Rs"].values, rtol=1e-3)
     elsewhere = resimulated(part, own, own.frequencies[:2])
@@ -155,7 +165,7 @@ def test_an_interface_that_shows_the_same_is_no_repeat_at_other_frequencies(shar
 
 
 def test_readings_that_were_not_taken_must_not_be_there(own):
-    found = simulate(Solver(own, 1e-3), every_press(own)[:1])
+    found = simulate(Solver(own, 1e-3), every_press(own.parts.skin, own.press)[:1])
     with pytest.raises(InputError, match="`Rs` must be NaN where `taken`"):
         check(found.assign(Rs=found["Rs"].fillna(1.0)))
     with pytest.raises(InputError, match="`X` must be finite"):

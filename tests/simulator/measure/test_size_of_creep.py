@@ -26,7 +26,11 @@ def left(sheet, pixel, averaging):
     creep = [{"share": 0.1, "time_constant": 1.0}]
     timing = {"averaging": averaging}
     scene = sheet.with_({"skin.foam.relaxation": creep, "experiment.timing": timing})
-    (drifting,) = impedance(simulate(Solver(scene), [press_on(scene, f"{pixel[0]},{pixel[1]}:2")]))
+    (drifting,) = impedance(
+        simulate(
+            Solver(scene), [press_on(scene.parts.skin, scene.press, f"{pixel[0]},{pixel[1]}:2")]
+        )
+    )
     solver, noise = Solver(sheet), errors_of(sheet).deviation
     factors = extrema(1.9, 2.3, 7)
     known = [solver.solve(Press((Touch(*pixel, factor),))).Z for factor in factors.tolist()]

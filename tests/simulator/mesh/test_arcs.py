@@ -51,7 +51,7 @@ def assert_exact(mesh, press):
 )
 def test_circles_that_touch_or_nearly_touch_are_exact(make_scene, text):
     scene, press = make_scene(rows=4, columns=5), parse_press(text, 2.0)
-    mesh = domain(scene, press, 0.02)
+    mesh = domain(scene.parts.skin, press, 0.02)
     assert_exact(mesh, press)
     assert mesh.t.shape[1] < 20_000
 
@@ -64,7 +64,7 @@ def test_circles_anywhere_stay_exact_as_triangles_are_halved(make_scene, seed):
         x, y = rng.uniform(radius, [LENGTH - radius, WIDTH - radius])
         discs.append(Disc(x, y, radius, 2.0))
     press = Press(tuple(discs))
-    mesh = domain(make_scene(rows=4, columns=5), press, 0.02)
+    mesh = domain(make_scene(rows=4, columns=5).parts.skin, press, 0.02)
     for _ in range(3):
         assert_exact(mesh, press)
         mesh = finer(mesh, rng.choice(mesh.t.shape[1], mesh.t.shape[1] // 5, replace=False))

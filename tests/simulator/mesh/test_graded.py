@@ -16,7 +16,9 @@ ORDER = 3
 
 @pytest.fixture(scope="module")
 def mesh(tools):
-    return domain(load_scene(tools.SCENES / "l-shape.toml"), Press(), 0.05, between=False)
+    return domain(
+        load_scene(tools.SCENES / "l-shape.toml").parts.skin, Press(), 0.05, between=False
+    )
 
 
 def singular(mesh, *names, films=()):
@@ -41,7 +43,7 @@ def test_where_an_angle_turns_in_the_field_is_singular(mesh):
 
 def test_where_a_foil_ends_within_an_edge_the_field_is_singular(make_scene):
     scene = make_scene({"top-left": {"span": (0.0, 0.7)}, "bottom-bottom": {}})
-    mesh = domain(scene, Press(), 0.05)
+    mesh = domain(scene.parts.skin, Press(), 0.05)
     assert singular(mesh, "top-left") == {(0.0, 0.056): pytest.approx(0.5)}
     found = corner_exponents(
         mesh, [SheetAtCorners(["top-left"]), SheetAtCorners(["bottom-bottom"])]
@@ -50,7 +52,7 @@ def test_where_a_foil_ends_within_an_edge_the_field_is_singular(make_scene):
 
 
 def test_circles_have_no_corners(tools):
-    mesh = domain(load_scene(tools.SCENES / "disc-with-hole.toml"), Press(), 0.02)
+    mesh = domain(load_scene(tools.SCENES / "disc-with-hole.toml").parts.skin, Press(), 0.02)
     assert singular(mesh, "hole") == {}
     ends = singular(mesh, "rim")
     assert sorted(ends) == [pytest.approx((0.0, 0.05)), pytest.approx((0.05, 0.1))]
@@ -107,9 +109,9 @@ def test_the_fewest_triangles_hold_the_target():
 
 def test_without_lines_between_pixels_meshes_follow_those_that_are_pressed(tools):
     scene = load_scene(tools.SCENES / "l-shape.toml")
-    whole = domain(scene, parse_press("1,2", 2.0), 0.05)
-    assert domain(scene, parse_press("2,1", 2.0), 0.05) is whole
-    bare = domain(scene, parse_press("1,2", 2.0), 0.05, between=False)
+    whole = domain(scene.parts.skin, parse_press("1,2", 2.0), 0.05)
+    assert domain(scene.parts.skin, parse_press("2,1", 2.0), 0.05) is whole
+    bare = domain(scene.parts.skin, parse_press("1,2", 2.0), 0.05, between=False)
     assert bare.t.shape[1] < whole.t.shape[1]
     assert bare.areas[bare.pixel == 1].sum() == pytest.approx(0.04**2, rel=1e-9)
     for side in (((0.04, 0.0), (0.04, 0.04)), ((0.04, 0.04), (0.08, 0.04))):
@@ -120,7 +122,7 @@ def test_without_lines_between_pixels_meshes_follow_those_that_are_pressed(tools
 def test_files_are_cut_along_pressed_pixels_alone(tools, tmp_path):
     scene = tools.on_mesh(tools.write_l(tmp_path / "l.msh"))
     press = parse_press("1,2", 2.0)
-    whole, bare = (domain(scene, press, 0.05, between=each) for each in (True, False))
+    whole, bare = (domain(scene.parts.skin, press, 0.05, between=each) for each in (True, False))
     assert bare.t.shape[1] < whole.t.shape[1]
     assert bare.areas[bare.pixel == 1].sum() == pytest.approx(0.04**2, rel=1e-9)
     assert replace(bare, pixel=whole.pixel).areas.sum() == pytest.approx(tools.L_AREA, rel=1e-9)

@@ -30,7 +30,7 @@ def pixel_areas(mesh, count):
 
 
 def test_foils_and_pixels_are_named_groups(file, tools):
-    mesh = domain(tools.on_mesh(file, pixels=GROUPS), REST, 1.0)
+    mesh = domain(tools.on_mesh(file, pixels=GROUPS).parts.skin, REST, 1.0)
     assert pixel_areas(mesh, 2) == pytest.approx([0.12 * 0.05, 0.07 * 0.05], rel=1e-12)
     feed, far = (mesh.foils[name] for name in ("top-feed", "bottom-far"))
     assert tools.lengths(mesh, feed).sum() == pytest.approx(0.05, rel=1e-12)
@@ -40,24 +40,26 @@ def test_foils_and_pixels_are_named_groups(file, tools):
 
 def test_without_groups_pixels_are_the_grid(file, tools):
     scene = tools.on_mesh(file)
-    mesh = domain(scene, REST, 1.0)
+    mesh = domain(scene.parts.skin, REST, 1.0)
     assert mesh.areas.sum() == pytest.approx(tools.L_AREA, rel=1e-12)
     expected = [16e-4, 16e-4, 16e-4, 16e-4, 7e-4, 4e-4, 16e-4, 4e-4, 0]
     assert pixel_areas(mesh, 9) == pytest.approx(expected, rel=1e-7, abs=1e-15)
-    assert len(pixels_with_skin(scene)) == 8 and (3, 3) not in pixels_with_skin(scene)
+    assert len(pixels_with_skin(scene.parts.skin)) == 8 and (3, 3) not in pixels_with_skin(
+        scene.parts.skin
+    )
     assert tools.euler(mesh) == 1
 
 
 def test_a_grid_smaller_than_the_mesh_leaves_the_rest_without_pixel(file, tools):
     scene = tools.on_mesh(file)
     small = scene.model_copy(update={"skin": scene.skin.model_copy(update={"length": 0.06})})
-    mesh = domain(small, REST, 1.0)
+    mesh = domain(small.parts.skin, REST, 1.0)
     beyond = mesh.areas[mesh.pixel < 0].sum()
     assert beyond == pytest.approx(0.06 * 0.05, rel=1e-7)
 
 
 def test_touches_are_cut_out(file, tools):
-    mesh = domain(tools.on_mesh(file, pixels=GROUPS), PRESS, 1.0)
+    mesh = domain(tools.on_mesh(file, pixels=GROUPS).parts.skin, PRESS, 1.0)
     found = [mesh.areas[covered].sum() for covered in mesh.covered]
     expected = [0.02 * 0.03, np.pi * 0.01**2, 0.09 * 0.03 / 2]
     assert found == pytest.approx(expected, rel=1e-7)
@@ -74,7 +76,7 @@ def test_touches_are_cut_out(file, tools):
 @pytest.mark.parametrize("quadrilaterals", [False, True])
 def test_elements_become_straight_triangles(tmp_path, tools, order, quadrilaterals):
     path = tools.write_l(tmp_path / "l.msh", order=order, quadrilaterals=quadrilaterals)
-    mesh = domain(tools.on_mesh(path, pixels=GROUPS), REST, 1.0)
+    mesh = domain(tools.on_mesh(path, pixels=GROUPS).parts.skin, REST, 1.0)
     assert mesh.areas.sum() == pytest.approx(tools.L_AREA, rel=1e-12)
     assert tools.lengths(mesh, mesh.foils["top-feed"]).sum() == pytest.approx(0.05, rel=1e-12)
     assert tools.euler(mesh) == 1
@@ -90,7 +92,7 @@ def test_groups_of_a_vtu_file_are_named_by_their_data(tmp_path, tools):
     groups = [[f"part={tag['foot']}", f"part={tag['arm']}"]]
     foils = [f"part={tag[name]}" for name in ("feed", "far")]
     scene = tools.on_mesh(tmp_path / "l.vtu", foils, pixels={**GROUPS, "groups": groups})
-    mesh = domain(scene, REST, 1.0)
+    mesh = domain(scene.parts.skin, REST, 1.0)
     assert pixel_areas(mesh, 2) == pytest.approx([0.12 * 0.05, 0.07 * 0.05], rel=1e-12)
     for lines in mesh.foils.values():
         assert tools.lengths(mesh, lines).sum() == pytest.approx(0.05, rel=1e-12)
@@ -105,7 +107,7 @@ def test_named_sets_of_elements_are_groups(tmp_path, tools):
     sets = {name: [np.array(part, int) for part in parts] for name, parts in sets.items()}
     meshio.Mesh(np.array(points, float), cells, cell_sets=sets).write(tmp_path / "square.inp")
     grouped = {"rows": 1, "columns": 2, "groups": [["lower", "upper"]]}
-    mesh = domain(tools.on_mesh(tmp_path / "square.inp", pixels=grouped), REST, 1.0)
+    mesh = domain(tools.on_mesh(tmp_path / "square.inp", pixels=grouped).parts.skin, REST, 1.0)
     assert pixel_areas(mesh, 2) == pytest.approx([0.005, 0.005])
 
 
@@ -123,7 +125,7 @@ def curved(tools, path, lift):
 
 def test_surfaces_in_space_are_cut_along_z(tmp_path, tools):
     foils = curved(tools, tmp_path / "l.vtu", lambda x, y: 0.5 * x)
-    mesh = domain(tools.on_mesh(tmp_path / "l.vtu", foils), PRESS, 1.0)
+    mesh = domain(tools.on_mesh(tmp_path / "l.vtu", foils).parts.skin, PRESS, 1.0)
     assert mesh.p.shape[0] == 3
     slope = np.hypot(1, 0.5)
     assert mesh.areas.sum() == pytest.approx(tools.L_AREA * slope, rel=1e-12)
@@ -135,17 +137,17 @@ def test_surfaces_in_space_are_cut_along_z(tmp_path, tools):
 
 def test_a_raised_plane_is_flat(tmp_path, tools):
     foils = curved(tools, tmp_path / "l.vtu", lambda x, y: 0.3 + 0 * x)
-    assert domain(tools.on_mesh(tmp_path / "l.vtu", foils), REST, 1.0).p.shape[0] == 2
+    assert domain(tools.on_mesh(tmp_path / "l.vtu", foils).parts.skin, REST, 1.0).p.shape[0] == 2
 
 
 @pytest.mark.parametrize(("press", "least"), [("none", 1.0), ("disc(0.021,0.0227,0.0113)", 1.0)])
 def test_cuts_of_flat_meshes_leave_no_slivers(file, tools, press, least):
-    mesh = domain(tools.on_mesh(file), parse_press(press, 2.0), 1.0)
+    mesh = domain(tools.on_mesh(file).parts.skin, parse_press(press, 2.0), 1.0)
     assert tools.least_angle(mesh) > least
 
 
 def test_cuts_are_the_same_each_time(file, tools):
-    first, second = (domain(tools.on_mesh(file), PRESS, 1.0) for _ in range(2))
+    first, second = (domain(tools.on_mesh(file).parts.skin, PRESS, 1.0) for _ in range(2))
     assert np.array_equal(first.p, second.p) and np.array_equal(first.t, second.t)
 
 
@@ -192,7 +194,7 @@ SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
 def test_meshes_that_cannot_be_computed_on_are_refused(tmp_path, tools, points, triangles, message):
     path = write(tmp_path / "bad.vtu", points, triangles)
     with pytest.raises(InputError) as refused:
-        domain(tools.on_mesh(path, ["part=1", "part=1"]), REST, 1.0)
+        domain(tools.on_mesh(path, ["part=1", "part=1"]).parts.skin, REST, 1.0)
     assert str(refused.value).startswith(f"{path.name}: the triangles of `skin.mesh` must ")
     assert message in str(refused.value)
     assert "\n" not in str(refused.value)
@@ -207,10 +209,10 @@ def test_missing_groups_are_reported_with_the_known_ones(file, tools):
         tools.on_mesh(file, ["seam", "far"])
     scene = tools.on_mesh(file, pixels={**GROUPS, "groups": [["foot", "leg"]]})
     with pytest.raises(InputError, match=r"`pixels.groups` names 'leg', .*'foot', 'arm'"):
-        domain(scene, REST, 1.0)
+        domain(scene.parts.skin, REST, 1.0)
     scene = tools.on_mesh(file, pixels={**GROUPS, "groups": [["foot", "foot"]]})
     with pytest.raises(InputError, match="group 'foot' shares triangles with another"):
-        domain(scene, REST, 1.0)
+        domain(scene.parts.skin, REST, 1.0)
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,7 @@ def areas(cells):
 @given(data=st.data(), resolution=RESOLUTIONS)
 def test_every_pixel_is_filled_by_its_own_elements(random, data, resolution):
     scene = data.draw(random.between())
-    pixels, skin = pixel_mesh(scene, scene.contacts, resolution), scene.skin
+    pixels, skin = pixel_mesh(scene.parts.skin, scene.contacts, resolution), scene.skin
     count = scene.pixels.rows * scene.pixels.columns
     filled = np.bincount(pixels.pixel, weights=areas(pixels.cells), minlength=count)
     np.testing.assert_allclose(filled, skin.length * skin.width / count, rtol=1e-9)
@@ -46,8 +46,8 @@ def test_every_part_between_further_lines_is_filled_by_its_own_elements(
     scene = data.draw(random.between())
     x, y = (distinct([*(side * each for each in at), side]) for side in size(scene))
     resolution = replace(resolution, lines=(tuple(x[:-1].tolist()), tuple(y[:-1].tolist())))
-    pixels = pixel_mesh(scene, scene.contacts, resolution)
-    x, y = (tile_lines(scene, axis, resolution) for axis in (0, 1))
+    pixels = pixel_mesh(scene.parts.skin, scene.contacts, resolution)
+    x, y = (tile_lines(scene.parts.skin, axis, resolution) for axis in (0, 1))
     of_tile = np.multiply.outer(np.diff(y), np.diff(x)).ravel()
     filled = np.bincount(pixels.pixel, weights=areas(pixels.cells), minlength=len(of_tile))
     np.testing.assert_allclose(filled, of_tile, rtol=1e-6, atol=1e-15)
@@ -61,7 +61,7 @@ def size(scene):
 @given(data=st.data(), resolution=RESOLUTIONS)
 def test_every_foil_covers_its_span(random, data, resolution):
     scene = data.draw(random.between())
-    pixels = pixel_mesh(scene, scene.contacts, resolution)
+    pixels = pixel_mesh(scene.parts.skin, scene.contacts, resolution)
     for contact in scene.contacts:
         start, stop = np.array(contact.ends(scene.skin))
         facets = pixels.mesh.p[:, pixels.mesh.facets[:, pixels.facets(contact)]]
@@ -72,7 +72,9 @@ def test_every_foil_covers_its_span(random, data, resolution):
 @given(width=st.sampled_from([1e-2, 1e-3, 1e-5]))
 def test_cells_at_a_fed_edge_are_as_thin_as_requested(make_scene, width):
     scene = make_scene(columns=2)
-    x = np.unique(pixel_mesh(scene, scene.contacts, Resolution(2, edge_cell=width)).mesh.p[0])
+    x = np.unique(
+        pixel_mesh(scene.parts.skin, scene.contacts, Resolution(2, edge_cell=width)).mesh.p[0]
+    )
     assert x[1] - x[0] <= width * (1 + 1e-9)
     assert x[-1] - x[-2] > 1e-2
 
@@ -86,7 +88,7 @@ def test_rings_shrink_towards_the_end_of_a_foil(make_scene, layers):
     """They shrink by one ratio, with cells of one shape. The last cells keep that shape, although
     their points are too close to resolve it."""
     scene = make_scene(HALF)
-    cells = pixel_mesh(scene, scene.contacts, Resolution(2, layers=layers)).cells
+    cells = pixel_mesh(scene.parts.skin, scene.contacts, Resolution(2, layers=layers)).cells
     distance = np.linalg.norm(cells.p - TIP[:, None], axis=0)
     nearest = np.sort(distance[distance > 0])[:5]
     patch = np.array([0.04, 0.04, 0.04, *np.sqrt(2) * np.array([0.04, 0.04])])
@@ -99,7 +101,7 @@ def test_rings_shrink_towards_the_end_of_a_foil(make_scene, layers):
 @given(data=st.data(), resolution=RESOLUTIONS)
 def test_shapes_are_those_of_the_points(random, data, resolution):
     scene = data.draw(random.between())
-    cells = pixel_mesh(scene, scene.contacts, resolution).cells
+    cells = pixel_mesh(scene.parts.skin, scene.contacts, resolution).cells
     first, second, third, fourth = cells.p[:, cells.t].transpose(1, 0, 2)
     for shape, points in (
         (cells.along, second - first),
@@ -113,7 +115,7 @@ def test_shapes_are_those_of_the_points(random, data, resolution):
 def test_neighbours_run_along_their_edge_in_one_direction(random, data, resolution):
     """Edge functions of odd degree would else change sign between them."""
     scene = data.draw(random.between())
-    t = pixel_mesh(scene, scene.contacts, resolution).cells.t
+    t = pixel_mesh(scene.parts.skin, scene.contacts, resolution).cells.t
     edges = {
         edge for a, b in ((0, 1), (3, 2), (0, 3), (1, 2)) for edge in zip(t[a], t[b], strict=True)
     }

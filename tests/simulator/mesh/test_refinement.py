@@ -16,7 +16,9 @@ PRESS = "rect(0.045,0.03,0.02,0.03)+disc(0.02,0.08,0.01)"
 
 @pytest.fixture(scope="module")
 def mesh(tools):
-    return domain(load_scene(tools.SCENES / "l-shape.toml"), parse_press(PRESS, 2.0), 0.02)
+    return domain(
+        load_scene(tools.SCENES / "l-shape.toml").parts.skin, parse_press(PRESS, 2.0), 0.02
+    )
 
 
 def nearest(mesh, x, count):

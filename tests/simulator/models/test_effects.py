@@ -64,12 +64,12 @@ def test_the_scene_with_other_values_has_so_much_more_around_it(scene):
 def test_a_rim_that_is_computed_stays_what_it_was_beside_a_body_that_is_nearer(scene):
     """As models have it: of the parts of M each takes its own factor."""
     around = scene.with_({"surroundings": {"rim": True, "body": BODY}})
-    own = rim_densities(around)
+    own = rim_densities(around.parts.skin)
     for given, factor in (({"body": 0.4}, 1.0), ({"body": 0.4, "rim": math.log(2)}, 2.0)):
         found = scene_with(around, given).surroundings.rim
         assert found.mutual == pytest.approx(factor * own.mutual)
         assert found.top == pytest.approx(factor * own.top)
-    assert rim_densities(scene_with(around, {}).with_({})) == own
+    assert rim_densities(scene_with(around, {}).with_({}).parts.skin) == own
 
 
 @pytest.mark.parametrize("factor", [2.0, 0.1])

@@ -97,7 +97,9 @@ def hold(scene, changes, pressed):
     """Whether the changed scene is answered, within its tolerance; else it is refused in a line."""
     try:
         changed = scene.with_(changes)
-        answer = Solver(changed, RTOL).solve(every_press(changed)[pressed])
+        answer = Solver(changed, RTOL).solve(
+            every_press(changed.parts.skin, changed.press)[pressed]
+        )
     except (InputError, ToleranceError) as refused:
         assert str(refused) and "\n" not in str(refused) and "nan" not in str(refused)
         return False

@@ -77,7 +77,7 @@ def test_answers_are_shaped_by_interface_and_frequency(make_scene):
 
 def test_sweeps_carry_what_made_them():
     scene = load_scene("strip-1x3")
-    sweeps = check(simulate(Solver(scene, 1e-6), every_press(scene)))
+    sweeps = check(simulate(Solver(scene, 1e-6), every_press(scene.parts.skin, scene.press)))
     assert sweeps["press"].values.tolist() == ["none", "1,1:2.0", "1,2:2.0", "1,3:2.0"]
     assert sweeps["column"].values.tolist() == [0, 1, 2, 3]
     assert sweeps.attrs["model"] == "exact line"

@@ -121,7 +121,7 @@ def test_presses_move_with_the_skin(make_scene):
     pixel, rectangle = moved.touches
     assert pixel == Touch(1, 2, 3.0)
     assert rectangle == Rectangle(0.06, 0.032, pytest.approx(0.12), 0.016, 2.0)
-    assert check_press(moved, equivalent_scene(scene)) == moved
+    assert check_press(moved, equivalent_scene(scene).parts.skin) == moved
 
 
 @pytest.mark.parametrize(

@@ -54,7 +54,7 @@ def by_python(paged, press, cast):
     """Z in ohm at the meter's end, by the kernel, of a skin as it is cast."""
     scene, reduced = paged.scene, paged.reduced
     straight = scene if scene.surroundings is None else scene.with_({"surroundings.edges": False})
-    cells, rises = touched_cells(straight, press, reduced.grid)
+    cells, rises = touched_cells(straight.parts.skin, straight.press, press, reduced.grid)
     foam, scale = 1.0, cast["capacitance"]
     if scene.surroundings is not None:
         foam, scale = scale, foam
@@ -96,7 +96,7 @@ def walls_of(scene, press, parts, grid):
     sides = zip(scene.skin.sides, grid[::-1], strict=True)
     x, y = (np.linspace(0, side, n + 1) for side, n in sides)
     pressed = [touch for touch in press.touches if touch.factor != 1]
-    covers = [patch(scene, touch).share(x, y) for touch in pressed]
+    covers = [patch(scene.parts.skin, touch).share(x, y) for touch in pressed]
     levels = np.unique(np.concatenate([[0.0, 1.0], *(each.ravel() for each in covers)]))
     middles, found = (levels[1:] + levels[:-1]) / 2, []
     for pair in parts.walls.pairs.tolist():
@@ -209,13 +209,13 @@ def test_fields_and_fingers_of_a_skin_with_surroundings_are_those_of_the_solver(
     }
     (found,) = in_node(earthed.data, [case])
     Z = np.array([[z["re"] + 1j * z["im"] for z in of] for of in found["Z"]])
-    press = press_on(scene, "1,2:2.0")
+    press = press_on(scene.parts.skin, scene.press, "1,2:2.0")
     assert press.touches[0].finger == pytest.approx(finger, rel=1e-12)
     assert found["fingers"] == [pytest.approx(finger, rel=1e-5)]
     assert np.abs(Z / Solver(scene, 1e-4).solve(press).Z - 1).max() < 1e-2
     skin = earthed.reduced.skin(None)
     s = laplace_variable(scene.frequencies[2:], skin.loss)
-    drives = skin.solved(*touched_cells(scene, press), s)
+    drives = skin.solved(*touched_cells(scene.parts.skin, scene.press, press), s)
     own = np.linalg.solve(skin.turn, sum(u[:, 0] for u, _ in drives))
     raster = Raster(
         *scene.skin.sides, **{k: earthed.data["raster"][k] for k in ("rows", "columns")}

@@ -35,7 +35,7 @@ def fingered(make_scene):
 
 
 def only(scene, text):
-    (touch,) = press_on(scene, text).touches
+    (touch,) = press_on(scene.parts.skin, scene.press, text).touches
     return touch
 
 
@@ -85,7 +85,7 @@ def test_touches_that_do_not_say_are_by_the_finger_of_the_scene(fingered, of_sce
 def test_air_is_in_series_with_the_cover(fingered):
     pixel = Touch(1, 1, 1.0)
     apart = [
-        finger_capacitance(fingered(**{"surroundings.air": a}), pixel, "earthed")
+        finger_capacitance(fingered(**{"surroundings.air": a}).parts.skin, pixel, "earthed")
         for a in (0.0, 1e-3, 3e-3)
     ]
     assert np.diff(1 / np.array(apart)) == pytest.approx(
@@ -95,14 +95,18 @@ def test_air_is_in_series_with_the_cover(fingered):
 
 def test_every_pixel_is_pressed_by_the_finger_of_the_scene(fingered):
     scene = fingered(**{"press.finger": "earthed"})
-    rest, *others = every_press(scene)
+    rest, *others = every_press(scene.parts.skin, scene.press)
     assert (rest, len(others)) == (Press(), 6)
     assert {touch.finger for press in others for touch in press.touches} == {PIXEL}
-    assert pixel_pressed(scene, 1, 2, 3.0) == Touch(1, 2, 3.0, PIXEL)
+    assert pixel_pressed(scene.parts.skin, scene.press, 1, 2, 3.0) == Touch(1, 2, 3.0, PIXEL)
 
 
 def test_the_text_of_a_press_carries_the_capacitance(fingered):
-    pressed = press_on(fingered(), "2,3:touch:5.3pF+1,1:3+1,2:finger+disc(0.02,0.02,0.01):1pF")
+    pressed = press_on(
+        fingered().parts.skin,
+        fingered().press,
+        "2,3:touch:5.3pF+1,1:3+1,2:finger+disc(0.02,0.02,0.01):1pF",
+    )
     assert str(pressed) == (
         f"1,1:3.0+1,2:2.0:{PIXEL!r}F+2,3:1.0:5.3e-12F+disc(0.02,0.02,0.01):2.0:1e-12F"
     )
@@ -137,11 +141,11 @@ def test_only_the_part_of_a_patch_that_has_skin_counts():
         }
     )
     quarter = np.pi * 0.05**2 / 4
-    assert touched_area(disc, Touch(1, 1, 1.0)) == pytest.approx(quarter, rel=1e-3)
-    assert touched_area(disc, Rectangle(0.06, 0.06, 0.12, 0.12, 1.0)) == pytest.approx(
+    assert touched_area(disc.parts.skin, Touch(1, 1, 1.0)) == pytest.approx(quarter, rel=1e-3)
+    assert touched_area(disc.parts.skin, Rectangle(0.06, 0.06, 0.12, 0.12, 1.0)) == pytest.approx(
         4 * quarter, rel=1e-3
     )
-    assert touched_area(disc, Disc(0.06, 0.06, 0.02, 1.0)) == pytest.approx(
+    assert touched_area(disc.parts.skin, Disc(0.06, 0.06, 0.02, 1.0)) == pytest.approx(
         np.pi * 0.02**2, rel=1e-3
     )
 
@@ -180,6 +184,16 @@ def test_no_solver_leaves_a_finger_out_without_a_word():
 def test_a_label_of_a_sweep_names_the_press_that_was_made(fingered, text):
     """Also a rod's, where the scene's own touches are fingers."""
     scene = fingered(press={"finger": "earthed"})
-    press = press_on(scene, text)
-    assert press_on(scene, label_of(press, scene)) == press
-    assert label_of(press_on(fingered(), "2,3:2.0"), fingered()) == "2,3:2.0"
+    press = press_on(scene.parts.skin, scene.press, text)
+    assert (
+        press_on(scene.parts.skin, scene.press, label_of(press, scene.parts.skin, scene.press))
+        == press
+    )
+    assert (
+        label_of(
+            press_on(fingered().parts.skin, fingered().press, "2,3:2.0"),
+            fingered().parts.skin,
+            fingered().press,
+        )
+        == "2,3:2.0"
+    )

@@ -28,6 +28,8 @@ OUTLINES = {
 def test_pixels_with_skin_are_those_of_a_mesh(outline):
     foils = {f"contact.{number}.edge": "outline" for number in (1, 2)}
     scene = load_scene("sheet-3x3").with_({"skin.outline": outline, **foils})
-    found = np.unique(domain(scene, Press(), 0.12).pixel)
-    assert pixels_with_skin(scene) == [(n // 3 + 1, n % 3 + 1) for n in found if n >= 0]
-    assert [press.pixel for press in every_press(scene)[1:]] == pixels_with_skin(scene)
+    found = np.unique(domain(scene.parts.skin, Press(), 0.12).pixel)
+    assert pixels_with_skin(scene.parts.skin) == [(n // 3 + 1, n % 3 + 1) for n in found if n >= 0]
+    assert [
+        press.pixel for press in every_press(scene.parts.skin, scene.press)[1:]
+    ] == pixels_with_skin(scene.parts.skin)

@@ -213,7 +213,7 @@ def test_the_pixel_of_a_press(text, pixel):
 )
 def test_a_press_beside_the_skin_is_reported(text, told):
     with pytest.raises(InputError, match=told):
-        check_press(parse_press(text, 2.0), load_scene("sheet-3x3"))
+        check_press(parse_press(text, 2.0), load_scene("sheet-3x3").parts.skin)
 
 
 @pytest.mark.parametrize(
@@ -222,7 +222,7 @@ def test_a_press_beside_the_skin_is_reported(text, told):
 )
 def test_a_press_on_the_skin_passes(text):
     press = parse_press(text, 2.0)
-    assert check_press(press, load_scene("sheet-3x3")) is press
+    assert check_press(press, load_scene("sheet-3x3").parts.skin) is press
 
 
 def test_the_command_line_takes_places(run, make_scene, tmp_path):

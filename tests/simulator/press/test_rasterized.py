@@ -33,13 +33,13 @@ def placed(draw):
 def test_all_at_once_is_press_by_press(placed, grid):
     touches, where = placed
     grid = 3 * grid[0], 3 * grid[1]
-    batch = rasterized(SCENE, touches, where, grid)
+    batch = rasterized(SCENE.parts.skin, touches, where, grid)
     assert batch.starts[-1] == len(batch.cells)
     for own, text in zip(batch.each(), place_texts(touches, where, where.factor, ""), strict=True):
         found, expected = np.zeros((2, grid[0] * grid[1]))
         assert (np.diff(own.cells) > 0).all()
         found[own.cells] = own.rises
-        at, by = touched_cells(SCENE, parse_press(text, np.nan), grid)
+        at, by = touched_cells(SCENE.parts.skin, SCENE.press, parse_press(text, np.nan), grid)
         expected[at] = by
         np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
 
@@ -49,7 +49,7 @@ def test_no_cell_beside_a_touch_is_counted():
     disc = Footprints(one > 0, 0.06 * one, 0.06 * one, 0.04 * one, 0.04 * one, 2 * one, 0 * one)
     on_lines = disc._replace(disc=one < 0)
     count = np.ones(1, dtype=np.int64)
-    assert rasterized(SCENE, count, on_lines, (12, 12)).cells.size == 4 * 4
-    whole = rasterized(SCENE, count, disc, (24, 24))
+    assert rasterized(SCENE.parts.skin, count, on_lines, (12, 12)).cells.size == 4 * 4
+    whole = rasterized(SCENE.parts.skin, count, disc, (24, 24))
     assert whole.cells.size < 8 * 8
     assert whole.rises.sum() * (SIDE / 24) ** 2 == pytest.approx(np.pi * 0.02**2, rel=1e-12)

@@ -35,9 +35,11 @@ def test_the_file_names_no_contacts_of_earth(yarn):
 def test_a_touch_of_a_pixel_is_a_factor_and_its_text_a_capacitance(yarn):
     own = 2.8e-8 * 0.72 * 1e-3 / 36
     assert yarn.press.capacitance_factor == pytest.approx(1 + 30e-12 / own, rel=1e-12)
-    press = press_on(yarn, "1,3+1,7:21.5pF")
-    assert label_of(press, yarn) == "1,3:30.0pF+1,7:21.5pF"
-    assert press_on(yarn, label_of(press, yarn)) == press
+    press = press_on(yarn.parts.skin, yarn.press, "1,3+1,7:21.5pF")
+    assert label_of(press, yarn.parts.skin, yarn.press) == "1,3:30.0pF+1,7:21.5pF"
+    assert (
+        press_on(yarn.parts.skin, yarn.press, label_of(press, yarn.parts.skin, yarn.press)) == press
+    )
     halved = yarn.with_({"pixels.columns": 18})
     assert halved.press.capacitance_factor == pytest.approx(1 + 15e-12 / own, rel=1e-12)
 
@@ -48,7 +50,7 @@ def test_data_sets_draw_the_capacitance_of_touches(yarn):
     added = [float(t.split(":")[1].removesuffix("pF")) for t in presses.text if t.count(":") == 1]
     assert 20 <= min(added) < 22 and 38 < max(added) <= 40
     for text, touches, factor in zip(presses.text, presses.touches, presses.factor, strict=True):
-        solved = [touch.factor for touch in press_on(drawn, text).touches]
+        solved = [touch.factor for touch in press_on(drawn.parts.skin, drawn.press, text).touches]
         assert sorted(solved) == pytest.approx(sorted(factor[:touches]), rel=1e-12)
 
 
@@ -131,7 +133,7 @@ def test_touches_of_two_sheets_and_mixed_strengths_are_refused(yarn, make_scene)
     with pytest.raises(InputError, match=r"`dataset.press.capacitance` needs `press.adds`"):
         make_scene().with_({"dataset.press.capacitance": 3e-11})
     with pytest.raises(InputError, match=r"1,3 takes one such as :30pF, or a factor, got both"):
-        press_on(yarn, "1,3:2.0:30pF")
+        press_on(yarn.parts.skin, yarn.press, "1,3:2.0:30pF")
 
 
 def test_describe_names_the_conductor_and_no_contacts_of_earth(run):

@@ -66,7 +66,9 @@ def test_class_0_is_in_1x3_and_3x3_alone(name):
 def test_the_pairs_of_foils_on_two_edges_do_not_touch():
     scene = load_scene("sheet-5x5-two-interfaces")
     assert len(set(conductor_groups(scene.contacts, scene.skin))) == 4
-    assert [drive.high for drive in two_fields(scene).excitations] == [(0,), (2,)]
+    assert [
+        drive.high for drive in two_fields(scene.parts.skin, scene.parts.setup).excitations
+    ] == [(0,), (2,)]
 
 
 def test_changes_of_a_scene_are_not_modified():

@@ -185,7 +185,9 @@ def test_earth_alone_changes_nothing_until_a_finger_touches():
     """The first is to the last bit; by another solver, a finger of almost nothing is none."""
     scene = load_scene("sheet-3x3")
     earthed = scene.with_({"surroundings": {}})
-    rod, finger = (press_on(earthed, f"2,3:2:{by}") for by in ("rod", "1e-20pF"))
+    rod, finger = (
+        press_on(earthed.parts.skin, earthed.press, f"2,3:2:{by}") for by in ("rod", "1e-20pF")
+    )
     expected = Solver(scene, 1e-4).solve(rod).Z
     np.testing.assert_array_equal(Solver(earthed, 1e-4).solve(rod).Z, expected)
     np.testing.assert_allclose(Solver(earthed, 1e-4).solve(finger).Z, expected, rtol=2e-4)

@@ -60,7 +60,9 @@ def test_cells_creep_as_touches_do(foam):
     scene = strip(**foam)
     state, memory, now = FoamState(scene), FoamMemory(scene, 3, 2), 0.0
     for touches, seconds in CHANGES:
-        state = state.then(press_on(scene, "+".join(touches) or "none"), now - state.since)
+        state = state.then(
+            press_on(scene.parts.skin, scene.press, "+".join(touches) or "none"), now - state.since
+        )
         memory.press(batch_of(state.press, 2), np.zeros(2, dtype=bool), now)
         for part in (0.0, 0.5):
             pressed = memory.pressed(now + part * seconds)
@@ -74,11 +76,16 @@ def test_cells_creep_as_touches_do(foam):
 def test_a_fixed_depth_keeps_its_strain_and_leaves_a_trace():
     scene = strip(relaxation=TWO, **CLOSING)
     depth = scene.pressed_depth(1.8)
-    state = FoamState(scene).then(press_on(scene, f"1,2:{1e3 * depth!r}mm"), 0.0)
+    state = FoamState(scene).then(
+        press_on(scene.parts.skin, scene.press, f"1,2:{1e3 * depth!r}mm"), 0.0
+    )
     memory = FoamMemory(scene, 3, 1)
     memory.press(PressBatch.of([(np.array([1]), np.array([0.8]))]), np.ones(1, dtype=bool), 0.0)
     assert memory.pressed(0.4).rises == pytest.approx([0.8])
-    state, left = state.then(press_on(scene, "none"), 0.5), np.zeros(1, dtype=bool)
+    state, left = (
+        state.then(press_on(scene.parts.skin, scene.press, "none"), 0.5),
+        np.zeros(1, dtype=bool),
+    )
     memory.press(PressBatch.of([(np.zeros(0, dtype=np.int64), np.zeros(0))]), left, 0.5)
     (touch,) = state.after(0.1).touches
     assert memory.pressed(0.6).rises == pytest.approx(

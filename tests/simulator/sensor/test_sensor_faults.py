@@ -21,7 +21,7 @@ def swept(sensor, press=PRESS):
 
 def solved(fault, press=PRESS):
     scene = parse_fault(fault, SCENE).changed(SCENE)
-    return Solver(scene, 1e-4).solve(press_on(scene, press)).Z[0]
+    return Solver(scene, 1e-4).solve(press_on(scene.parts.skin, scene.press, press)).Z[0]
 
 
 @pytest.mark.slow

@@ -28,7 +28,7 @@ IN_SPACE = {
 
 def relative(scene):
     """Mutual, top and bottom over eps0, and the error likewise."""
-    found = rim_densities(scene)
+    found = rim_densities(scene.parts.skin)
     three = np.array([found.mutual, found.top, found.bottom])
     return three / VACUUM_PERMITTIVITY, found.error / VACUUM_PERMITTIVITY
 
@@ -37,8 +37,8 @@ def relative(scene):
 def test_of_a_floating_meter_it_is_near_the_closed_form(skin, name, off):
     scene = skin(name, low="floating")
     closed = rim_per_length(*scene.skin.sides, 4e-3)
-    assert rim_densities(scene).mutual == pytest.approx(closed, rel=off)
-    assert rim_densities(scene).top == rim_densities(scene).bottom == 0
+    assert rim_densities(scene.parts.skin).mutual == pytest.approx(closed, rel=off)
+    assert rim_densities(scene.parts.skin).top == rim_densities(scene.parts.skin).bottom == 0
 
 
 def test_sheets_to_earth_are_in_series_where_the_meter_floats(skin):
@@ -114,12 +114,12 @@ def test_a_stretched_skin_is_taken_as_it_is_stretched(skin):
 
 def test_given_densities_are_taken_as_they_are(skin):
     given = skin("sheet-5x5", rim={"mutual": 1e-12, "top": 2e-12, "bottom": 3e-12})
-    assert rim_densities(given) == RimDensities(1e-12, 2e-12, 3e-12)
-    assert rim_densities(skin("sheet-5x5", rim=False)) == RimDensities(0.0)
+    assert rim_densities(given.parts.skin) == RimDensities(1e-12, 2e-12, 3e-12)
+    assert rim_densities(skin("sheet-5x5", rim=False).parts.skin) == RimDensities(0.0)
 
 
 def test_a_computed_rim_is_solved_for_like_one_that_is_given(skin):
-    scene, found = skin("strip-1x5"), rim_densities(skin("strip-1x5"))
+    scene, found = skin("strip-1x5"), rim_densities(skin("strip-1x5").parts.skin)
     given = {"mutual": found.mutual, "top": found.top, "bottom": found.bottom}
     one, other = (
         Solver(each, 1e-4).solve(Press()).Z
@@ -136,4 +136,4 @@ def test_a_computed_rim_is_solved_for_like_one_that_is_given(skin):
 )
 def test_rims_that_cannot_be_computed_are_refused(skin, changes, line):
     with pytest.raises(InputError, match="strip-1x5: `surroundings.rim = true` " + line):
-        rim_densities(skin("strip-1x5").with_(changes))
+        rim_densities(skin("strip-1x5").with_(changes).parts.skin)

@@ -35,8 +35,8 @@ def around(skin, name="strip-1x5", **surroundings):
 @pytest.mark.parametrize("body", [{}, {"body": {"distance": 5e-3}}])
 def test_uniform_potentials_have_the_charges_of_the_rim(skin, body):
     matrix, rim = (
-        surroundings_matrix(around(skin, **body)),
-        rim_densities(skin("strip-1x5", **body)),
+        surroundings_matrix(around(skin, **body).parts.skin),
+        rim_densities(skin("strip-1x5", **body).parts.skin),
     )
     even = matrix.matrix[:, 0, :, 0] / PERIMETER
     found = [-even[0, 1], even[0].sum(), even[1].sum()]
@@ -44,7 +44,7 @@ def test_uniform_potentials_have_the_charges_of_the_rim(skin, body):
 
 
 def test_charges_are_symmetric_and_cost_energy(skin):
-    found = surroundings_matrix(around(skin, body={"distance": 5e-3}))
+    found = surroundings_matrix(around(skin, body={"distance": 5e-3}).parts.skin)
     flat = found.matrix.reshape((2 * found.basis.count,) * 2)
     assert flat == pytest.approx(flat.T, rel=1e-9, abs=1e-6 * flat.max())
     power = np.linalg.eigvalsh(flat)
@@ -55,23 +55,23 @@ def test_charges_are_symmetric_and_cost_energy(skin):
 
 def test_above_is_below_upside_down(skin):
     below, above = (
-        surroundings_matrix(around(skin, body={"distance": 5e-3, "side": side})).matrix
+        surroundings_matrix(around(skin, body={"distance": 5e-3, "side": side}).parts.skin).matrix
         for side in ("bottom", "top")
     )
     assert above.tolist() == below[::-1, :, ::-1].tolist()
 
 
 def test_it_is_solved_for_once_and_kept(skin, monkeypatch):
-    scene, first = around(skin), surroundings_matrix(around(skin)).matrix
+    scene, first = around(skin), surroundings_matrix(around(skin).parts.skin).matrix
     (file,) = array_cache.folder().iterdir()
     spoilt, calls = file.read_bytes()[:-100], []
     monkeypatch.setattr(solved, "excess", lambda *given: calls.append(given) or zeros(scene))
     solved._solved.cache_clear()
-    assert surroundings_matrix(scene).matrix.tolist() == first.tolist()
+    assert surroundings_matrix(scene.parts.skin).matrix.tolist() == first.tolist()
     assert not calls
     file.write_bytes(spoilt)
     solved._solved.cache_clear()
-    assert not surroundings_matrix(scene).matrix.any()
+    assert not surroundings_matrix(scene.parts.skin).matrix.any()
     assert len(calls) == len(solved.PANELS)
 
 
@@ -83,7 +83,7 @@ def zeros(scene):
 def test_an_unwritable_cache_folder_is_ignored(skin, monkeypatch, tmp_path):
     (tmp_path / "file").write_text("no folder")
     monkeypatch.setattr(array_cache, "folder", lambda: tmp_path / "file")
-    assert surroundings_matrix(around(skin)).matrix.any()
+    assert surroundings_matrix(around(skin).parts.skin).matrix.any()
 
 
 def test_the_products_are_those_of_the_dense_matrix():
@@ -132,7 +132,7 @@ def test_what_is_solved_for_is_about_what_rim_and_thickness_leave(skin):
 def test_the_result_states_the_error_of_the_surroundings(skin):
     scene = around(skin)
     told = Solver(scene, 1e-3).solve(Press()).lines()[0]
-    assert f"surroundings solved to {surroundings_matrix(scene).error:.0e}" in told
+    assert f"surroundings solved to {surroundings_matrix(scene.parts.skin).error:.0e}" in told
 
 
 OUTLINE = {

@@ -18,7 +18,7 @@ def planes(below, above):
 
 def densities(scene):
     """Mutual, top and bottom over eps0, and the error likewise."""
-    found = rim_densities(scene)
+    found = rim_densities(scene.parts.skin)
     three = np.array([found.mutual, found.top, found.bottom])
     return three / VACUUM_PERMITTIVITY, found.error / VACUUM_PERMITTIVITY
 
@@ -114,7 +114,7 @@ def test_images_are_the_integral_over_reflections(layers):
 
 def test_a_skin_between_two_planes_is_solved_with_its_rim(skin):
     scene = skin("strip-1x5", body=planes(5e-3, 5e-3))
-    found = rim_densities(scene)
+    found = rim_densities(scene.parts.skin)
     given = {"mutual": found.mutual, "top": found.top, "bottom": found.bottom}
     one, other = (
         Solver(each, 1e-3).solve(Press()).Z

@@ -28,7 +28,10 @@ finally:
 def table():
     scene = load_scene("strip-1x3")
     solver = Solver(scene)
-    return gather(solver, [(press, solver.solve(press)) for press in every_press(scene)])
+    return gather(
+        solver,
+        [(press, solver.solve(press)) for press in every_press(scene.parts.skin, scene.press)],
+    )
 
 
 @pytest.mark.parametrize("ending", [".nc", ".csv"])

@@ -128,7 +128,7 @@ class Family(ABC):
         one of Rs and Cp, estimated by elements of one order more, see `impedance_with_error`.
         """
         spaces = (self.skin(weights), self.mass), self.finer(weights)
-        in_air = np.flatnonzero(parts_of(self.scene).in_air)
+        in_air = np.flatnonzero(parts_of(self.scene.parts.skin).in_air)
 
         def with_air(factor: complex) -> NDArray:
             found = factors.astype(type(factor))
@@ -248,7 +248,7 @@ def weights_of(
     films = [variation.films[names.index(contact.name)] for contact in resistive(circuit)]
     sheets = _conductances(variation, scene, circuit)
     if gauged(scene.skin):
-        factors = np.ones(foam_parts(scene)) if pressed is None else pressed
+        factors = np.ones(foam_parts(scene.parts.skin)) if pressed is None else pressed
         of_parts = gauges(scene.skin, factors)
         sheets = [np.outer(*each).ravel() for each in zip(sheets, of_parts, strict=False)]
     return np.concatenate([*sheets, films])

@@ -62,12 +62,16 @@ def resolved(
 
     frequency: Hz, ascending. progress: see `coarsest`. Raises ToleranceError if none does.
     """
-    parts = parts_of(scene)
+    parts = parts_of(scene.parts.skin)
     rise = max(_most(case, case.cells < parts.foam) for case in cases)
     finger = max(_most(case, case.cells >= parts.foam) for case in cases)
     presses = [_everywhere(scene, rise)] if scene.uniform else _in_turns(scene, rise, finger)
     families = finer_families(scene, circuit, modes, rtol, presses, frequency)
-    each = [] if scene.uniform else alone(pixel_coverage(scene).numbers, rise, MAX_SINGLE_PIXELS)
+    each = (
+        []
+        if scene.uniform
+        else alone(pixel_coverage(scene.parts.skin).numbers, rise, MAX_SINGLE_PIXELS)
+    )
     touched = [_by_finger(case, parts, finger) for case in each] if finger else each
     return coarsest(families, [*cases, *touched], rtol, frequency, progress)
 

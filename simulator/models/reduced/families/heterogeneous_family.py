@@ -125,7 +125,7 @@ class HeterogeneousFamily(Family):
     def _cells_of_parts(self) -> list[Mask]:
         pixel, (rows, columns) = self._pixel_of_cell, self.scene.pixels.shape
         part_of = np.where(pixel < 0, rows * columns, pixel)
-        return [part_of == part for part in range(foam_parts(self.scene))]
+        return [part_of == part for part in range(foam_parts(self.scene.parts.skin))]
 
     @property
     def _pixel_of_cell(self) -> Integer:
@@ -134,7 +134,7 @@ class HeterogeneousFamily(Family):
 
     def _around(self, mode: int) -> Iterator[Part]:
         """Parts around the foam; in cosine modes of the foam other than the mean they are empty."""
-        parts, unknowns = parts_of(self.scene), self.system.unknowns
+        parts, unknowns = parts_of(self.scene.parts.skin), self.system.unknowns
         if mode:
             return repeat(NOTHING, parts.count - parts.foam)
         where = self.circuit, self.elements, unknowns, self._coefficients
@@ -169,12 +169,12 @@ class SquaresFamily(HeterogeneousFamily):
 
     @cached_property
     def _squares(self) -> PixelMesh:
-        return pixel_mesh(self.scene, self.circuit.contacts, self.mesh)
+        return pixel_mesh(self.scene.parts.skin, self.circuit.contacts, self.mesh)
 
     @property
     def _pixel_of_cell(self) -> Integer:
         cells = self._squares.cells
         x, y = cells.p[:, cells.t].mean(axis=1)
-        lines = [pixel_lines(self.scene, axis)[1:-1] for axis in (0, 1)]
+        lines = [pixel_lines(self.scene.parts.skin, axis)[1:-1] for axis in (0, 1)]
         column, row = np.searchsorted(lines[0], x), np.searchsorted(lines[1], y)
         return row * self.scene.pixels.columns + column

@@ -78,7 +78,7 @@ def _each(
     for body in surroundings.body:
         yield lambda M, body=body: add_body(M, circuit, body, *where)
     if surroundings.rim is not False:
-        rim = rim_densities(scene)
+        rim = rim_densities(scene.parts.skin)
         yield lambda M: add_rim(M, rim, *where)
     if surroundings.solved:  # `Family.far`, which has no place in the pattern
         yield lambda M: None

@@ -41,7 +41,7 @@ class UniformFamily(Family):
     system: PixelSystem
 
     def _built(self) -> tuple[PixelSystem, int]:
-        return build_system(self.scene, self.circuit, self.mesh), self.mesh.order - 1
+        return build_system(self.scene.parts.skin, self.circuit, self.mesh), self.mesh.order - 1
 
     def finer(self, weights: Weights) -> Checking:
         """Space of one order more in the same system, and its M."""

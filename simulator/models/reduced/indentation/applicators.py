@@ -111,7 +111,7 @@ def applicators(scene: Scene, rtol: float) -> PixelApplicators:
     of_pixel, turn, shift = np.full(count, -1), np.ones((count, 2)), np.zeros((count, 2))
     known: dict[tuple[int, int], int] = {}
     far = spread(scene) * math.log(1 / (NEGLIGIBLE * rtol))
-    for row, column in pixels_with_skin(scene):
+    for row, column in pixels_with_skin(scene.parts.skin):
         pixel, place = (row - 1) * columns + column - 1, (column - 1, row - 1)
         equivalent = place
         if scene.skin.rectangular:

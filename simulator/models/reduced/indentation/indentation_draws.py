@@ -59,7 +59,7 @@ def require_whole_pixels(scene: Scene, what: str) -> None:
 
     what: name of the feature, which rasterizes touches onto cells.
     """
-    require_no_walls(scene, what)
+    require_no_walls(scene.parts.skin, what)
     if spreading(scene):
         raise InputError(
             f"{scene.name}: {what} cannot be pressed by `press.depth`, which is for whole pixels; "
@@ -73,7 +73,7 @@ def separated_draws(draw: Draw, scene: Scene) -> Draw:
     Rises are clipped to this range. If touches are on pixels that meet, only the first is left;
     touches on pixels without skin are left out.
     """
-    on_skin, parts = pixel_coverage(scene).part > 0, parts_of(scene)
+    on_skin, parts = pixel_coverage(scene.parts.skin).part > 0, parts_of(scene.parts.skin)
     columns, most = scene.pixels.columns, scene.factor_at(deepest(scene)) - 1
 
     def drawn(random: np.random.Generator) -> Case:

@@ -143,7 +143,7 @@ class IndentationFamily(HeterogeneousFamily):
     @cached_property
     def parts(self) -> Parts:
         """Numbering of the parts of M."""
-        return parts_of(self.scene)
+        return parts_of(self.scene.parts.skin)
 
     @cached_property
     def unpressed_capacitance(self) -> Real:

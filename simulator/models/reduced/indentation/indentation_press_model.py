@@ -40,7 +40,7 @@ class IndentationPressModel:
         go.
         """
         cells, rises, uncertainty = self.cells(press)
-        touched = fingers(self.scene, press)
+        touched = fingers(self.scene.parts.skin, self.scene.press, press)
         cells, rises = np.append(cells, touched.cells), np.append(rises, touched.rises)
         known = certified_result(self._skin, cells, rises, frequency)
         return replace(known, error=known.error + uncertainty)

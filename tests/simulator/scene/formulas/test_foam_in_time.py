@@ -34,7 +34,9 @@ def test_creep_and_recovery(creeping, solids, rng):
     e = y_1 exp(-t / t_1) + y_2 exp(-t / t_2)
     """
     (s, T), (held, t) = solids, rng.uniform(0.1, 5.0, 2)
-    pressed = FoamState(creeping).then(press_on(creeping, "1,2:2.0"), 0.0)
+    pressed = FoamState(creeping).then(
+        press_on(creeping.parts.skin, creeping.press, "1,2:2.0"), 0.0
+    )
     x = 0.5
     assert strain(pressed, t) == pytest.approx(x * (1 + (s * (1 - np.exp(-t / T))).sum()))
     y = solve_ivp(lambda _, y: (s * x - y) / T, (0, held), [0.0, 0.0], rtol=1e-10, atol=1e-13).y[

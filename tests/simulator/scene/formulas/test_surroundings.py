@@ -123,7 +123,8 @@ def test_fingers(rng, make_scene):
         {"surroundings": {"air": a, "cover": {"thickness": t_c, "relative_permittivity": eps_c}}}
     )
     earthed, floating = (
-        finger_capacitance(scene, Touch(1, 1, 1.0), how) for how in ("earthed", "floating")
+        finger_capacitance(scene.parts.skin, Touch(1, 1, 1.0), how)
+        for how in ("earthed", "floating")
     )
     C_f = 8.8541878128e-12 * 0.1 * 0.06 / (t_c / eps_c + a)
     assert earthed == pytest.approx(C_f)

@@ -26,8 +26,10 @@ def field(count, scene):
 def test_an_image_of_a_touch_is_the_touch(sharp):
     depth = np.zeros((40, 40))  # 3 mm rectangles
     depth[10:14, 20:30] = 1.5e-3
-    press = press_on(sharp, f"rect(0.075,0.036,0.03,0.012):{sharp.factor_at(1.5e-3)!r}")
-    expected = dense(PressBatch.of([touched_cells(sharp, press, GRID)]))
+    press = press_on(
+        sharp.parts.skin, sharp.press, f"rect(0.075,0.036,0.03,0.012):{sharp.factor_at(1.5e-3)!r}"
+    )
+    expected = dense(PressBatch.of([touched_cells(sharp.parts.skin, sharp.press, press, GRID)]))
     np.testing.assert_allclose(dense(to_cells(sharp, GRID, DepthImage(depth))), expected, atol=1e-6)
     pressure = float(sharp.skin.foam.mechanics.elastic.stress(np.array(1.5e-3 / 4e-3)))
     found = to_cells(sharp, GRID, PressureImage(np.where(depth > 0, pressure, 0.0)))

@@ -33,7 +33,7 @@ def test_the_table_of_a_disc_has_the_depths_of_the_membrane(rasterizer, membrane
     scene = rasterizer.scene
     table = radial_table(scene, rasterizer.foam, 5e-3, np.inf, membrane.reach)
     for force in (0.1, 4.0):
-        press = press_on(scene, f"disc(0.06,0.06,0.005):{force}N")
+        press = press_on(scene.parts.skin, scene.press, f"disc(0.06,0.06,0.005):{force}N")
         (depth,) = deformation(scene, press, 1e-3).depth
         assert np.interp(force, table.force, table.depth) == pytest.approx(depth, rel=2e-3)
 
@@ -79,7 +79,9 @@ def test_lattice_and_table_agree(rasterizer, membrane, end, force):
 def test_near_edges_and_neighbours_the_depths_are_those_of_the_membrane(
     rasterizer, membrane, text, contacts
 ):
-    exact = deformation(rasterizer.scene, press_on(rasterizer.scene, text), 1e-3).depth
+    exact = deformation(
+        rasterizer.scene, press_on(rasterizer.scene.parts.skin, rasterizer.scene.press, text), 1e-3
+    ).depth
     found = membrane.under_points(contacts, 0)
     np.testing.assert_allclose(found.depth, exact, rtol=3e-3)
     np.testing.assert_array_equal(rasterizer(contacts).batch.cells, found.touched.cells)

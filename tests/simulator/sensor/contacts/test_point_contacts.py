@@ -29,9 +29,9 @@ def dense(batch, grid=GRID):
 
 @pytest.mark.parametrize("text", PRESSED)
 def test_they_are_the_touches_of_a_press(sharp, text):
-    press = press_on(sharp, text)
+    press = press_on(sharp.parts.skin, sharp.press, text)
     factors = deformation(sharp, press, 1e-3).sharp if press.indented else press
-    expected = dense(PressBatch.of([touched_cells(sharp, factors, GRID)]))
+    expected = dense(PressBatch.of([touched_cells(sharp.parts.skin, sharp.press, factors, GRID)]))
     found = dense(to_cells(sharp, GRID, PRESSED[text]))
     np.testing.assert_allclose(found, expected, rtol=2e-6, atol=1e-12)
 
@@ -40,8 +40,10 @@ def test_factors_of_overlapping_patches_multiply(sharp):
     found = to_cells(
         sharp, GRID, PointContacts([0.04, 0.05], 0.06, radius=[0.012, 0.01], factor=[2.0, 1.5])
     )
-    press = press_on(sharp, "disc(0.04,0.06,0.012):2.0+disc(0.05,0.06,0.01):1.5")
-    expected = PressBatch.of([touched_cells(sharp, press, GRID)])
+    press = press_on(
+        sharp.parts.skin, sharp.press, "disc(0.04,0.06,0.012):2.0+disc(0.05,0.06,0.01):1.5"
+    )
+    expected = PressBatch.of([touched_cells(sharp.parts.skin, sharp.press, press, GRID)])
     np.testing.assert_allclose(dense(found), dense(expected), atol=1e-12)
 
 
