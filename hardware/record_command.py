@@ -80,7 +80,6 @@ def record(
 ) -> None:
     """Record sweeps of a scene's presses. The same command continues a stopped recording."""
     from ..simulator.requests.requested_scene import requested_scene, warn_of_earth
-    from ..simulator.scene.readings.changed_readings import checked_interfaces
     from ..simulator.sweeps import checked_output, sizes_text
     from .event_counter import EventCounter
     from .meter.restoring.termination import interruptible, orderly_termination
@@ -93,7 +92,7 @@ def record(
 
     checked_output(output)
     requested = requested_scene(scene)
-    interfaces = checked_interfaces(interface, requested)
+    interfaces = requested.parts.setup.checked_names(interface)
     options = SourceOptions(resource, timeout, baud, accuracy, reader)
     if not (interface or switch or switch_with or options.is_reader):
         _check_one_interface(requested)
@@ -173,10 +172,9 @@ def header_of(
 
 def _check_one_interface(scene: Scene) -> None:
     """Raises InputError if the scene has several interfaces and no option selects any."""
-    from ..simulator.scene.scene import interface_names
     from ..simulator.sweeps import InputError
 
-    names = interface_names(scene)
+    names = scene.parts.setup.names
     if len(names) > 1:
         raise InputError(
             f"{scene.name}: has the interfaces {', '.join(names)}, and a meter connects to one "

@@ -175,10 +175,10 @@ def sweep(
     presses = [
         press_on(loaded.parts.skin, loaded.press, text) for text in press or []
     ] or every_press(loaded.parts.skin, loaded.press)
-    check_fits(loaded, len(presses))
-    for line in describe_timing(loaded):
+    check_fits(loaded.parts.setup, len(presses))
+    for line in describe_timing(loaded.parts):
         note(f"{scene}: {line}")
-    solver = Solver(loaded, rtol, checked_model(model))
+    solver = Solver(loaded.parts, rtol, checked_model(model))
     with on_terminal() as progress:
         announced = with_time_estimate(scene, tracked(presses, loaded.name, progress), len(presses))
         found = list(answered(solver, announced))
@@ -189,7 +189,7 @@ def sweep(
             say(f"wiring: {one_terminal}")
         for pressed, answer in found:
             say(*solver.explain(pressed, answer).splitlines())
-    for line in depths_in_words(loaded, presses):
+    for line in depths_in_words(loaded.parts.skin, presses):
         note(line)
     report_written(sizes_text(sweeps.sizes), output)
 

@@ -119,7 +119,11 @@ def _trial(
     """
     random = np.random.default_rng([1, number])
     while True:
-        true = own_values(scene) if known else _drawn_twin(case, scene, kind, random)
+        true = (
+            own_values(scene.parts.skin, scene.parts.setup)
+            if known
+            else _drawn_twin(case, scene, kind, random)
+        )
         try:
             sweeps = _read(case, scene, true, random)
         except FailedReadingError:
@@ -145,7 +149,7 @@ def _drawn_twin(
     case: Case, scene: Scene, kind: Kind, random: np.random.Generator
 ) -> dict[str, float]:
     """All parameters: factors first, as the priors of leads are set by what the skin reads."""
-    truth = own_values(scene)
+    truth = own_values(scene.parts.skin, scene.parts.setup)
     for names in (FACTORS, VALUES):
         sweeps = _read(replace(case, read=_read_out), scene, truth, np.random.default_rng(0))
         known = priors(measurements_of(scene, sweeps), kind)
@@ -177,7 +181,7 @@ def _read_out(
 ) -> xr.Dataset:
     """By the scene's readout."""
     factor = scene.press.capacitance_factor
-    sweeps = simulate(Solver(scene, 1e-5), [parse_press(text, factor) for text in presses])
+    sweeps = simulate(Solver(scene.parts, 1e-5), [parse_press(text, factor) for text in presses])
     sweeps["press"] = ("sweep", np.array(called, dtype=object))
     return read_out(sweeps, scene.readout, random)
 

@@ -57,7 +57,7 @@ def for_lines(way: Way) -> Way:
 
 def shipped(case: Case, model: ModelName) -> NDArray:
     """Z of this project's solver."""
-    return Solver(case.scene, RTOL, model).solve(case.press).Z[0]
+    return Solver(case.scene.parts, RTOL, model).solve(case.press).Z[0]
 
 
 WAYS: dict[str, Way] = {

@@ -42,7 +42,7 @@ together, so that each twin counts as one."""
 def main(run: Run) -> int:
     """The share of truths held, by what is uneven; all waves are fitted in every case."""
     scene = crossed()
-    model = Forward(scene, rtol=RTOL, train=reduced_for, modes=SHEETS.modes)
+    model = Forward(scene.parts, rtol=RTOL, train=reduced_for, modes=SHEETS.modes)
     twins = run.sized(run.asked.twins, FEWEST)
     rows = [_row(scene, model, kind, twins) for kind in KINDS]
     table = pd.DataFrame(rows)
@@ -110,9 +110,9 @@ def calibrated(
 ) -> Calibration:
     """Of a twin with such waves, read at rest and in a press of each pixel."""
     made = with_sheet_modes(scene, truth)
-    twin = simulate(Solver(made, RTOL), every_press(scene.parts.skin, scene.press)).assign_attrs(
-        scene=scene_text(scene)
-    )
+    twin = simulate(
+        Solver(made.parts, RTOL), every_press(scene.parts.skin, scene.press)
+    ).assign_attrs(scene=scene_text(scene))
     names = (*FITTED, *SHEET_MODES)
     asked = Options(names, ("others",), strengths=False, uneven_sheets=True)
     return calibrate(scene, read_out(twin, scene.readout, random), asked, model=model)

@@ -83,8 +83,8 @@ class Mounted(Twin):
     def drawn(self) -> DrawnSkin:
         """The same skin each time, but for what a mounting changes."""
         grid, modes = self.family.grid, self.family.modes
-        own = drawn_skin(self.scene, self.seed, self.number, grid, modes).variation
-        new = drawn_skin(self.scene, self.seed + 1 + self.mounting, self.number, grid, modes)
+        own = drawn_skin(self.scene.parts, self.seed, self.number, grid, modes).variation
+        new = drawn_skin(self.scene.parts, self.seed + 1 + self.mounting, self.number, grid, modes)
         c, R = np.exp(MOVED * self._random(MOUNTED).standard_normal(2))
         moved = replace(
             own, top=own.top / R, bottom=own.bottom / R, capacitance=own.capacitance * c

@@ -72,7 +72,7 @@ def drawn_sweeps(scene: Scene, session: int, strengths: tuple[float, ...]) -> xr
     """The skin at rest and every pixel at each strength, read with noise."""
     pixels = np.ndindex(scene.pixels.rows, scene.pixels.columns)
     presses = [f"{i + 1},{j + 1}:{f}" for i, j in pixels for f in strengths]
-    exact = simulate(Solver(scene), [parse_press(each, 2.0) for each in ["none", *presses]])
+    exact = simulate(Solver(scene.parts), [parse_press(each, 2.0) for each in ["none", *presses]])
     repeated = exact.isel(sweep=[0] * RESTS + list(range(1, 1 + len(presses))))
     return read_out(repeated, scene.readout, np.random.default_rng(session), session)
 

@@ -83,7 +83,7 @@ def readers(scene: Scene, voltages: Sequence[float]) -> Iterator[Reader]:
     for voltage in voltages:
         electronics = {"feedback_resistance": 1e4, "peak_voltage": voltage, "frame": FRAME}
         made = scene.with_({**changes, **quiet, "readout.multisine": electronics})
-        reader, Z = made.readout.multisine, Solver(made).solve(Press()).Z
+        reader, Z = made.readout.multisine, Solver(made.parts).solve(Press()).Z
         assert reader is not None
         fitted = {
             "readout.multisine.feedback_resistance": fitted_resistance(reader, Z, made.frequencies)
@@ -103,7 +103,7 @@ def noise(scene: Scene) -> np.ndarray:
 
     Raises RuntimeError if repeated sweeps of the unpressed skin deviate otherwise.
     """
-    exact = simulate(Solver(scene), [Press()])
+    exact = simulate(Solver(scene.parts), [Press()])
     expected = scene.readout.noise(impedance(exact)[0], scene.frequencies)
     digits = scene.readout.model_copy(update={"display_digits": 15})
     many = exact.isel(sweep=np.zeros(REPEATED, dtype=int))

@@ -113,7 +113,7 @@ def _row(name: str, scene: Scene, pad: Measured) -> tuple[dict[str, str], bool]:
 def gains(scene: Scene, key: int = 0, touch: float = 0.0) -> Gains:
     """Magnitudes by the model, shape (end, frequency). key: from 1, 0 for none. touch: F."""
     text = f"1,{key}:{1e12 * float(touch)!r}pF" if key else "none"
-    return np.abs(Solver(scene).solve(press_on(scene.parts.skin, scene.press, text)).Z)
+    return np.abs(Solver(scene.parts).solve(press_on(scene.parts.skin, scene.press, text)).Z)
 
 
 def changed(scene: Scene, u: Gains) -> Scene:

@@ -47,7 +47,7 @@ class Matrices:
         """For the first drive of a family in which no terminal floats."""
         space = family.space
         potential = space.driven(family.circuit.excitations[0]).potential
-        alone = np.eye(family.scene.pixels.rows * family.scene.pixels.columns)
+        alone = np.eye(family.skin.pixels.rows * family.skin.pixels.columns)
         whole = [space.restricted(family.mass(pixel)) for pixel in alone]
         charges = np.array([mass @ potential for mass in whole])
         inner = [mass[: space.inner][:, : space.inner] for mass in whole]

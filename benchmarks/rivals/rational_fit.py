@@ -84,7 +84,7 @@ def sampled(
     at = np.geomspace(middle / half, middle * half, SAMPLES)
     sweep = scene.sweep.model_copy(update={"frequencies": tuple(at.tolist())})
     there = scene.model_copy(update={"sweep": sweep})
-    Z = Solver(there, RTOL_OF_SAMPLES).solve(press).Z[0]
+    Z = Solver(there.parts, RTOL_OF_SAMPLES).solve(press).Z[0]
     if digits is None:
         return at, Z
     shown = [[float(f"{x:.{digits}g}") for x in part] for part in (abs(Z), np.angle(Z, deg=True))]

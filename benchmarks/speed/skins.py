@@ -64,15 +64,21 @@ def measured(cases: list[Case], rtols: tuple[float, ...]) -> pd.DataFrame:
 def plain_path() -> pd.DataFrame:
     """What a plain press costs: in all, to be found plain, and by the elements of varied skins."""
     scene, press, rtol = load_scene("sheet-5x5"), parse_press("2,3", 2.0), 1e-4
-    solver = Solver(scene, rtol)
+    solver = Solver(scene.parts, rtol)
     alone = best_time(lambda: solver.solve(press), 200)
 
     def found_plain() -> None:
-        sharp, _ = deformed(scene, press, rtol)
-        equivalent_press(scene, sharp)
+        sharp, _ = deformed(scene.parts.skin, press, rtol)
+        equivalent_press(scene.parts.skin, sharp)
 
     def varied() -> None:
-        mesh = Squares(scene, circuit_of(scene), press, rtol)
+        mesh = Squares(
+            scene.parts.skin,
+            scene.press,
+            circuit_of(scene.parts.skin, scene.parts.setup),
+            press,
+            rtol,
+        )
         assert mesh.finer(scene.frequencies).result(scene.frequencies, rtol).error.max() <= rtol
 
     times = {

@@ -68,9 +68,9 @@ def _resized(scene: Scene, pixels: int, frequencies: NDArray[np.float64]) -> Sce
 
 def _row(name: str, scene: Scene, rtol: float, presses: int) -> dict[str, object]:
     start = time.perf_counter()
-    reduced = reduce(scene, rtol)
+    reduced = reduce(scene.parts, rtol)
     prepared = time.perf_counter() - start
-    draw, random = pixel_touches(scene), np.random.default_rng(1)
+    draw, random = pixel_touches(scene.parts.skin, scene.parts.plan), np.random.default_rng(1)
     cases = [draw(random) for _ in range(presses)]
     batch = PressBatch.of((case.cells, case.rises) for case in cases)
     skin = reduced.skin(None)

@@ -82,7 +82,9 @@ def _closely(scene: Scene, press: Press, rtol: float) -> Callable[[], Impedance]
     """By triangles alone, refined until they tell no larger an error."""
 
     def truth() -> Impedance:
-        finer = Triangles(scene, circuit_of(scene), press, rtol)
+        finer = Triangles(
+            scene.parts.skin, circuit_of(scene.parts.skin, scene.parts.setup), press, rtol
+        )
         while True:
             rung = finer.finer(FREQUENCY).result(FREQUENCY, rtol)
             if rung.error.max() <= rtol:
@@ -132,6 +134,6 @@ def mapped(of_place: dict[str, object]) -> dict[str, object]:
 
 def answered(case: Case, rtol: float) -> tuple[Impedance, float, str, int]:
     """Z in ohm, the error told, what answered, and of how many unknowns."""
-    answer = Solver(case.scene, rtol).solve(case.press)
+    answer = Solver(case.scene.parts, rtol).solve(case.press)
     told = max(float(error.max()) for error in answer.relative_errors)
     return answer.Z[0], told, answer.models[-1], max(answer.unknowns)

@@ -144,7 +144,7 @@ def error(Z: Impedance, truth: Impedance, frequencies: NDArray) -> float:
 
 def further(skin: Skin, rtol: float) -> float:
     """Median time in s of a press on a skin that has answered one before."""
-    solver = Solver(skin.scene, rtol)
+    solver = Solver(skin.scene.parts, rtol)
     solver.solve(skin.press)
     return float(np.median([timed(partial(solver.solve, press))[0] for press in skin.others]))
 
@@ -160,7 +160,7 @@ def measured(skin: Skin, run: Run) -> tuple[pd.DataFrame, float]:
         seconds, Z = timed(work)
         rows.append((name, setting, error(Z, truth, f), seconds))
     for rtol in run.sized(RTOLS, FEW_RTOLS):
-        seconds, Z = timed(lambda rtol=rtol: Solver(skin.scene, rtol).solve(skin.press).Z[0])
+        seconds, Z = timed(lambda rtol=rtol: Solver(skin.scene.parts, rtol).solve(skin.press).Z[0])
         off = error(Z, truth, f)
         rows.append((OURS, f"{rtol:g}", off, seconds))
         rows.append((OURS_AGAIN, f"{rtol:g}", off, further(skin, rtol)))

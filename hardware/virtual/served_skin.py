@@ -69,13 +69,12 @@ def simulated(scene: Scene, interfaces: Sequence[str] | None = None, seed: int =
     """
     from ...simulator.measure.specimen import MeterSessionErrors, Specimen
     from ...simulator.scene.readings.changed_readings import (
-        checked_interfaces,
         restricted_to_interfaces,
     )
 
-    names = checked_interfaces(interfaces, scene)
+    names = scene.parts.setup.checked_names(interfaces)
     read = restricted_to_interfaces(scene, names)
-    whole, errors = Specimen(scene, names[0]), MeterSessionErrors(scene, seed)
+    whole, errors = Specimen(scene.parts, names[0]), MeterSessionErrors(scene.parts.meter, seed)
     return ServedSkin(
         {name: whole.at(name) for name in names},
         lambda Z, conditions: errors.read(Z, conditions.frequency, conditions.range),

@@ -56,12 +56,12 @@ def sweep(
 
     scene = scene_of(scene)
     if isinstance(presses, Sequence) and not isinstance(presses, str):
-        check_fits(scene, len(presses))
+        check_fits(scene.parts.setup, len(presses))
     parsed = (
         every_press(scene.parts.skin, scene.press) if presses is None else _presses(scene, presses)
     )
-    check_fits(scene, len(parsed))
-    return with_view(simulate(Solver(scene, rtol, checked_model(model)), parsed))
+    check_fits(scene.parts.setup, len(parsed))
+    return with_view(simulate(Solver(scene.parts, rtol, checked_model(model)), parsed))
 
 
 def _presses(scene: Scene, given: Sequence[str | Press]) -> list[Press]:
@@ -93,7 +93,7 @@ def measured(sweeps: xr.Dataset | str | Path, seed: int = 1) -> xr.Dataset:
         raise InputError(
             "the sweeps store no scene; its `readout` is needed for the errors of the meter"
         )
-    return read_by_meter(sweeps, scene, seed)
+    return read_by_meter(sweeps, scene.parts.meter, seed)
 
 
 @checked
@@ -130,4 +130,4 @@ def reduce(scene: Scene | str | Path, rtol: float = 1e-4) -> Reduced:
     """
     from ...simulator.models.reduced.greedy import reduce as reduced
 
-    return reduced(scene_of(scene), rtol)
+    return reduced(scene_of(scene).parts, rtol)

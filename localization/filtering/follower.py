@@ -165,5 +165,5 @@ def _chain(model: Model, dynamics: TouchDynamics) -> tuple[CellGrid | None, Chai
         grid = cell_grid_of(model)
         rest = model.knows_unpressed
         return grid, chain_of_places(GRID[0], GRID[1], grid.cell, dynamics, knows_unpressed=rest)
-    steps = pixel_pitch(model.known_scene)
+    steps = pixel_pitch(model.known_scene.parts.skin)
     return None, chain_of_classes(model.target, model.classes, steps, dynamics)

@@ -105,7 +105,7 @@ def prepare_comparison(
 def _reading_error(pair: SweepPair) -> ReadingError | None:
     """Reading error of the other side's meter or, if unknown, of the simulated one."""
     scenes = (scene_of_sweeps(pair.other), pair.scene)
-    errors = (reading_error(each, pair.other) for each in scenes if each is not None)
+    errors = (reading_error(each.parts.meter, pair.other) for each in scenes if each is not None)
     return next((error for error in errors if error is not None), None)
 
 

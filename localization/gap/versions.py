@@ -62,7 +62,7 @@ def versions_of(pair: SweepPair, reserved: Mask, seed: int) -> Versions:
         exact = resimulated(pair.simulated, found.scene, frequency)
     except (InputError, ToleranceError) as error:
         return Versions({BEFORE: before}, (), [*notes_before, f"No calibration: {error}."])
-    after = Version(exact, read_by_meter(exact, pair.scene, seed))
+    after = Version(exact, read_by_meter(exact, pair.scene.parts.meter, seed))
     left_over = [f"After calibration, {remark}." for remark in found.left_over]
     notes = [*notes_before, _calibration_note(pair, reserved), *left_over]
     return Versions({BEFORE: before, AFTER: after}, found.quantities, notes)
@@ -76,7 +76,7 @@ def _before(pair: SweepPair, seed: int) -> tuple[Version, list[str]]:
         note = "The simulated sweeps have no noise, and no scene states the meter's noise."
         return Version(given, given), [note]
     note = "The simulated sweeps have no noise: for training, that of the scene's meter was added."
-    return Version(given, read_by_meter(given, pair.scene, seed)), [note]
+    return Version(given, read_by_meter(given, pair.scene.parts.meter, seed)), [note]
 
 
 def _why_not_calibrated(pair: SweepPair, reserved: Mask) -> str:

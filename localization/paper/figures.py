@@ -142,7 +142,7 @@ def _curves(scene: Scene) -> xr.Dataset:
     band = scene.frequencies
     points = np.geomspace(band[0], band[-1], CURVE_POINTS).tolist()
     dense = scene.with_({"sweep": {"frequencies": points}})
-    return simulate(Solver(dense), every_press(dense.parts.skin, dense.press))
+    return simulate(Solver(dense.parts), every_press(dense.parts.skin, dense.press))
 
 
 def _draw_quantity(axes: Axes, quantity: str, curves: xr.Dataset, measured: xr.Dataset) -> None:

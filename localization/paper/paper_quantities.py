@@ -37,7 +37,7 @@ def totals(scene: Scene) -> Totals:
 
 def capacitance_changes(scene: Scene, frequency: float) -> Real:
     """Relative change of Cp by a press of each column of row 1, at one frequency in Hz."""
-    solver = Solver(scene)
+    solver = Solver(scene.parts)
     Cp = [
         parallel_capacitance(solver.solve(press, frequency).Z, np.array([frequency])).item()
         for press in [Press(), *_row_of_presses(scene, 1)]
@@ -47,7 +47,7 @@ def capacitance_changes(scene: Scene, frequency: float) -> Real:
 
 def unpressed_resistance(scene: Scene) -> float:
     """Rs in ohm of the first interface of the unpressed skin, in the limit of zero frequency."""
-    answer = Solver(scene).solve(Press(), NEARLY_ZERO)
+    answer = Solver(scene.parts).solve(Press(), NEARLY_ZERO)
     return float(answer.Z[0, 0].real)
 
 
@@ -78,7 +78,7 @@ def separation_peaks(scene: Scene) -> Real:
 
     The presses are in the middle row; differences are relative to Z.
     """
-    solver = Solver(scene)
+    solver = Solver(scene.parts)
     presses = _row_of_presses(scene, (scene.pixels.rows + 1) // 2)
     Z = np.log(np.array([solver.solve(press, SEPARATION_GRID).Z[0] for press in presses]))
     return SEPARATION_GRID[np.abs(np.diff(Z, axis=0)).argmax(axis=1)]
@@ -86,14 +86,14 @@ def separation_peaks(scene: Scene) -> Real:
 
 def low_frequency_resistances(scene: Scene) -> Real:
     """Rs in ohm of a line at 1 mHz: unpressed, then each pixel pressed; shape (1 + column,)."""
-    line = Line(scene)
+    line = Line(scene.parts.skin, scene.parts.setup, scene.press)
     presses = [Press(), *_row_of_presses(scene, 1)]
     return np.array([line.impedance(press, np.array([1e-3])).real.item() for press in presses])
 
 
 def row_contrast(scene: Scene) -> float:
     """Largest relative difference of Z at the first interface between the outermost rows."""
-    solver = Solver(scene, rtol=1e-3)
+    solver = Solver(scene.parts, rtol=1e-3)
     column, factor = (scene.pixels.columns + 1) // 2, scene.press.capacitance_factor
     first, last = (
         solver.solve(Press((Touch(row, column, factor),))).Z[0] for row in (1, scene.pixels.rows)

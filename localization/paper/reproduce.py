@@ -100,7 +100,9 @@ def _experiments(progress: ProgressCallback) -> Results:
 
 def _beyond(progress: ProgressCallback) -> Confusion:
     scene = with_pixels(load_scene("sheet-5x5"), FINER_PIXELS)
-    measured = read_out(exact_sweeps(scene, progress), scene.readout, stream(scene, METER))
+    measured = read_out(
+        exact_sweeps(scene, progress), scene.readout, stream(scene.parts.plan, METER)
+    )
     return cross_validate(measured, quantities=PAPER, seed=scene.experiment.seed)
 
 

@@ -54,13 +54,13 @@ class SimulatedExperiment:
 
 def simulate_experiment(scene: Scene, progress: ProgressCallback) -> SimulatedExperiment:
     """Press every pixel as often as the scene's experiment says and read the meter each time."""
-    solver = Solver(scene)
-    presses = planned_presses(scene, stream(scene, PRESSES))
+    solver = Solver(scene.parts)
+    presses = planned_presses(scene.parts.skin, scene.parts.plan, stream(scene.parts.plan, PRESSES))
     exact = simulate(solver, tracked(presses, scene.name, progress))
     return SimulatedExperiment(
         scene,
         exact,
-        read_out(exact, scene.readout, stream(scene, METER)),
+        read_out(exact, scene.readout, stream(scene.parts.plan, METER)),
         simulate(solver, [Press()]),
     )
 
@@ -169,8 +169,8 @@ def _table(accuracies: list[float], **coordinates: Sequence[object]) -> xr.DataA
 
 def exact_sweeps(scene: Scene, progress: ProgressCallback) -> xr.Dataset:
     """Sweeps of every planned press of a scene, to a tolerance well below the meter's noise."""
-    presses = planned_presses(scene, stream(scene, PRESSES))
-    return simulate(Solver(scene, rtol=STUDY_RTOL), tracked(presses, scene.name, progress))
+    presses = planned_presses(scene.parts.skin, scene.parts.plan, stream(scene.parts.plan, PRESSES))
+    return simulate(Solver(scene.parts, rtol=STUDY_RTOL), tracked(presses, scene.name, progress))
 
 
 def mean_accuracy(

@@ -59,7 +59,9 @@ def scenes_of(
 
 def warnings_of(scenes: Sequence[Scene]) -> list[str]:
     """Warnings of points that drive floating foils, or leave the model's range; one a kind."""
-    of_points = ([scene.driven_by_touch for scene in scenes], list(map(warnings, scenes)))
+    parts = [scene.parts for scene in scenes]
+    of_model = [warnings(each.skin, each.setup, each.plan.press) for each in parts]
+    of_points = ([scene.driven_by_touch for scene in scenes], of_model)
     messages = [[found[0] for found in each if found] for each in of_points]
     return [
         f"{len(each)} of {len(scenes)} points, the first: {each[0]}" for each in messages if each

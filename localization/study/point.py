@@ -82,7 +82,7 @@ class EvaluationSettings:
                 f"`experiment.repetitions` must give at least {FOLDS} presses of each class of "
                 f"`target` {self.target}, got {least}"
             )
-        check_fits(scene, self.plan(scene, 0, MAX_RTOL).sweeps)
+        check_fits(scene.parts.setup, self.plan(scene, 0, MAX_RTOL).sweeps)
 
     def plan(self, scene: Scene, draw: int, rtol: float) -> Plan:
         """Plan the data set of one draw.
@@ -105,7 +105,7 @@ class EvaluationSettings:
             "rest_every": every,
         }
         unstated = drawn.press.factor is None and drawn.press.depth is None
-        press = {"factor": own_presses(scene)} if unstated else {}
+        press = {"factor": own_presses(scene.parts.skin, scene.press)} if unstated else {}
         own = drawn.model_copy(
             update={
                 "session": drawn.session.model_copy(update=session),
@@ -198,7 +198,7 @@ def impedances(scene: Scene, presses: Sequence[Press], family: SkinFamily, rtol:
     presses: presses of one pixel or none. Shape (press, interface, frequency); pixels that mirror
     each other have the same Z.
     """
-    of = representative(scene)
+    of = representative(scene.parts.skin, scene.parts.setup, scene.press)
     strengths = {of(press.pixel): strength(scene, press) for press in presses}
     pixels = np.array(list(strengths)) - 1
     factor = np.array(list(strengths.values()))

@@ -54,7 +54,9 @@ class CommonDraws:
         require_noise(scene.readout)
         self._scene, self._seed, self._against_rest = scene, seed, against_rest
         self._among, random = hypotheses(scene, target), np.random.default_rng(seed)
-        self._draws = Draws(self._among, presses or own_presses(scene), random, draws, NODES)
+        self._draws = Draws(
+            self._among, presses or own_presses(scene.parts.skin, scene.press), random, draws, NODES
+        )
 
     def score(self, skin: ReducedSkin, reading: Setup, taken: Mask | None = None) -> DrawScores:
         """Scores for one skin with these readings.
@@ -82,9 +84,9 @@ class CommonDraws:
             return reading.at_meter(skin.sweeps(batch, reading.frequency))
 
         model = errors_of(
-            self._scene,
+            reading,
+            self._scene.parts.meter,
             self._against_rest,
-            reading=reading,
             unpressed=lambda: impedances(PressBatch.of([NOTHING]))[0],
         )
         readings = observed(impedances(self._draws.batch(self._among, self._scene)))

@@ -61,7 +61,7 @@ def error_model(
     """
     every = tuple(each.model_copy(update={"frequencies": None}) for each in scene.interfaces)
     reading = Setup(every, frequency, scene.leads)
-    return errors_of(scene, against_rest, reading=reading, unpressed=unpressed)
+    return errors_of(reading, scene.parts.meter, against_rest, unpressed=unpressed)
 
 
 def in_noise(Z: Complex, slopes: Sequence[Complex], model: ErrorModel) -> Real:

@@ -259,7 +259,7 @@ class SkinUnknowns:
         self._unpressed = fields.respond(ones, {}, frequency, self.maps(ones))
         self.deviations = {
             name: spread.deviation
-            for name, spread in session_spreads(scene).items()
+            for name, spread in session_spreads(scene.parts).items()
             if spread.deviation > 0 and name in self._unpressed.by_parameter
         }
         if spread := scene.dataset.session.foam_spread:

@@ -216,7 +216,7 @@ class TouchReadings:
             min(MIN_FACTOR, float(presses.low)),
             max(MAX_FACTOR, float(presses.high)),
         )
-        if size is not None and scene_spreads_presses(scene):
+        if size is not None and scene_spreads_presses(scene.parts.skin, scene.press):
             self._factors = 1.0, max(min(MAX_FACTOR, scene.max_factor), float(presses.high))
 
     def train(self, progress: ProgressCallback = silent) -> None:
@@ -245,7 +245,10 @@ class TouchReadings:
         """
         unpressed = PressBatch.of([NOTHING])
         return errors_of(
-            self.scene, self._against_rest, unpressed=lambda: self._impedances(unpressed)[0]
+            self.scene.parts.setup,
+            self.scene.parts.meter,
+            self._against_rest,
+            unpressed=lambda: self._impedances(unpressed)[0],
         )
 
     def rasterization_errors(self, presses: AnyDistribution) -> RasterizationErrors | None:
@@ -287,12 +290,12 @@ class TouchReadings:
 
     @cached_property
     def _reduced(self) -> Reduced:
-        touches = pixel_touches(self.scene, self._factors)
+        touches = pixel_touches(self.scene.parts.skin, self.scene.parts.plan, self._factors)
         if self._size is None:
-            return reduced_for(self.scene, RTOL, touches)
+            return reduced_for(self.scene.parts, RTOL, touches)
 
         def rasterized_touches(random: np.random.Generator) -> Case:
             case = touches(random)
             return Case(None, *self._rasterized(PressBatch.of([(case.cells, case.rises)])).one(0))
 
-        return reduced_for(self._divided, RTOL, rasterized_touches)
+        return reduced_for(self._divided.parts, RTOL, rasterized_touches)

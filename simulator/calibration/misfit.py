@@ -99,7 +99,13 @@ def gap_by_parameter(
     """
     data = measurements_of(scene, sweeps, options.band, options.session)
     readout, known = noise_of(data).readout, priors(data, options.prior)
-    spec = FitSpec(data, readout, {}, own_values(data.scene), options.strengths)
+    spec = FitSpec(
+        data,
+        readout,
+        {},
+        own_values(data.scene.parts.skin, data.scene.parts.setup),
+        options.strengths,
+    )
     own = checked_model(model, data.scene) if model else None
     centered = CenteredModel(own or model_of(data.scene, model_tolerance(readout), progress), {})
     unknown = candidates(data, centered.model.free, known, options.fit, options.fix)

@@ -253,7 +253,9 @@ class _CalibrationRun:
         return self._fit()
 
     def _spec(self) -> FitSpec:
-        own = own_values(self.measured.scene) | dict.fromkeys(self._uneven.names, 0.0)
+        own = own_values(
+            self.measured.scene.parts.skin, self.measured.scene.parts.setup
+        ) | dict.fromkeys(self._uneven.names, 0.0)
         return FitSpec(
             self.measured,
             self.noise.readout,
@@ -302,9 +304,9 @@ def _checked_uneven(scene: Scene, options: Options, model: Model | None) -> Fitt
     drawn = options.prior == "session" and sessions_vary_smoothly(scene) and model is None
     found = FittedModes(options.uneven or drawn, options.uneven_sheets)
     if found.foam:
-        check_uniform_foam(scene)
+        check_uniform_foam(scene.parts.skin, scene.press)
     if found.sheets:
-        check_uniform_sheets(scene)
+        check_uniform_sheets(scene.parts.skin)
     return found
 
 

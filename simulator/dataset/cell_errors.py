@@ -35,9 +35,9 @@ def rasterization_error(scene: Scene, family: SkinFamily, seed: int, rtol: float
     on_cells = _answers(scene, family, batch)
     texts = (parse_press(text, np.nan) for text in presses.text)
     if creeps:
-        _, whole = reading_moments(scene)
-        texts = (FoamState(scene).then(press, 0.0).after(whole) for press in texts)
-    return (SAMPLED if spreading(scene) else 1.0) * error_against_solver(
+        _, whole = reading_moments(scene.parts)
+        texts = (FoamState(scene.parts.skin).then(press, 0.0).after(whole) for press in texts)
+    return (SAMPLED if spreading(scene.parts.skin, scene.press) else 1.0) * error_against_solver(
         scene, texts, on_cells, rtol
     )
 

@@ -47,7 +47,7 @@ def in_foam_states(scene: Scene, batch: PressBatch, decays: Sequence[Real]) -> P
 
 def at_sweep_end(scene: Scene, batch: PressBatch) -> PressBatch:
     """Each press alone on relaxed foam, in the state at the end of its sweep."""
-    _, whole = reading_moments(scene)
+    _, whole = reading_moments(scene.parts)
     decays = [Creep.of(scene.skin.foam).decay(whole)]
     each = (in_foam_states(scene, PressBatch.of([press]), decays).one(0) for press in batch.each())
     return PressBatch.of(each)
@@ -66,7 +66,7 @@ def _strain_histories(scene: Scene, strain: Real) -> tuple[Real, Real]:
     The latter has the shape (solid, press, cell). strain: of each load alone, (press, cell).
     """
     foam, creep, pause = scene.skin.foam, Creep.of(scene.skin.foam), scene.experiment.timed.pause
-    _, whole = reading_moments(scene)
+    _, whole = reading_moments(scene.parts)
     at_once, y = np.array(strain), np.zeros((len(creep.share), *strain.shape))
     now, largest = creep.nothing(strain.shape[1]), np.zeros(strain.shape[1])
     while_pressed, between = creep.decay(whole), creep.decay(pause)[:, None]

@@ -169,9 +169,9 @@ def _check_depths(scene: Scene) -> None:
                 "`press.capacitance_factor`, and foam with mechanics"
             )
         return
-    if drawn.rasterized and spreading(scene):
+    if drawn.rasterized and spreading(scene.parts.skin, scene.press):
         check_plane(scene.skin)
-    max_depth = deepest(scene)
+    max_depth = deepest(scene.parts.skin)
     if drawn.depth is not None:
         named, depth = "depth", drawn.depth.high
         allowed = f"<= {max_depth:.4g} m"

@@ -13,7 +13,7 @@ from ..arrays import Complex, Integer, Real
 from ..fem.error_estimate import relative_difference
 from ..measure.creeping_sweeps import OF_NODES, Interpolation, interpolation
 from ..measure.drawn_faults import faulty_skin
-from ..measure.readout import Meter, shown_values
+from ..measure.readout import MeterSession, shown_values
 from ..measure.skin_faults import SkinFault
 from ..measure.skins import DrawnSkin
 from ..measure.streams import AUDIT, METER, PRESSES, stream
@@ -65,7 +65,7 @@ def audited_in_time(scene: Scene) -> Audited:
     def read(
         model: SkinModel, presses: Presses, random: np.random.Generator, session: int, rtol: float
     ) -> tuple[Complex, Audit]:
-        between = interpolation(scene)
+        between = interpolation(scene.parts)
         while True:
             each = np.repeat(np.arange(len(presses.text)), len(between.nodes)).tolist()
             states = replace(
@@ -153,7 +153,9 @@ def drawn_sessions(
     scene, seed, size = plan.scene, plan.seed, plan.session_sweeps
     randoms = [stream(seed, number, PRESSES) for number in numbers]
     presses = [session_presses(scene, random, size, family.grid) for random in randoms]
-    skins = [faulty_skin(scene, seed, number, family.grid, family.modes) for number in numbers]
+    skins = [
+        faulty_skin(scene.parts, seed, number, family.grid, family.modes) for number in numbers
+    ]
     families = {NO_FAULT: family, **faulty}
     answer = audited_in_time(scene) if scene.skin.foam.in_time else audited
     answers = [
@@ -193,7 +195,7 @@ def _measured(
 ) -> DrawnSession:
     """A session as its meter displays it. answer: Z in ohm at the skin, and its audit."""
     scene, (Z, audit), (skin, fault) = plan.scene, answer, drawn
-    meter = Meter(scene.readout, len(scene.interfaces), stream(plan.seed, number, METER))
+    meter = MeterSession(scene.readout, len(scene.interfaces), stream(plan.seed, number, METER))
     frequency = scene.frequencies
     at_meter, middle = scene.parts.setup.behind(skin.leads).at_meter(Z), len(frequency) // 2
     if fault is not None:

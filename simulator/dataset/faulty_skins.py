@@ -40,12 +40,13 @@ def family_scenes(plan: Plan) -> dict[str, Scene | None]:
     healthy = without_faults(scene)
     found: dict[str, Scene | None] = {NO_FAULT: healthy}
     for session in range(plan.sessions if odds else 0):
-        fault = drawn_fault(scene, plan.seed, session)
+        fault = drawn_fault(scene.parts.skin, scene.parts.plan, plan.seed, session)
         name = family_name(fault)
         if fault is not None and name not in found:
-            fault.check(scene)
+            fault.check(scene.parts)
             stuck = isinstance(fault, StuckSpot)
-            found[name] = _all_stuck(scene) if stuck else fault.changed(healthy)
+            changed = None if stuck else fault.changed(healthy.parts)
+            found[name] = _all_stuck(scene) if stuck else changed and changed.scene
     return found
 
 
@@ -80,11 +81,13 @@ def answered_with(
     """
     if fault is None:
         return answer(variation)
-    connected = fault.connected(scene)
+    connected = fault.connected(scene.parts.setup)
     if not connected.any():
         shape = presses, len(connected), len(scene.frequencies)
         return np.full(shape, OPEN, dtype=complex), Audit(0, 0, 0.0)
-    found, audit = answer(replace(variation, films=variation.films[fault.remaining(scene)]))
+    found, audit = answer(
+        replace(variation, films=variation.films[fault.remaining(scene.parts.skin)])
+    )
     Z = np.full((len(found), len(connected), found.shape[2]), OPEN, dtype=complex)
     Z[:, connected] = found
     return Z, audit

@@ -194,6 +194,6 @@ def _cell_errors(workshop: WorkFolder, plan: Plan) -> dict[str, float]:
     family = workshop.load(workshop.model_file)
     if scene.dataset.press.place == "anywhere":
         errors["cells_error"] = rounded_up(rasterization_error(scene, family, plan.seed, plan.rtol))
-    if spreading(scene):
+    if spreading(scene.parts.skin, scene.press):
         errors["deflection_error"] = rounded_up(lattice_error(scene, family, plan.seed))
     return errors

@@ -92,12 +92,12 @@ def reduced(scene: Scene, rtol: float) -> Reduced:
     modes = 1 if scene.dataset.session.unevenness == 0 else len(HALF_WAVES)
 
     def draw(random: np.random.Generator) -> Case:
-        skin, _ = faulty_skin(scene, int(random.integers(2**62)), 0, grid, modes)
+        skin, _ = faulty_skin(scene.parts, int(random.integers(2**62)), 0, grid, modes)
         return Case(skin.variation, *_press(scene, random, grid))
 
     same_sheets, creeps = _equal_sheets(scene.dataset.session), scene.skin.foam.in_time
     trained_to = TRAINING_SHARE * (OF_NODES if creeps else 1.0) * rtol
-    return reduced_for(divided, trained_to, draw, modes=modes, same_sheets=same_sheets)
+    return reduced_for(divided.parts, trained_to, draw, modes=modes, same_sheets=same_sheets)
 
 
 def _press(scene: Scene, random: np.random.Generator, grid: tuple[int, int]) -> TouchedCells:
@@ -105,7 +105,7 @@ def _press(scene: Scene, random: np.random.Generator, grid: tuple[int, int]) -> 
     if not scene.skin.foam.in_time:
         return drawn_presses(scene, random, 1, grid).batch.one(0)
     nodes, presses = (
-        interpolation(scene).nodes,
+        interpolation(scene.parts).nodes,
         drawn_presses(scene, random, EARLIER_PRESSES + 1, grid),
     )
     pressed = in_foam_states(scene, presses.batch, nodes)
@@ -114,7 +114,9 @@ def _press(scene: Scene, random: np.random.Generator, grid: tuple[int, int]) -> 
 
 def nominal_skin(scene: Scene, family: SkinFamily) -> SkinModel:
     """The nominal skin of the scene in its family."""
-    return family.skin(replace(nominal(scene, family.modes), capacitance=np.ones(family.grid)))
+    return family.skin(
+        replace(nominal(scene.parts.skin, family.modes), capacitance=np.ones(family.grid))
+    )
 
 
 def _divided(scene: Scene) -> Scene:

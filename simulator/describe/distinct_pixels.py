@@ -72,7 +72,7 @@ def _places(pixel: Pixel, scene: Scene) -> tuple[Real, Mask]:
 
 def equal_sweep_groups(scene: Scene, pixels: Sequence[Pixel]) -> list[list[Pixel]]:
     """Groups of pixels with equal sweeps for any meter."""
-    of, groups = representative(scene), defaultdict(list)
+    of, groups = representative(scene.parts.skin, scene.parts.setup, scene.press), defaultdict(list)
     for pixel in pixels:
         groups[of(pixel)].append(pixel)
     return list(groups.values())

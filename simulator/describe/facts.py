@@ -12,7 +12,6 @@ from pydantic import BaseModel
 from ..measure.symmetry import describe_repeated
 from ..meters.meter_bands import VIRTUAL_MODEL, outside_band
 from ..models.line import cut_off_frequency
-from ..models.uniform import equivalent_scene
 from ..press.pixels import pixels_with_skin
 from ..scene.extent import surface
 from ..scene.maps.factor_maps import AnyMap
@@ -76,7 +75,7 @@ def _of_skin(scene: Scene) -> Iterator[tuple[str, str]]:
     for each in scene.interfaces:
         low = EARTH if skin.one_conductor else _and(each.low)
         yield "interface", f"{each.name}: {_and(each.high)} against {low}"
-    for each in describe_repeated(scene):
+    for each in describe_repeated(scene.parts.skin, scene.parts.setup, scene.press):
         yield "repeated", each
     for each in scene.interfaces:
         if one_sheet(scene, each):
@@ -239,8 +238,9 @@ def _press(scene: Scene) -> str:
 def _depths(scene: Scene) -> str:
     from ..models.mechanics.force_depths import depths_of_pixels
 
+    assert scene.press.force is not None
     try:
-        return depths_of_pixels(scene)
+        return depths_of_pixels(scene.parts.skin, scene.press.force)
     except InputError as error:
         return f"which the foam cannot take: {error}"
 
@@ -255,14 +255,17 @@ def _frequencies(scene: Scene) -> str:
 
 def _cut_off(scene: Scene, interface: Interface) -> str:
     """Cut-off frequency of one interface; it depends on the foils that the interface drives."""
-    f, cut_off = scene.parts.setup.frequency_at(interface.name), cut_off_frequency(scene, interface)
+    f, cut_off = (
+        scene.parts.setup.frequency_at(interface.name),
+        cut_off_frequency(scene.parts.skin, scene.parts.setup, interface),
+    )
     above = int((f > cut_off).sum())
     reach = f"{above} of {len(f)} frequencies lie above it and do not reach the whole skin"
     if above == 0:
         reach = "no frequency lies above it: all reach the whole skin"
     elif above == len(f):
         reach = "all frequencies lie above it: none reaches the whole skin"
-    far = 1e3 * equivalent_scene(scene).reach(interface)
+    far = 1e3 * scene.parts.skin.electrical.reach([interface], scene.interfaces)
     named = f"{interface.name}: " if len(scene.interfaces) > 1 else ""
     text = f"Eq. 6, {far:.3g} mm from the foils"
     return f"{named}{prefixed(cut_off, 'Hz')} ({text}): {reach}"

@@ -29,7 +29,7 @@ def describe_gains(scene: Scene) -> Iterator[str]:
             f"{_input(each.load)}{_together(each)}"
         )
     try:
-        gain = np.abs(Solver(scene, RTOL).solve(Press()).Z)
+        gain = np.abs(Solver(scene.parts, RTOL).solve(Press()).Z)
     except ToleranceError as error:
         yield f"of the unpressed skin: not found, {error}"
         return

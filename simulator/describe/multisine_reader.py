@@ -36,7 +36,7 @@ def fitted_resistance(reader: Multisine, Z: Complex, frequency: Real) -> float:
 
 def describe_multisine(scene: Scene, reader: Multisine) -> str:
     """Time of a sweep, peaks and noise of a reader in words."""
-    frequency, Z = scene.frequencies, Solver(scene).solve(Press()).Z
+    frequency, Z = scene.frequencies, Solver(scene.parts).solve(Press()).Z
     peak = float(output_peak(reader, Z, frequency).max()) / reader.full_scale
     read = (
         f"{len(frequency)} tones in {reader.frames} frame{'s' * (reader.frames > 1)} of "

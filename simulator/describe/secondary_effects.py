@@ -90,7 +90,7 @@ def _change(
 
 
 def _solved(scene: Scene, presses: Sequence[Press], rtol: float) -> list[Solution]:
-    solver = Solver(scene, rtol)
+    solver = Solver(scene.parts, rtol)
     return [solver.solve(press) for press in presses]
 
 
@@ -168,7 +168,8 @@ def _potential(body: Body) -> str:
 
 
 def _rim(scene: Scene, around: Surroundings | None) -> str:
-    text = f"fields around the edges have {_percent(rim_share(scene))} of the foam's capacitance"
+    share = _percent(rim_share(scene.parts.skin))
+    text = f"fields around the edges have {share} of the foam's capacitance"
     own = around.rim if around and around.rim is not False else True
     rim = own.model_dump() if isinstance(own, Rim) else True
     change = _change(scene, {"surroundings.rim": False}, {"surroundings.rim": rim})
@@ -190,7 +191,7 @@ def _thickness(scene: Scene, around: Surroundings | None) -> str:
     change = _change(scene, without, {**without, "surroundings.thickness": True})
     there = INCLUDED if around and around.thickness else LEFT_OUT
     fields = "a field that is not perpendicular to the sheets"
-    return f"{describe_thickness(scene)}: {fields} {change}; {there}"
+    return f"{describe_thickness(scene.parts.skin)}: {fields} {change}; {there}"
 
 
 def _walls(scene: Scene, around: Surroundings | None) -> Iterator[tuple[str, str]]:
@@ -250,7 +251,7 @@ def _mm(length: float) -> str:
 
 
 def _creep(scene: Scene) -> Iterator[tuple[str, str]]:
-    moments, whole = reading_moments(scene)
+    moments, whole = reading_moments(scene.parts)
     solids = scene.skin.foam.relaxation
     for each in solids or (USUAL,):
         first, last = np.exp(-moments[[0, -1], [0, -1]] / each.time_constant)

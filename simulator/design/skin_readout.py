@@ -39,7 +39,7 @@ class SkinReadout:
     """One skin with some readings: its model, and what the meter observes of presses."""
 
     def __init__(self, reduced: Reduced, readings: Sequence[Interface], drawn: DrawnSkin) -> None:
-        self.scene, self._readings, self._leads = reduced.scene, readings, drawn.leads
+        self.scene, self._readings, self._leads = reduced.parts.scene, readings, drawn.leads
         self.skin: ReducedSkin = reduced.skin(drawn.variation)
 
     def reading(self, frequency: Real) -> Setup:
@@ -49,9 +49,9 @@ class SkinReadout:
     def errors(self, frequency: Real, against_rest: int) -> ErrorModel:
         """Errors of these readings, evaluated at the unpressed skin; frequency in Hz."""
         return errors_of(
-            self.scene,
+            self.reading(frequency),
+            self.scene.parts.meter,
             against_rest,
-            reading=self.reading(frequency),
             unpressed=lambda: self._impedances(PressBatch.of([NOTHING]), frequency)[0],
         )
 

@@ -48,7 +48,7 @@ class TrainedSkins:
 
         Raises InputError where a tension spreads presses.
         """
-        require_no_spread(scene)
+        require_no_spread(scene.parts.skin, scene.press)
         self.scene, self._request, self._band, self._seed = scene, request, band, seed
         self._progress, self._touches = progress, touches
         self._divided = scene if touches is None else touches.divided
@@ -56,7 +56,9 @@ class TrainedSkins:
 
     def sample(self, number: int) -> DrawnSkin:
         """A skin sample drawn from [dataset.session], as factors on the scene's."""
-        return drawn_skin(self.scene, self._seed, number, self._divided.pixels.shape, self.modes)
+        return drawn_skin(
+            self.scene.parts, self._seed, number, self._divided.pixels.shape, self.modes
+        )
 
     def readout(
         self, cast: DrawnSkin | None, material: Material, readings: Sequence[Interface]
@@ -79,7 +81,7 @@ class TrainedSkins:
         """The model, trained at first use for all that the constraints allow."""
         rtol = RTOL if self._touches is None else RTOL_OF_TOUCHES
         return trained(
-            self._divided,
+            self._divided.parts,
             rtol,
             self._draw,
             modes=self.modes,
@@ -90,10 +92,12 @@ class TrainedSkins:
     def _draw(self, random: np.random.Generator) -> Case:
         scene, request = self.scene, self._request
         draw = (
-            pixel_touches(scene, FACTORS) if self._touches is None else self._touches.training_touch
+            pixel_touches(scene.parts.skin, scene.parts.plan, FACTORS)
+            if self._touches is None
+            else self._touches.training_touch
         )
         press, grid = draw(random), self._divided.pixels.shape
-        skin = drawn_skin(scene, int(random.integers(2**62)), 0, grid, self.modes)
+        skin = drawn_skin(scene.parts, int(random.integers(2**62)), 0, grid, self.modes)
         own = material_of(scene)
         lowest = np.log(min(*request.sheet_resistance, own.top, own.bottom))
         highest = np.log(max(*request.sheet_resistance, own.top, own.bottom))
@@ -125,4 +129,4 @@ def foam_bounds(scene: Scene, request: Design) -> tuple[float, float]:
 
 
 def _nominal(scene: Scene, modes: int) -> DrawnSkin:
-    return DrawnSkin(nominal(scene, modes), scene.leads)
+    return DrawnSkin(nominal(scene.parts.skin, modes), scene.leads)

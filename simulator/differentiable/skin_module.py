@@ -77,15 +77,15 @@ class SkinModule(nn.Module):
         scenes that have no gradient here.
         """
         super().__init__()
-        own = scene.scene if isinstance(scene, Reduced) else scene
+        own = scene.parts.scene if isinstance(scene, Reduced) else scene
         self.scene = scene_of(own)
         _check_scene(self.scene)
         self.reduced = (
             scene
             if isinstance(scene, Reduced)
-            else Forward(self.scene, cells_per_pixel, rtol, modes=modes).reduced
+            else Forward(self.scene.parts, cells_per_pixel, rtol, modes=modes).reduced
         )
-        self.parts = parts_of(self.reduced.scene.parts.skin)
+        self.parts = parts_of(self.reduced.parts.skin)
         free = tuple(free)
         check_names(self.reduced, free)
         start = known_values(self.reduced)
@@ -184,7 +184,7 @@ class SkinModule(nn.Module):
                 else press
             )
             np.add.at(
-                row, *touched_cells(self.reduced.scene.parts.skin, self.reduced.scene.press, own)
+                row, *touched_cells(self.reduced.parts.skin, self.reduced.parts.plan.press, own)
             )
         return self._on_device(torch.as_tensor(found))
 
@@ -201,7 +201,7 @@ class SkinModule(nn.Module):
         self._check_reach(values, self.frequency)
         found = []
         for press, row in enumerate(rises.detach().cpu().double().numpy()):
-            own = self.reduced.skin(skin.variation(self.reduced.scene, press))
+            own = self.reduced.skin(skin.variation(self.reduced.parts.scene, press))
             cells = np.flatnonzero(row)
             bound = float(own.certificate(cells, row[cells], self.scene.frequencies).max())
             found.append(bound + self.reduced.mesh_error)
@@ -228,7 +228,11 @@ class SkinModule(nn.Module):
             )
         low, high = (factor - 1 for factor in PIXEL_FACTORS)
         _check_range("`rises` of c", rises[:, :foam], low, high)
-        strongest = FINGER_REACH * strongest_finger(self.scene) if both else 0.0
+        strongest = (
+            FINGER_REACH * strongest_finger(self.scene.parts.skin, self.scene.parts.plan)
+            if both
+            else 0.0
+        )
         _check_range("fingers in `rises`, F,", rises[:, foam:], 0.0, strongest)
         return rises
 
@@ -287,7 +291,7 @@ def _check_scene(scene: Scene) -> None:
         (
             "presses by depth or force; give `press.capacitance_factor` in place of `press.depth` "
             "or `press.force`",
-            lambda: spreading(scene),
+            lambda: spreading(scene.parts.skin, scene.press),
         ),
         (
             f"field along the foam under a press; leave out `surroundings.{along}`",

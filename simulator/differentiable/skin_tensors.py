@@ -55,7 +55,7 @@ class SkinTensors:
 
     def weights(self, reduced: Reduced) -> Tensor:
         """Weights of the terms of K, shape (skin, term), see `weights_of`."""
-        scene, circuit = reduced.scene, reduced.circuit
+        scene, circuit = reduced.parts.scene, reduced.circuit
         names = [contact.name for contact in scene.contacts]
         used = [names.index(contact.name) for contact in resistive(circuit)]
         return _joined([*self._conductances(reduced), self.films[:, used]])
@@ -63,7 +63,7 @@ class SkinTensors:
     def _conductances(self, reduced: Reduced) -> list[Tensor]:
         if reduced.circuit.fields == 2:
             return [self.top, self.bottom]
-        of_top, of_bottom = reduced.scene.skin.sheet_resistances
+        of_top, of_bottom = reduced.parts.skin.sheet_resistances
         under = of_top / self.top[:, :1] + of_bottom / self.bottom[:, :1]
         return [(of_top + of_bottom) / under * self.top / self.top[:, :1]]
 
@@ -134,8 +134,8 @@ def _joined(each: list[Tensor]) -> Tensor:
 
 def known_values(reduced: Reduced) -> dict[str, float]:
     """Names and nominal values of the parameters that gradients are computed by."""
-    scene = reduced.scene
-    own = dict.fromkeys(FURTHER_LOSSES, 0.0) | own_values(scene)
+    scene = reduced.parts.scene
+    own = dict.fromkeys(FURTHER_LOSSES, 0.0) | own_values(scene.parts.skin, scene.parts.setup)
     own |= dict.fromkeys(SHEET_MODES, 0.0) if reduced.modes > 1 else {}
     return {name: value for name, value in own.items() if name != "finger"}
 
@@ -165,7 +165,7 @@ def all_tensors(
     that does not fit.
     """
     check_names(reduced, given)
-    scene = reduced.scene
+    scene = reduced.parts.scene
     axes = {"capacitance": foam_parts(scene.parts.skin), "contact_resistance": len(scene.contacts)}
     found = {name: like.new_full((1, 1), value) for name, value in known_values(reduced).items()}
     for name, value in given.items():
@@ -185,7 +185,7 @@ def all_tensors(
 
 def skin_of(reduced: Reduced, values: Mapping[str, Tensor]) -> SkinTensors:
     """Skin of these parameters, see `variation_of`. values: from `all_tensors`."""
-    scene, one = reduced.scene, torch.ones_like(next(iter(values.values()))[:1, :1])
+    scene, one = reduced.parts.scene, torch.ones_like(next(iter(values.values()))[:1, :1])
     common, half = torch.exp(-values["sheet_resistance"]), values["sheet_mismatch"] / 2
     sheets, both = [], ((common * torch.exp(-half), TOP_MODES), (common * half.exp(), BOTTOM_MODES))
     for mean, names in both:

@@ -44,7 +44,7 @@ def position_tables(unknown: UnknownSkin, strengths: Real) -> dict[str, NDArray]
     two are the touch's own width and height. sides (2,): of the skin, m. on_skin: mask of uniform
     cells, shape (y, x), only where the skin is not a rectangle.
     """
-    scene = unknown.forward.scene
+    scene = unknown.forward.parts.scene
     side, deviation = touch_size(scene)
     x, y = (_nodes(side, length) for length in (scene.skin.length, scene.skin.width))
     nodes = _strength_nodes(strengths)

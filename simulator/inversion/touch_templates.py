@@ -80,14 +80,16 @@ def _of_mean_skin(scene: Scene, target: str, presses: str) -> Tables:
 
 
 def _tables(unknown: UnknownSkin, target: str, presses: str, drift: float) -> Tables:
-    scene = unknown.forward.scene
+    scene = unknown.forward.parts.scene
     chances = np.zeros(3)
     chances[: len(scene.dataset.press.touches)] = scene.dataset.press.touches
     strengths, weights, spread = strength_prior(scene, presses)
     fingers = finger_prior(scene, presses)
     touches = fingers.pixel_touches(strengths, weights)
     common = {
-        "deviation": errors_of(scene, unpressed=unknown.unpressed).deviation,
+        "deviation": errors_of(
+            scene.parts.setup, scene.parts.meter, unpressed=unknown.unpressed
+        ).deviation,
         "chances": chances,
         "strengths": strengths,
         "weights": np.array([touch.chance for touch in touches]),
@@ -110,16 +112,16 @@ def _with_drift(skin: Real, unknown: UnknownSkin, drift: float) -> Tables:
 
 @lru_cache(maxsize=8)
 def _unknown_skin(scene: Scene, anywhere: bool) -> UnknownSkin:
-    require_static(scene, "a localizer by a model of the skin")
+    require_static(scene.parts.skin, "a localizer by a model of the skin")
     cells = cells_per_pixel(scene) if anywhere else 1
-    return UnknownSkin(Forward(scene, cells, rtol=RTOL, train=reduced_for))
+    return UnknownSkin(Forward(scene.parts, cells, rtol=RTOL, train=reduced_for))
 
 
 def strength_prior(scene: Scene, presses: str) -> tuple[NDArray, NDArray, float]:
     """Strengths, the probability of each, and their common deviation."""
     drawn, depth = scene.drawn_factor, scene.dataset.press.depth
     if presses == "press":
-        return normal_mixture(own_presses(scene).at, STRENGTHS)
+        return normal_mixture(own_presses(scene.parts.skin, scene.press).at, STRENGTHS)
     if scene.press.by_factor or depth is None:
         return normal_mixture(drawn.at, STRENGTHS)
     return normal_mixture(lambda chance: scene.pressed_factors(depth.at(chance)), STRENGTHS)
@@ -127,9 +129,9 @@ def strength_prior(scene: Scene, presses: str) -> tuple[NDArray, NDArray, float]
 
 def pixel_tables(unknown: UnknownSkin, touches: Sequence[PixelTouch], of_finger: float) -> Tables:
     """Tables of all touches of every single pixel. of_finger: deviation of its capacitance, F."""
-    forward, pixels = unknown.forward, unknown.forward.scene.pixels
+    forward, pixels = unknown.forward, unknown.forward.parts.skin.pixels
     unpressed = unknown.observed(forward.respond(*NOTHING, unknown.values).Z)
-    places = pixel_coverage(forward.scene.parts.skin).numbers
+    places = pixel_coverage(forward.parts.skin).numbers
     found = [
         [_touch(unknown, pixel, touch, of_finger) for touch in touches] for pixel in places.tolist()
     ]
@@ -155,7 +157,7 @@ def _touch(
     """
     cells, rises = np.array([pixel]), np.array([touch.factor - 1])
     if touch.finger or of_finger:
-        own = parts_of(unknown.forward.scene.parts.skin).finger(cells)
+        own = parts_of(unknown.forward.parts.skin).finger(cells)
         cells, rises = np.append(cells, own), np.append(rises, touch.finger)
     response = unknown.forward.respond(cells, rises, unknown.values)
     by_strength = np.exp(unknown.values["capacitance"]) * response.by_cell + response.by_gauge
@@ -169,7 +171,7 @@ def _touch(
 
 def pair_tables(unknown: UnknownSkin, strengths: Real) -> Tables:
     """Tables of all pairs of pixels at all pairs of strengths."""
-    places = pixel_coverage(unknown.forward.scene.parts.skin).numbers
+    places = pixel_coverage(unknown.forward.parts.skin).numbers
     pairs = np.stack(np.triu_indices(len(places), 1), axis=1)
     first, second = np.meshgrid(strengths - 1, strengths - 1, indexing="ij")
     rises = np.stack([first.ravel(), second.ravel()], axis=1)

@@ -41,8 +41,11 @@ class SkinDistribution(NamedTuple):
 
 def expected(scene: Scene) -> dict[str, float]:
     """Mean PARAMETERS of the skin and leads over the sessions of a scene."""
-    spreads = session_spreads(scene)
-    return {name: own + spreads[name].shift for name, own in own_values(scene).items()}
+    spreads = session_spreads(scene.parts)
+    return {
+        name: own + spreads[name].shift
+        for name, own in own_values(scene.parts.skin, scene.parts.setup).items()
+    }
 
 
 class UnknownSkin:
@@ -53,11 +56,11 @@ class UnknownSkin:
     """
 
     def __init__(self, forward: Forward) -> None:
-        self.forward, self.values = forward, expected(forward.scene)
+        self.forward, self.values = forward, expected(forward.parts.scene)
         self._mean = self.values
         self._deviations = {
             name: spread.deviation
-            for name, spread in session_spreads(forward.scene).items()
+            for name, spread in session_spreads(forward.parts).items()
             if spread.deviation > 0 and name in forward.free
         }
         self._sheet_modes, self._foam = _sheet_mode_terms(forward), _foam_terms(forward)
@@ -67,15 +70,15 @@ class UnknownSkin:
 
     def observed(self, Z: Complex) -> Real:
         """Observed values at the frequencies of the scene's interfaces, shape (..., number)."""
-        return self._read(observed(Z, self.forward.scene.taken))
+        return self._read(observed(Z, self.forward.parts.setup.taken))
 
     def observed_slope(self, Z: Complex, dZ: Complex) -> Real:
         """Derivative of `observed` from that of Z."""
-        return self._read(observed_slope(Z, dZ, self.forward.scene.taken))
+        return self._read(observed_slope(Z, dZ, self.forward.parts.setup.taken))
 
     def _read(self, values: Real) -> Real:
         """The values without phases where the reader has none."""
-        if self.forward.scene.parts.setup.phases:
+        if self.forward.parts.setup.phases:
             return values
         return values[..., : values.shape[-1] // 2]
 
@@ -114,7 +117,7 @@ class UnknownSkin:
         errors of the session, shape (number,). Parameters enter nonlinearly, cosine modes linearly.
         With hundreds of sweeps the data would be more precise than this linearization.
         """
-        skin, error = self, _baseline_covariance(self.forward.scene, baseline, averaged)
+        skin, error = self, _baseline_covariance(self.forward.parts.scene, baseline, averaged)
         for _ in range(STEPS):
             weighed = np.linalg.solve(error, skin._baseline_columns).T
             information = weighed @ skin._baseline_columns + np.eye(len(weighed))
@@ -161,7 +164,12 @@ def _baseline_covariance(scene: Scene, baseline: Real, averaged: int) -> Real:
     Ranges are assumed to be decades of |Z|, each with a fixed error of its own.
     """
     read = scene.parts.setup.read
-    error = errors_of(scene, averaged=averaged, unpressed=lambda: reading_from(baseline, read))
+    error = errors_of(
+        scene.parts.setup,
+        scene.parts.meter,
+        averaged=averaged,
+        unpressed=lambda: reading_from(baseline, read),
+    )
     decade = np.tile(np.floor(baseline[: len(baseline) // 2] / math.log(10)), 2)
     noise = np.diag(error.deviation**2)
     return noise + (error.covariance - noise) * (decade[:, None] == decade)
@@ -180,7 +188,7 @@ def _moved(
 
 def _foam_terms(forward: Forward) -> Real:
     """Relative changes of the cells' capacitance, shape (unknown, cell)."""
-    scene, cells = forward.scene, forward.divided.pixels
+    scene, cells = forward.parts.scene, forward.divided.skin.pixels
     session, pixels = scene.dataset.session, scene.pixels
     if session.foam_pattern == "pixel":
         each = session.foam_spread * np.eye(pixels.rows * pixels.columns)
@@ -188,7 +196,9 @@ def _foam_terms(forward: Forward) -> Real:
         cell = np.ones((1, forward.cells_per_pixel, forward.cells_per_pixel))
         terms = np.kron(of_pixels.reshape(-1, pixels.rows, pixels.columns), cell)
         return terms.reshape(-1, cells.rows * cells.columns).astype(np.float64)
-    modes = mode_values(scene, cell_centres(scene.parts.skin, cells.shape), len(HALF_WAVES))[1:]
+    modes = mode_values(
+        scene.parts.skin, cell_centres(scene.parts.skin, cells.shape), len(HALF_WAVES)
+    )[1:]
     return (session.foam_spread * modes.reshape(len(HALF_WAVES) - 1, -1)).astype(np.float64)
 
 
@@ -197,8 +207,8 @@ def _sheet_mode_terms(forward: Forward) -> Real:
 
     Where one field describes both sheets, modes of each add, weighted by its share of resistance.
     """
-    scene, reduced = forward.scene, forward.reduced
-    family = family_on(reduced.scene, reduced.circuit, reduced.mesh, len(HALF_WAVES))
+    scene, reduced = forward.parts.scene, forward.reduced
+    family = family_on(reduced.parts.skin, reduced.circuit, reduced.mesh, len(HALF_WAVES))
     R = np.array(scene.skin.sheet_resistances)
     share = 1.0 if reduced.circuit.fields == 2 else float(np.hypot(*R) / R.sum())
     unevenness = scene.dataset.session.unevenness

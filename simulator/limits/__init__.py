@@ -36,7 +36,7 @@ def bayes_accuracy(
     from ..measure.experiment import own_presses
 
     among = hypotheses(scene, target)
-    factors = presses or own_presses(scene)
+    factors = presses or own_presses(scene.parts.skin, scene.press)
     readings = TouchReadings(scene, factors, against_rest)
     return bayes(readings, among, factors, seed, draws, progress)
 
@@ -68,7 +68,10 @@ def off_centre_accuracy(
     if not 0 <= offset <= 0.5:
         raise InputError(f"`offset` must be in 0..0.5 of a pixel's side, got {offset:g}")
     random_presses = RandomPresses.of_pixels(
-        scene, presses or own_presses(scene), offset=offset, against_rest=against_rest
+        scene,
+        presses or own_presses(scene.parts.skin, scene.press),
+        offset=offset,
+        against_rest=against_rest,
     )
     among = hypotheses(scene, target)
     return accuracy_of_presses(
@@ -100,7 +103,7 @@ def posterior_distance(
     touch = chosen_touch(scene, size)
     random_presses = RandomPresses(
         scene,
-        presses or own_presses(scene),
+        presses or own_presses(scene.parts.skin, scene.press),
         size=(touch.width, touch.height),
         against_rest=against_rest,
     )

@@ -143,7 +143,9 @@ def _pixel_touches(fields: AnyFields, touch: TouchSize) -> list[RasterizedTouch]
     of_its_size = (touch.width, touch.height) == (whole.width, whole.height)
     if scene.pixels.groups is not None and not of_its_size:
         raise InputError(f"{scene.name}: touches of a size need pixels without `groups`")
-    if scene.pixels.groups is None and (scene_spreads_presses(scene) or not of_its_size):
+    if scene.pixels.groups is None and (
+        scene_spreads_presses(scene.parts.skin, scene.press) or not of_its_size
+    ):
         rasterizer = rasterizer_for(scene, fields.grid, touch)
         return [rasterizer.rasterized(middle, touch) for middle in middles(scene)]
     maps = pixel_maps(scene, fields.cells).values()

@@ -118,7 +118,10 @@ class RandomPresses:
         """Errors of the meter, evaluated at the reading of the unpressed skin."""
         unpressed = PressBatch.of([NOTHING])
         return errors_of(
-            self.scene, self._against_rest, unpressed=lambda: self._impedances(unpressed)[0]
+            self.scene.parts.setup,
+            self.scene.parts.meter,
+            self._against_rest,
+            unpressed=lambda: self._impedances(unpressed)[0],
         )
 
     def _rasterized(self, middles: Real, factors: Real, sides: Real | None = None) -> PressBatch:
@@ -146,7 +149,7 @@ class RandomPresses:
                 None, *self._rasterized(middles, random.uniform(*range_of, (1, touches))).one(0)
             )
 
-        return reduced_for(divided, RTOL, draw)
+        return reduced_for(divided.parts, RTOL, draw)
 
 
 MAX_AXES = 16

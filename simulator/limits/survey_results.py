@@ -81,7 +81,12 @@ class SurveyResults(NamedTuple):
         terminal().print(table(["", "median deviation of", *COLUMNS], rows))
         left = len(self.variants) - MAX_ROWS
         more = [f"  {left} more rows in {folder / 'limits.json'}"] if left > 0 else []
-        repeated = [f"  {line}" for line in describe_repeated(self.scene)]
+        repeated = [
+            f"  {line}"
+            for line in describe_repeated(
+                self.scene.parts.skin, self.scene.parts.setup, self.scene.press
+            )
+        ]
         meaning = f"  {bound_text(self.options.against_rest, 'a known skin')}"
         say(*more, f"  {ERROR}", *repeated, *self.identity.lines(), meaning)
         say(f"maps and tables written to {folder}")

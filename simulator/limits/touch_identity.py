@@ -155,7 +155,7 @@ def identity(
     scene: Scene, sampling: Sampling, progress: ProgressCallback = silent
 ) -> IdentityBounds:
     """Identity bounds of a known skin, pressed as in the scene's experiment."""
-    presses = own_presses(scene)
+    presses = own_presses(scene.parts.skin, scene.press)
     readings, size = sampling.readings(scene, presses), sampling.size
     among = {target: hypotheses(scene, target, size) for target in TARGETS}
     pixels = [each for each in among["pixel"] if each.pixels]
@@ -230,7 +230,10 @@ def counted(
 ) -> Count:
     """The best accuracy with n pixels along the longer side of the grid."""
     divided = with_pixels(scene, n)
-    presses, among = own_presses(divided), hypotheses(divided, target, sampling.size)
+    presses, among = (
+        own_presses(divided.parts.skin, divided.press),
+        hypotheses(divided, target, sampling.size),
+    )
     readings = sampling.readings(divided, presses)
     readings.train(progress)
     bound = upper_bound(readings, among, presses)

@@ -22,9 +22,8 @@ from ..models.solution import Solution
 from ..models.solver import Solver
 from ..press.foam_creep import Creep
 from ..press.press import Press, check_press
-from ..scene.multisine.reader import Multisine
-from ..scene.readout.meter import Timing
-from ..scene.scene import Scene
+from ..scene.parts import Meter, SceneParts
+from ..scene.readings.setup import Setup
 from ..sweeps import ToleranceError
 from ..sweeps.units import prefixed
 from .foam_state import FoamState
@@ -38,29 +37,24 @@ OF_NODES = 0.4
 """Tolerance at the nodes over that of the sweep: interpolation adds up to twice their errors."""
 
 
-def reading_moments(scene: Scene) -> tuple[Real, float]:
+def reading_moments(parts: SceneParts) -> tuple[Real, float]:
     """Time of each reading, s after the press, shape (interface, frequency), and the end of the
     last one.
 
     Times are in the middle of a reading, see `reading_time`, or of the frames of a multisine; those
     of skipped readings are at the end.
     """
-    starts, durations, end = reading_spans(scene, scene.experiment.timed.before)
-    return np.where(scene.parts.setup.read, starts + durations / 2, end), end
+    starts, durations, end = reading_spans(parts.setup, parts.meter, parts.plan.before)
+    return np.where(parts.setup.read, starts + durations / 2, end), end
 
 
-def reading_spans(scene: Scene, start: float = 0.0) -> tuple[Real, Real, float]:
+def reading_spans(setup: Setup, meter: Meter, start: float = 0.0) -> tuple[Real, Real, float]:
     """Start and duration of each reading, and the end of the last one, s; see `spans_of`."""
-    reading, multisine = scene.parts.setup, scene.readout.multisine
-    return spans_of(reading.frequency, reading.read, scene.experiment.timed, multisine, start)
+    return spans_of(setup.frequency, setup.read, meter, start)
 
 
 def spans_of(
-    frequency: Real,
-    read: Mask,
-    timing: Timing,
-    multisine: Multisine | None = None,
-    start: float = 0.0,
+    frequency: Real, read: Mask, meter: Meter, start: float = 0.0
 ) -> tuple[Real, Real, float]:
     """Start and duration of each reading of a sweep, s, and the end of the last one.
 
@@ -69,24 +63,25 @@ def spans_of(
     at the same time. start: of the sweep, s.
     """
     starts, durations, now = np.zeros(read.shape), np.zeros(read.shape), start
+    multisine = meter.readout.multisine
     for i, own in enumerate(read):
         now += SETTLE * (len(read) > 1)
         if multisine:
             starts[i], durations[i], now = now, multisine.seconds, now + multisine.seconds
             continue
         for k in np.flatnonzero(own):
-            takes = timing.averaging * reading_time(frequency[k], timing.speed)
+            takes = meter.averaging * reading_time(frequency[k], meter.speed)
             starts[i, k], durations[i, k] = now, takes
             now += takes
     return starts, durations, now
 
 
-def describe_timing(scene: Scene) -> list[str]:
+def describe_timing(parts: SceneParts) -> list[str]:
     """A line on the timing of presses if the foam creeps, else none."""
-    if not scene.skin.foam.in_time:
+    if not parts.skin.foam.in_time:
         return []
-    timing, (_, whole) = scene.experiment.timed, reading_moments(scene)
-    pause = f"a pause of {prefixed(timing.pause, 's')}" if timing.pause else "no pause"
+    seconds, (_, whole) = parts.plan.pause, reading_moments(parts)
+    pause = f"a pause of {prefixed(seconds, 's')}" if seconds else "no pause"
     return [
         "the foam creeps: presses follow each other in the given order; each lasts "
         f"{prefixed(whole, 's')} while it is read, with {pause} before the next"
@@ -143,10 +138,10 @@ class Interpolation:
         return extrema(own.min(), own.max(), self.counts[solid])
 
 
-def interpolation(scene: Scene) -> Interpolation:
+def interpolation(parts: SceneParts) -> Interpolation:
     """Coarsest interpolation for a scene's readings."""
-    moments, _ = reading_moments(scene)
-    time = Creep.of(scene.skin.foam).time
+    moments, _ = reading_moments(parts)
+    time = Creep.of(parts.skin.foam).time
     return Interpolation(np.exp(-moments / time.reshape(-1, 1, 1)), (FIRST,) * len(time))
 
 
@@ -155,13 +150,13 @@ def solved_in_time(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple[P
 
     The foam is unpressed at first. Raises what `FoamState.then` and `Solver.solve` raise.
     """
-    scene, (_, whole) = solver.scene, reading_moments(solver.scene)
-    closer = Solver(scene, OF_NODES * solver.rtol, solver.model, solver.frequency)
+    parts, (_, whole) = solver.parts, reading_moments(solver.parts)
+    closer = Solver(parts, OF_NODES * solver.rtol, solver.model, solver.frequency)
     once = _Once(closer.solve)
-    state, between = FoamState(scene), interpolation(scene)
-    pause, waited = scene.experiment.timed.pause, 0.0
+    state, between = FoamState(parts.skin), interpolation(parts)
+    pause, waited = parts.plan.pause, 0.0
     for press in presses:
-        state = state.then(check_press(press, scene.parts.skin), waited)
+        state = state.then(check_press(press, parts.skin), waited)
         yield press, _answer(state, between, once, solver.rtol)
         if pause:
             state = state.then(Press(), whole)

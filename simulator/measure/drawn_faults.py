@@ -11,8 +11,8 @@ import numpy as np
 from ..arrays import Real
 from ..press.pixels import pixels_with_skin
 from ..scene.draws.fault_odds import FaultOdds
+from ..scene.parts import Plan, SceneParts, Skin
 from ..scene.readings.contacts import EDGES
-from ..scene.scene import Scene
 from .skin_faults import AgedGain, DeadFoil, HalfFoil, SkinFault, StuckSpot, TornSheet
 from .skins import DrawnSkin, drawn_skin
 from .streams import FAULT, TEAR, stream
@@ -23,23 +23,23 @@ MIDDLE = 0.1, 0.9
 Item = TypeVar("Item")
 
 
-def drawn_fault(scene: Scene, seed: int, session: int) -> SkinFault | None:
+def drawn_fault(skin: Skin, plan: Plan, seed: int, session: int) -> SkinFault | None:
     """Random fault of a session, if it has one. Other draws of the session do not change."""
-    odds = scene.dataset.session.faults
+    odds = plan.draws.session.faults
     if odds is None:
         return None
     which, place, further, *sizes = stream(seed, session, FAULT).random(5)
     number = int(np.searchsorted(np.cumsum(list(odds.odds.values())), which, side="right"))
     kind = [*odds.odds, None][number]
     if kind == "dead_foil":
-        return DeadFoil(_one_of(scene.foils, place).name)
+        return DeadFoil(_one_of(skin.foils, place).name)
     if kind == "half_foil":
-        return HalfFoil(_one_of(scene.foils, place).name, _one_of(("low", "high"), further))
+        return HalfFoil(_one_of(skin.foils, place).name, _one_of(("low", "high"), further))
     if kind == "tear":
-        return drawn_tear(scene, odds, seed, int(place * odds.tears))
+        return drawn_tear(skin, odds, seed, int(place * odds.tears))
     if kind == "stuck_spot":
         factor = _rounded(odds.stuck_factor.at(further))
-        return StuckSpot(*_one_of(pixels_with_skin(scene.parts.skin), place), factor)
+        return StuckSpot(*_one_of(pixels_with_skin(skin), place), factor)
     if kind == "aged_gain":
         low, high = (_rounded(odds.gain_factor.at(each)) for each in sizes)
         return AgedGain(low, high)
@@ -47,21 +47,24 @@ def drawn_fault(scene: Scene, seed: int, session: int) -> SkinFault | None:
 
 
 def faulty_skin(
-    scene: Scene, seed: int, session: int, grid: tuple[int, int], modes: int
+    parts: SceneParts, seed: int, session: int, grid: tuple[int, int], modes: int
 ) -> tuple[DrawnSkin, SkinFault | None]:
     """Random skin of a session, with the stuck spot that it may have, and its fault."""
-    skin, fault = drawn_skin(scene, seed, session, grid, modes), drawn_fault(scene, seed, session)
+    skin, fault = (
+        drawn_skin(parts, seed, session, grid, modes),
+        drawn_fault(parts.skin, parts.plan, seed, session),
+    )
     if not isinstance(fault, StuckSpot):
         return skin, fault
-    capacitance = skin.variation.capacitance * fault.foam(scene, grid)
+    capacitance = skin.variation.capacitance * fault.foam(parts.skin, grid)
     return replace(skin, variation=replace(skin.variation, capacitance=capacitance)), fault
 
 
-def drawn_tear(scene: Scene, odds: FaultOdds, seed: int, number: int) -> TornSheet:
+def drawn_tear(skin: Skin, odds: FaultOdds, seed: int, number: int) -> TornSheet:
     """One of the different tears of a data set, by its number from 0."""
     sheet, edge, at, length = stream(seed, number, TEAR).random(4)
-    one = "top" if scene.skin.one_conductor else _one_of(("top", "bottom"), sheet)
-    sheets = one if odds.torn_sheets == "one" or scene.skin.one_conductor else "both"
+    one = "top" if skin.one_conductor else _one_of(("top", "bottom"), sheet)
+    sheets = one if odds.torn_sheets == "one" or skin.one_conductor else "both"
     along = MIDDLE[0] + (MIDDLE[1] - MIDDLE[0]) * at
     longest = odds.tear_length.at(length)
     return TornSheet(sheets, _one_of(EDGES, edge), _rounded(along), _rounded(longest))  # type: ignore[arg-type]

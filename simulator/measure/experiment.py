@@ -11,30 +11,29 @@ from ..arrays import Real
 from ..press.pixels import pixels_with_skin
 from ..press.press import Press, pixel_pressed
 from ..scene.draws.draw_distributions import AnyDistribution, Fixed, Normal
-from ..scene.scene import Scene
+from ..scene.parts import Plan, Skin
+from ..scene.pixel_grid import Pressing
 from ..sweeps import InputError
 
 PRESSES, METER = 0, 1
 
 
-def stream(scene: Scene, purpose: int) -> np.random.Generator:
+def stream(plan: Plan, purpose: int) -> np.random.Generator:
     """Random generator of one purpose (PRESSES or METER), from the scene's seed."""
-    return np.random.default_rng([scene.experiment.seed, purpose])
+    return np.random.default_rng([plan.seed, purpose])
 
 
-def planned_presses(scene: Scene, random: np.random.Generator) -> list[Press]:
+def planned_presses(skin: Skin, plan: Plan, random: np.random.Generator) -> list[Press]:
     """Every repetition of every pixel on the skin, and of the unpressed skin if that is a class.
 
     Strengths are drawn from `own_presses`, separately for each. Raises what `own_presses` raises.
     """
-    drawn, planned = own_presses(scene), scene.experiment
-    unpressed = [Press()] * (planned.repetitions if planned.unpressed else 0)
-    pixels = [
-        each for each in pixels_with_skin(scene.parts.skin) for _ in range(planned.repetitions)
-    ]
+    drawn = own_presses(skin, plan.press)
+    unpressed = [Press()] * (plan.repetitions if plan.unpressed else 0)
+    pixels = [each for each in pixels_with_skin(skin) for _ in range(plan.repetitions)]
     factors = np.broadcast_to(drawn.at(random.random(len(pixels))), len(pixels)).tolist()
     return unpressed + [
-        Press((pixel_pressed(scene.parts.skin, scene.press, row, column, factor),))
+        Press((pixel_pressed(skin, plan.press, row, column, factor),))
         for (row, column), factor in zip(pixels, factors, strict=True)
     ]
 
@@ -49,7 +48,7 @@ class Strengths(NamedTuple):
     weight: Real
 
 
-def own_presses(scene: Scene) -> AnyDistribution:
+def own_presses(skin: Skin, pressing: Pressing) -> AnyDistribution:
     """Factors by which the scene's experiment presses.
 
     The rise of capacitance (factor - 1) is normal about the nominal one, with the scene's
@@ -57,14 +56,14 @@ def own_presses(scene: Scene) -> AnyDistribution:
     pressed by depth it is the factor under the applicator. Raises InputError for presses by force,
     or if a factor might be 0 or less.
     """
-    factor, spread = scene.pressed_factor, scene.press.factor_spread
+    factor, spread = pressing.factor(skin), pressing.factor_spread
     if spread == 0:
         return Fixed(value=factor)
     drawn = Normal(mean=factor, deviation=abs(factor - 1) * spread)
     if drawn.low <= 0:
         most = factor / abs(factor - 1) / drawn.cut
         raise InputError(
-            f"{scene.name}: `press.factor_spread` must be < {most:.3g} where factors about "
+            f"{skin.name}: `press.factor_spread` must be < {most:.3g} where factors about "
             f"{factor:g} are drawn, got {spread:g}"
         )
     return drawn

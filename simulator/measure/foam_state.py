@@ -12,7 +12,7 @@ from ..models.mechanics.force_depths import press_by_depths
 from ..press.foam_creep import Creep, unloading_strain
 from ..press.press import Press, order
 from ..press.touch import AnyTouch, Depth, Force, Indentation, place_of, touch_at
-from ..scene.scene import Scene
+from ..scene.parts import Skin
 from ..sweeps import InputError
 
 NEGLIGIBLE = 1e-9
@@ -43,7 +43,7 @@ class FoamState:
     Immutable: `then` is the state after the next change. since: start of the press, s.
     """
 
-    scene: Scene
+    skin: Skin
     press: Press = field(default_factory=Press)
     spots: tuple[Spot, ...] = ()
     since: float = 0.0
@@ -57,7 +57,7 @@ class FoamState:
 
         Strains are linear in these.
         """
-        if not self.scene.skin.foam.in_time:
+        if not self.skin.foam.in_time:
             return self.press
         touches = [self._now(spot, decay) for spot in self.spots]
         return Press(tuple(sorted((each for each in touches if each is not None), key=order)))
@@ -69,7 +69,7 @@ class FoamState:
         creep too far, and if one place is pressed twice.
         """
         since = self.since + seconds
-        if not self.scene.skin.foam.in_time:
+        if not self.skin.foam.in_time:
             return replace(self, press=press, since=since)
         if len({touch.where for touch in press.touches}) < len(press.touches):
             raise InputError(f"press {press}: foam that creeps allows one touch at each place")
@@ -78,7 +78,7 @@ class FoamState:
             self._pressed(as_given, touch, before.get(touch.where))
             for as_given, touch in zip(
                 (*press.sharp.touches, *press.indented),
-                press_by_depths(self.scene, press).touches,
+                press_by_depths(self.skin, press).touches,
                 strict=True,
             )
         ]
@@ -93,7 +93,7 @@ class FoamState:
     @property
     def creep(self) -> Creep:
         """Creep law of the foam."""
-        return Creep.of(self.scene.skin.foam)
+        return Creep.of(self.skin.foam)
 
     def _later(self, spot: Spot, seconds: float) -> Spot:
         """Spot with its internal strains `seconds` later."""
@@ -105,7 +105,7 @@ class FoamState:
 
     def _pressed(self, as_given: AnyTouch, touch: AnyTouch, before: Spot | None) -> Spot:
         y = self.creep.nothing() if before is None else before.y
-        foam = self.scene.skin.foam
+        foam = self.skin.foam
         if isinstance(touch, Indentation):
             assert isinstance(touch.by, Depth) and foam.thickness is not None
             x = touch.by.value / foam.thickness
@@ -120,7 +120,7 @@ class FoamState:
         return Spot(touch, "load", x, max(x, most), y)
 
     def _check_far(self, touch: AnyTouch, strain: float) -> None:
-        most = self.scene.skin.foam.greatest_strain
+        most = self.skin.foam.greatest_strain
         if strain > most:
             raise InputError(
                 f"press {touch}: the foam would creep to {strain:.3g} of its thickness; it must "
@@ -129,7 +129,7 @@ class FoamState:
 
     def _at_once(self, spot: Spot) -> float:
         """Strain that the load of a spot causes at once."""
-        hysteresis = self.scene.skin.foam.hysteresis or 0.0
+        hysteresis = self.skin.foam.hysteresis or 0.0
         return float(unloading_strain(np.array(spot.x), np.array(spot.most), hysteresis))
 
     def _now(self, spot: Spot, decay: Real) -> AnyTouch | None:
@@ -144,7 +144,7 @@ class FoamState:
             return spot.touch
         if isinstance(spot.touch, Indentation):
             return replace(spot.touch, by=self._depth(strain))
-        foam = self.scene.skin.foam
+        foam = self.skin.foam
         more = foam.factor_at(np.array(strain)) / foam.factor_at(np.array(spot.x))
         return replace(spot.touch, factor=float(spot.touch.factor * more))
 
@@ -152,8 +152,8 @@ class FoamState:
         """Trace of a touch: of the same shape, without a finger."""
         if isinstance(touch, Indentation):
             return touch_at(place_of(touch), self._depth(strain))
-        return touch_at(touch, float(self.scene.skin.foam.factor_at(np.array(strain))))
+        return touch_at(touch, float(self.skin.foam.factor_at(np.array(strain))))
 
     def _depth(self, strain: float) -> Depth:
-        assert self.scene.skin.foam.thickness is not None
-        return Depth(strain * self.scene.skin.foam.thickness)
+        assert self.skin.foam.thickness is not None
+        return Depth(strain * self.skin.foam.thickness)

@@ -20,10 +20,11 @@ from ..sweeps.schema import complex_readings, taken_of
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..scene.scene import Scene
+    from ..scene.parts import Meter
+    from ..scene.readings.setup import Setup
 
 
-class Meter:
+class MeterSession:
     """A meter in one session: its fixed errors are drawn once, at each interface."""
 
     def __init__(
@@ -88,7 +89,7 @@ def read_out(
 ) -> xr.Dataset:
     """Sweeps as measured by a meter in one session, without numerical errors."""
     frequency, kind = sweeps["frequency"].values, kind_of(sweeps.variables)
-    meter = Meter(readout, sweeps.sizes["interface"], random)
+    meter = MeterSession(readout, sweeps.sizes["interface"], random)
     measured = meter.measure(complex_readings(sweeps), frequency)
     shown = shown_values(measured, frequency, kind, readout)
     kept = ("interface", "press", "row", "column")
@@ -257,19 +258,18 @@ Unpressed = Callable[[], Complex]
 
 
 def errors_of(
-    scene: Scene,
+    setup: Setup,
+    meter: Meter,
     against_rest: int = 0,
     averaged: int = 1,
-    reading: Setup | None = None,
     unpressed: Unpressed | None = None,
 ) -> ErrorModel:
     """Error model of a scene's meter, evaluated at the reading of the unpressed skin.
 
-    unpressed: called only where errors depend on the reading, and needed there. reading: all
-    readings of the scene for None. The other arguments: see `ErrorModel`. Raises InputError without
-    noise.
+    unpressed: called only where errors depend on the reading, and needed there. The other
+    arguments: see `ErrorModel`. Raises InputError without noise.
     """
-    read, readout = scene.parts.setup if reading is None else reading, scene.readout
+    readout, frequency = meter.readout, setup.frequency
     require_noise(readout)
     at = None if readout.uniform or unpressed is None else unpressed()
-    return ErrorModel(readout, read.read, averaged, against_rest, at, read.frequency, read.phases)
+    return ErrorModel(readout, setup.read, averaged, against_rest, at, frequency, setup.phases)

@@ -14,9 +14,10 @@ from ..arrays import Mask, Real
 from ..models.solution import Solution
 from ..models.solver import Solver
 from ..press.press import Press, check_press, label_of, press_on
+from ..scene.parts import Meter, SceneParts
 from ..scene.readings.changed_readings import with_frequencies
+from ..scene.readings.setup import Setup
 from ..scene.scene import Scene
-from ..scene.scene_files import scene_text
 from ..sweeps import InputError, SweepTable, build, concatenate
 from ..sweeps.free_space import check_memory
 from ..sweeps.reading_subset import read_mask, restricted
@@ -33,9 +34,9 @@ BYTES_FOR_READING = 120
 written."""
 
 
-def check_fits(scene: Scene, presses: int) -> None:
+def check_fits(setup: Setup, presses: int) -> None:
     """Raise InputError if sweeps of that many presses would not fit in memory."""
-    readings = len(scene.interfaces) * len(scene.frequencies)
+    readings = len(setup.interfaces) * len(setup.frequency)
     check_memory(
         BYTES_FOR_READING * presses * readings,
         f"{presses} sweeps of {readings} readings",
@@ -58,13 +59,13 @@ def answered(solver: Solver, presses: Iterable[Press]) -> Iterator[tuple[Press, 
     For foam that creeps they are those of a session, see `solved_in_time`. Raises InputError if a
     press does not fit the scene, ToleranceError if the tolerance is not reached.
     """
-    if solver.scene.skin.foam.in_time:
+    if solver.skin.foam.in_time:
         yield from solved_in_time(solver, presses)
         return
     known: dict[Press, Solution] = {}
     for press in presses:
         if press not in known:
-            known[press] = solver.solve(check_press(press, solver.scene.parts.skin))
+            known[press] = solver.solve(check_press(press, solver.skin))
         yield press, known[press]
 
 
@@ -77,8 +78,8 @@ def gather(solver: Solver, pairs: Iterable[tuple[Press, Solution]]) -> SweepTabl
     return build(
         np.stack([answer.Z for answer in answers]),
         answers[0].frequency,
-        interface=[interface.name for interface in solver.scene.interfaces],
-        press=[label_of(press, solver.scene.parts.skin, solver.scene.press) for press in presses],
+        interface=solver.setup.names,
+        press=[label_of(press, solver.skin, solver.parts.plan.press) for press in presses],
         row=[press.pixel[0] for press in presses],
         column=[press.pixel[1] for press in presses],
         errors={
@@ -87,13 +88,13 @@ def gather(solver: Solver, pairs: Iterable[tuple[Press, Solution]]) -> SweepTabl
         },
         kind=answers[0].kind,
         attributes={
-            "scene": scene_text(solver.scene),
+            "scene": solver.parts.text,
             "model": "; ".join(dict.fromkeys(answer.model for answer in answers)),
             "rtol": solver.rtol,
-            "seed": solver.scene.experiment.seed,
+            "seed": solver.parts.plan.seed,
             "software": f"rcskin {version('rcskin')}",
         },
-        taken=solver.scene.taken,
+        taken=solver.setup.taken,
     )
 
 
@@ -105,32 +106,37 @@ def resimulated(sweeps: xr.Dataset, scene: Scene, frequency: Real) -> xr.Dataset
     `press_on` and `Solver.solve` raise.
     """
     scene = with_frequencies(scene, frequency.tolist())
-    found = _in_sessions(sweeps, scene) if scene.skin.foam.in_time else _of_each(sweeps, scene)
+    found = (
+        _in_sessions(sweeps, scene.parts)
+        if scene.skin.foam.in_time
+        else _of_each(sweeps, scene.parts)
+    )
     again = found.sel(interface=sweeps["interface"].values)
     again = again.assign_coords(session=("sweep", sweeps["session"].values))
     same = np.array_equal(frequency, sweeps["frequency"].values)
     return restricted(again, read_mask(sweeps)) if same else again
 
 
-def _of_each(sweeps: xr.Dataset, scene: Scene) -> xr.Dataset:
+def _of_each(sweeps: xr.Dataset, parts: SceneParts) -> xr.Dataset:
     """Simulated sweep of each press; a repeated press is solved once."""
     presses, which = np.unique(
         sweeps["press"].values.astype(object).astype(str), return_inverse=True
     )
     found = simulate(
-        Solver(scene), [press_on(scene.parts.skin, scene.press, str(press)) for press in presses]
+        Solver(parts),
+        [press_on(parts.skin, parts.plan.press, str(press)) for press in presses],
     )
     return found.isel(sweep=which)
 
 
-def _in_sessions(sweeps: xr.Dataset, scene: Scene) -> xr.Dataset:
+def _in_sessions(sweeps: xr.Dataset, parts: SceneParts) -> xr.Dataset:
     """Simulated sweeps in sessions, each in the given order."""
     presses = [
-        press_on(scene.parts.skin, scene.press, str(press)) for press in sweeps["press"].values
+        press_on(parts.skin, parts.plan.press, str(press)) for press in sweeps["press"].values
     ]
     return _by_session(
         sweeps["session"].values,
-        lambda own: simulate(Solver(scene), [presses[k] for k in np.flatnonzero(own)]),
+        lambda own: simulate(Solver(parts), [presses[k] for k in np.flatnonzero(own)]),
     )
 
 
@@ -140,15 +146,15 @@ def _by_session(session: NDArray, part: Callable[[Mask], xr.Dataset]) -> xr.Data
     return concatenate([part(session == each) for each in np.unique(session)]).isel(sweep=order)
 
 
-def read_by_meter(sweeps: xr.Dataset, scene: Scene, seed: int) -> xr.Dataset:
+def read_by_meter(sweeps: xr.Dataset, meter: Meter, seed: int) -> xr.Dataset:
     """Sweeps as measured by the meter of a scene, session by session."""
-    meter, random = scene.readout, np.random.default_rng(seed)
+    readout, random = meter.readout, np.random.default_rng(seed)
     if not sweeps.sizes["sweep"]:
         return sweeps
     session = sweeps["session"].values
     return _by_session(
         session,
-        lambda own: read_out(sweeps.isel(sweep=own), meter, random, int(session[own][0])),
+        lambda own: read_out(sweeps.isel(sweep=own), readout, random, int(session[own][0])),
     )
 
 
@@ -162,16 +168,18 @@ class ReadingError(NamedTuple):
     phase: float | Real
 
 
-def reading_error(scene: Scene, sweeps: xr.Dataset) -> ReadingError | None:
+def reading_error(meter: Meter, sweeps: xr.Dataset) -> ReadingError | None:
     """Error of one reading by a scene's meter, with that of its session; None without noise.
 
     Where it depends on the reading: the root mean square over those of the sweeps, by frequency.
     """
-    meter = scene.readout
-    if not meter.uniform:
+    readout = meter.readout
+    if not readout.uniform:
         readings, frequency = complex_readings(sweeps), sweeps["frequency"].values
-        square = meter.accuracy(readings, frequency) ** 2 + meter.noise(readings, frequency) ** 2
+        square = (
+            readout.accuracy(readings, frequency) ** 2 + readout.noise(readings, frequency) ** 2
+        )
         return ReadingError(*np.sqrt(np.nanmean(square, axis=(1, 2))))
-    magnitude = math.hypot(meter.magnitude_accuracy, meter.magnitude_noise)
-    phase = math.hypot(meter.phase_accuracy, meter.phase_noise)
+    magnitude = math.hypot(readout.magnitude_accuracy, readout.magnitude_noise)
+    phase = math.hypot(readout.phase_accuracy, readout.phase_noise)
     return ReadingError(magnitude, phase) if magnitude > 0 and phase > 0 else None

@@ -1,10 +1,10 @@
-"""Faults that skins and their readers have in service, as texts and as changes of a scene."""
+"""Faults that skins and their readers have in service, as texts and as changes of a skin."""
 
 from __future__ import annotations
 
 import re
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Any, ClassVar, Literal, Self, get_args, get_type_hints
 
 import numpy as np
@@ -12,9 +12,10 @@ import numpy as np
 from ..arrays import Mask, Real
 from ..press.pixels import pixels_with_skin
 from ..scene.maps.tear import Tear
+from ..scene.parts import SceneParts, Skin
 from ..scene.readings.contacts import Interface
 from ..scene.readings.one_conductor import BELOW
-from ..scene.scene import Scene
+from ..scene.readings.setup import Setup
 from ..sweeps import InputError
 
 OPEN = 1e12
@@ -67,29 +68,29 @@ class SkinFault(ABC):
         return self.form.format(**texts)
 
     @abstractmethod
-    def check(self, scene: Scene) -> None:
+    def check(self, parts: SceneParts) -> None:
         """Raises InputError if the scene cannot have the fault."""
 
-    def refused(self, scene: Scene, why: str) -> InputError:
+    def refused(self, skin: Skin, why: str) -> InputError:
         """The error that this scene cannot have the fault."""
-        return InputError(f"{scene.name}: fault {str(self)!r}: {why}")
+        return InputError(f"{skin.name}: fault {str(self)!r}: {why}")
 
-    def changed(self, scene: Scene) -> Scene | None:
-        """The scene with the fault, without interfaces that are open; None if all are.
+    def changed(self, parts: SceneParts) -> SceneParts | None:
+        """The parts with the fault, without interfaces that are open; None if all are.
 
-        It is the scene itself if the fault is not one of sheets or foils.
+        They are the given ones if the fault is not one of sheets or foils.
         """
-        return scene
+        return parts
 
-    def connected(self, scene: Scene) -> Mask:
+    def connected(self, setup: Setup) -> Mask:
         """False for interfaces that the fault leaves open, shape (interface,)."""
-        return np.ones(len(scene.interfaces), dtype=bool)
+        return np.ones(len(setup.interfaces), dtype=bool)
 
-    def remaining(self, scene: Scene) -> Mask:
+    def remaining(self, skin: Skin) -> Mask:
         """False for contacts that are none any more, shape (contact,)."""
-        return np.ones(len(scene.contacts), dtype=bool)
+        return np.ones(len(skin.contacts), dtype=bool)
 
-    def foam(self, scene: Scene, grid: tuple[int, int]) -> Real:
+    def foam(self, skin: Skin, grid: tuple[int, int]) -> Real:
         """Factors on the capacitance of the unpressed cells, shape `grid` (rows, columns)."""
         return np.ones(grid)
 
@@ -113,29 +114,34 @@ class DeadFoil(SkinFault):
     name: str
     form = "dead foil {name}"
 
-    def check(self, scene: Scene) -> None:
-        _check_foil(self, scene)
-        if not scene.parts.setup.one_to_one:
+    def check(self, parts: SceneParts) -> None:
+        _check_foil(self, parts.skin)
+        if not parts.setup.one_to_one:
             needed = "needs interfaces that are read one by one; leave out `driven_with`"
-            raise self.refused(scene, needed)
+            raise self.refused(parts.skin, needed)
 
-    def changed(self, scene: Scene) -> Scene | None:
+    def changed(self, parts: SceneParts) -> SceneParts | None:
+        skin, setup = parts.skin, parts.setup
         kept = [
             each.model_copy(update={"frequencies": None, **self._driven(each)})
-            for each, connected in zip(scene.interfaces, self.connected(scene), strict=True)
+            for each, connected in zip(setup.interfaces, self.connected(setup), strict=True)
             if connected
         ]
         if not kept:
             return None
-        there = zip(scene.contacts, self.remaining(scene), strict=True)
+        there = zip(skin.contacts, self.remaining(skin), strict=True)
         contacts = tuple(contact for contact, remains in there if remains)
-        return scene.model_copy(update={"contacts": contacts, "interfaces": tuple(kept)})
+        return replace(
+            parts,
+            skin=replace(skin, contacts=contacts),
+            setup=replace(setup, interfaces=tuple(kept)),
+        )
 
-    def connected(self, scene: Scene) -> Mask:
-        return np.array([all(self._driven(each).values()) for each in scene.interfaces])
+    def connected(self, setup: Setup) -> Mask:
+        return np.array([all(self._driven(each).values()) for each in setup.interfaces])
 
-    def remaining(self, scene: Scene) -> Mask:
-        return np.array([contact.name not in self._names for contact in scene.contacts])
+    def remaining(self, skin: Skin) -> Mask:
+        return np.array([contact.name not in self._names for contact in skin.contacts])
 
     @property
     def place(self) -> str:
@@ -163,17 +169,17 @@ class HalfFoil(SkinFault):
     left: Half
     form = "half foil {name} {left}"
 
-    def check(self, scene: Scene) -> None:
-        _check_foil(self, scene)
-        if scene.skin.mesh is not None:
+    def check(self, parts: SceneParts) -> None:
+        _check_foil(self, parts.skin)
+        if parts.skin.mesh is not None:
             needed = "needs a foil with a span; foils of a mesh from a file have none"
-            raise self.refused(scene, needed)
+            raise self.refused(parts.skin, needed)
 
-    def changed(self, scene: Scene) -> Scene:
-        low, high = scene.contact(self.name).span
+    def changed(self, parts: SceneParts) -> SceneParts:
+        low, high = parts.skin.contact(self.name).span
         middle = (low + high) / 2
         span = [low, middle] if self.left == "low" else [middle, high]
-        return scene.with_({f"contact.{self.name}.span": span})
+        return parts.scene.with_({f"contact.{self.name}.span": span}).parts
 
     @property
     def place(self) -> str:
@@ -190,20 +196,22 @@ class TornSheet(SkinFault):
     length: float
     form = "tear {sheets} {edge} {at} {length}"
 
-    def check(self, scene: Scene) -> None:
-        if scene.skin.one_conductor and self.sheets != "top":
-            raise self.refused(scene, "the bottom is earth; tear the top")
-        if scene.skin.outline is not None or scene.skin.mesh is not None:
-            raise self.refused(scene, "needs a rectangular skin")
+    def check(self, parts: SceneParts) -> None:
+        skin = parts.skin
+        if skin.one_conductor and self.sheets != "top":
+            raise self.refused(parts.skin, "the bottom is earth; tear the top")
+        if skin.outline is not None or skin.mesh is not None:
+            raise self.refused(parts.skin, "needs a rectangular skin")
         for name in self._torn:
-            if scene.skin.sheet(name).map is not None:
+            if skin.sheet(name).map is not None:
                 taken = f"the sheet has `skin.{name}.map`, and takes one map only"
-                raise self.refused(scene, taken)
-        self.changed(scene)
+                raise self.refused(parts.skin, taken)
+        self.changed(parts)
 
-    def changed(self, scene: Scene) -> Scene:
+    def changed(self, parts: SceneParts) -> SceneParts:
         table = Tear.model_construct(edge=self.edge, at=self.at, length=self.length)
-        return scene.with_({f"skin.{name}.map": table.model_dump() for name in self._torn})
+        maps = {f"skin.{name}.map": table.model_dump() for name in self._torn}
+        return parts.scene.with_(maps).parts
 
     @property
     def place(self) -> str:
@@ -223,14 +231,14 @@ class StuckSpot(SkinFault):
     factor: float
     form = "stuck spot {row},{column}:{factor}"
 
-    def check(self, scene: Scene) -> None:
-        if (self.row, self.column) not in pixels_with_skin(scene.parts.skin):
-            raise self.refused(scene, "there is no such pixel")
+    def check(self, parts: SceneParts) -> None:
+        if (self.row, self.column) not in pixels_with_skin(parts.skin):
+            raise self.refused(parts.skin, "there is no such pixel")
         if not self.factor >= 1:
-            raise self.refused(scene, "its factor must be >= 1")
+            raise self.refused(parts.skin, "its factor must be >= 1")
 
-    def foam(self, scene: Scene, grid: tuple[int, int]) -> Real:
-        factors = np.ones(scene.pixels.shape)
+    def foam(self, skin: Skin, grid: tuple[int, int]) -> Real:
+        factors = np.ones(skin.pixels.shape)
         factors[self.row - 1, self.column - 1] = self.factor
         cells = grid[0] // factors.shape[0], grid[1] // factors.shape[1]
         return factors.repeat(cells[0], axis=0).repeat(cells[1], axis=1)
@@ -248,9 +256,9 @@ class AgedGain(SkinFault):
     high: float
     form = "aged gain {low} {high}"
 
-    def check(self, scene: Scene) -> None:
+    def check(self, parts: SceneParts) -> None:
         if not min(self.low, self.high) > 0:
-            raise self.refused(scene, "its factors must be > 0")
+            raise self.refused(parts.skin, "its factors must be > 0")
 
     def gain(self, frequency: Real) -> Real:
         ends = np.log(frequency[[0, -1]])
@@ -262,13 +270,13 @@ class AgedGain(SkinFault):
 SKIN_FAULTS: tuple[type[SkinFault], ...] = (DeadFoil, HalfFoil, TornSheet, StuckSpot, AgedGain)
 
 
-def parse_fault(text: str, scene: Scene) -> SkinFault:
-    """The fault with this text. Raises InputError if there is none or the scene cannot have it."""
+def parse_fault(text: str, parts: SceneParts) -> SkinFault:
+    """The fault with this text. Raises InputError if there is none or the skin cannot have it."""
     fault = _fault_of(text)
     if fault is None:
         known = ", ".join(each.grammar() for each in SKIN_FAULTS)
         raise InputError(f"fault {text!r} must be one of {known}")
-    fault.check(scene)
+    fault.check(parts)
     return fault
 
 
@@ -292,7 +300,7 @@ def _one_of(words: Any) -> str:
     return "|".join(get_args(words))
 
 
-def _check_foil(fault: DeadFoil | HalfFoil, scene: Scene) -> None:
-    names = [contact.name for contact in scene.foils]
+def _check_foil(fault: DeadFoil | HalfFoil, skin: Skin) -> None:
+    names = [contact.name for contact in skin.foils]
     if fault.name not in names:
-        raise fault.refused(scene, f"must name one of {', '.join(names)}")
+        raise fault.refused(skin, f"must name one of {', '.join(names)}")

@@ -15,10 +15,10 @@ from ..models.solver import Solver
 from ..press.pixels import pixels_with_skin
 from ..press.press import Press, label_of, press_on
 from ..press.touch import Touch
-from ..scene.scene import Scene, interface_names
+from ..scene.parts import Meter, SceneParts
 from ..sweeps import InputError
 from .foam_state import FoamState
-from .readout import Meter
+from .readout import MeterSession
 
 READINGS_KEPT = 4096
 SWEEPS_KEPT = 256
@@ -27,14 +27,14 @@ SWEEPS_KEPT = 256
 class SolvedScene:
     """Cached solutions of a scene, at every interface."""
 
-    def __init__(self, scene: Scene) -> None:
-        self._frequencies, self._solver = scene.frequencies, Solver(scene)
+    def __init__(self, parts: SceneParts) -> None:
+        self._frequencies, self._solver = parts.setup.frequency, Solver(parts)
 
     @cached_method(READINGS_KEPT)
     def impedances(self, press: Press, frequency: float) -> Complex:
         """Z in ohm, shape (interface,), at a frequency in Hz. Raises what `Solver.solve` raises."""
         own = np.flatnonzero(self._frequencies == frequency)
-        if press.indented and own.size and not self._solver.scene.skin.foam.in_time:
+        if press.indented and own.size and not self._solver.parts.skin.foam.in_time:
             return self._sweeps(press)[:, own[0]]
         return self._solver.solve(press, frequency).Z[:, 0]
 
@@ -54,22 +54,22 @@ class PressedFoam:
 class Specimen:
     """A scene at one of its interfaces, with a press that all interfaces share."""
 
-    def __init__(self, scene: Scene, interface: str) -> None:
-        self.scene = scene
-        self._number = interface_names(scene).index(interface)
-        self._solved, self._pixels = SolvedScene(scene), set(pixels_with_skin(scene.parts.skin))
-        self._foam = PressedFoam(FoamState(scene))
+    def __init__(self, parts: SceneParts, interface: str) -> None:
+        self.skin, self.setup, self.pressing = parts.skin, parts.setup, parts.plan.press
+        self._number = parts.setup.names.index(interface)
+        self._solved, self._pixels = SolvedScene(parts), set(pixels_with_skin(parts.skin))
+        self._foam = PressedFoam(FoamState(parts.skin))
 
     def at(self, interface: str) -> Self:
         """Same specimen at another interface; both share their solutions."""
         other = copy(self)
-        other._number = interface_names(self.scene).index(interface)
+        other._number = self.setup.names.index(interface)
         return other
 
     def check(self, press: str) -> str:
         """Press in its full form. Raises InputError if it does not fit the scene, or a pixel has no
         skin."""
-        return label_of(self._checked(press), self.scene.parts.skin, self.scene.press)
+        return label_of(self._checked(press), self.skin, self.pressing)
 
     def hold(self, press: str, now: float) -> str:
         """Press the skin until the next press; returns the press in its full form.
@@ -78,7 +78,7 @@ class Specimen:
         """
         found, foam = self._checked(press), self._foam
         foam.state = foam.state.then(found, now - foam.state.since)
-        return label_of(found, self.scene.parts.skin, self.scene.press)
+        return label_of(found, self.skin, self.pressing)
 
     def momentary(self, press: str, at: float) -> Press:
         """Equivalent press at a time, s by the clock of `hold`, with creep.
@@ -90,21 +90,15 @@ class Specimen:
 
     def impedance(self, press: str | Press, frequency: float) -> complex:
         """Z in ohm at a frequency in Hz. Raises what `press_on` and `Solver.solve` raise."""
-        found = (
-            press_on(self.scene.parts.skin, self.scene.press, press)
-            if isinstance(press, str)
-            else press
-        )
+        found = press_on(self.skin, self.pressing, press) if isinstance(press, str) else press
         return complex(self._solved.impedances(found, frequency)[self._number])
 
     def depths(self, press: str) -> str:
         """Depths under the forces of a press, in words; empty without forces."""
-        return "; ".join(
-            depths_in_words(self.scene, [press_on(self.scene.parts.skin, self.scene.press, press)])
-        )
+        return "; ".join(depths_in_words(self.skin, [press_on(self.skin, self.pressing, press)]))
 
     def _checked(self, press: str) -> Press:
-        found = press_on(self.scene.parts.skin, self.scene.press, press)
+        found = press_on(self.skin, self.pressing, press)
         for touch in found.touches:
             if isinstance(touch, Touch) and (touch.row, touch.column) not in self._pixels:
                 raise InputError(f"press {touch}: there is no skin at that place")
@@ -114,13 +108,13 @@ class Specimen:
 class MeterSessionErrors:
     """Errors of a meter in one session, with a fixed part for each range."""
 
-    def __init__(self, scene: Scene, seed: int) -> None:
-        self._readout, self._random = scene.readout, np.random.default_rng(seed)
-        self._meters: dict[int, Meter] = {}
+    def __init__(self, meter: Meter, seed: int) -> None:
+        self._readout, self._random = meter.readout, np.random.default_rng(seed)
+        self._meters: dict[int, MeterSession] = {}
 
     def read(self, Z: complex, frequency: float, range_number: int) -> complex:
         """Z in ohm of one measurement at a frequency in Hz."""
         if range_number not in self._meters:
-            self._meters[range_number] = Meter(self._readout, 1, self._random)
+            self._meters[range_number] = MeterSession(self._readout, 1, self._random)
         meter, at = self._meters[range_number], np.array([frequency])
         return complex(meter.measure(np.array([[[Z]]]), at).item())

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ..arrays import Integer, Real
+    from ..scene.parts import Skin
     from ..scene.scene import Scene
 
 MAX_TOUCHES = 2
@@ -80,9 +81,9 @@ def pressed_pixels(text: str) -> list[tuple[int, int]] | None:
     return sorted(touch.pixel for touch in touches)
 
 
-def pixel_pitch(scene: Scene) -> tuple[float, float]:
+def pixel_pitch(skin: Skin) -> tuple[float, float]:
     """Distance between rows of pixels, and between columns, m."""
-    return scene.skin.width / scene.pixels.rows, scene.skin.length / scene.pixels.columns
+    return skin.width / skin.pixels.rows, skin.length / skin.pixels.columns
 
 
 def _written(text: str) -> list[WrittenTouch]:
@@ -108,7 +109,7 @@ def _factors(written: list[WrittenTouch], text: str, scene: Scene | None) -> lis
         return [_factor(each, text, scene) for each in written]
     from .touch_factors import factors_under
 
-    return factors_under(scene, text)
+    return factors_under(scene.parts.skin, scene.press, text)
 
 
 def _centre(touch: WrittenTouch, text: str, scene: Scene | None) -> tuple[float, float]:
@@ -121,7 +122,7 @@ def _centre(touch: WrittenTouch, text: str, scene: Scene | None) -> tuple[float,
             f"press {text!r}: the place of its pixels is unknown, because the sweeps store no scene"
         )
     row, column = touch.pixel
-    height, width = pixel_pitch(scene)
+    height, width = pixel_pitch(scene.parts.skin)
     return (column - 0.5) * width, (row - 0.5) * height
 
 

@@ -18,9 +18,11 @@ import numpy as np
 
 from ..arrays import Real
 from ..scene.maps.factor_maps import FactorMap
+from ..scene.parts import Skin
+from ..scene.pixel_grid import Pressing
 from ..scene.readings.contacts import Contact, path
+from ..scene.readings.setup import Setup
 from ..scene.readings.wiring_checks import conductor_groups
-from ..scene.scene import Scene
 from ..scene.skin import Electrode, Sheet, SheetsAndFoam
 from ..scene.skin_region import curves
 
@@ -87,51 +89,51 @@ MAPPINGS = [
 ]
 
 
-def representative(scene: Scene) -> Callable[[Pixel], Pixel]:
+def representative(skin: Skin, setup: Setup, pressing: Pressing) -> Callable[[Pixel], Pixel]:
     """Function from a pixel to the one of lowest row and column with the same impedance.
 
     On a mesh from a file every pixel counts as its own.
     """
-    found = [] if scene.skin.mesh is not None else [m for m in MAPPINGS if _kept(scene, m)]
+    found = (
+        [] if skin.mesh is not None else [m for m in MAPPINGS if _kept(skin, setup, pressing, m)]
+    )
 
     def of(pixel: Pixel) -> Pixel:
         if pixel == UNPRESSED:
             return pixel
-        return min([pixel, *(mapping.pixel(pixel, scene.pixels.shape) for mapping in found)])
+        return min([pixel, *(mapping.pixel(pixel, skin.pixels.shape) for mapping in found)])
 
     return of
 
 
-def _kept(scene: Scene, mapping: Mapping) -> bool:
+def _kept(skin: Skin, setup: Setup, pressing: Pressing, mapping: Mapping) -> bool:
     """True if a mapping preserves everything that the impedance depends on."""
     return (
         not mapping.none
-        and _sides_kept(scene, mapping)
-        and (not mapping.exchanged or _equal_surroundings(scene))
-        and _layers_kept(scene.skin, mapping)
-        and _outline_kept(scene.skin, mapping)
-        and _wiring_kept(scene, mapping)
+        and _sides_kept(skin, mapping)
+        and (not mapping.exchanged or _equal_surroundings(skin, pressing))
+        and _layers_kept(skin, mapping)
+        and _outline_kept(skin, mapping)
+        and _wiring_kept(skin, setup, mapping)
     )
 
 
-def _equal_surroundings(scene: Scene) -> bool:
+def _equal_surroundings(skin: Skin, pressing: Pressing) -> bool:
     """True if both sheets have equal surroundings, and no finger touches one of them."""
-    return scene.press.finger is None and (
-        scene.surroundings is None or scene.surroundings.symmetric_sides
-    )
+    return pressing.finger is None and (skin.around is None or skin.around.symmetric_sides)
 
 
-def _directed(scene: Scene) -> bool:
+def _directed(skin: Skin, setup: Setup) -> bool:
     """True if high and low are not equivalent.
 
     A guard follows one of them, or a reader of gains has its low at earth.
     """
-    around = scene.surroundings
-    return around is not None and (scene.parts.setup.gain or any(b.follows for b in around.body))
+    around = skin.around
+    return around is not None and (setup.gain or any(b.follows for b in around.body))
 
 
-def _sides_kept(scene: Scene, mapping: Mapping) -> bool:
-    skin, (rows, columns) = scene.skin, scene.pixels.shape
+def _sides_kept(skin: Skin, mapping: Mapping) -> bool:
+    skin, (rows, columns) = skin, skin.pixels.shape
     stretched = skin.stretch.ratios if skin.stretch else (1.0, 1.0)
     square = skin.length == skin.width and rows == columns and stretched[0] == stretched[1]
     return square or not mapping.swapped
@@ -225,9 +227,9 @@ class _Foil:
         )
 
 
-def _images(scene: Scene, mapping: Mapping) -> dict[str, str | None]:
+def _images(skin: Skin, mapping: Mapping) -> dict[str, str | None]:
     """Name of the image of each foil."""
-    foils = [_Foil(contact, scene.skin) for contact in scene.contacts]
+    foils = [_Foil(contact, skin) for contact in skin.contacts]
     return {
         foil.contact.name: next(
             (other.contact.name for other in foils if foil.becomes(other, mapping)), None
@@ -236,20 +238,20 @@ def _images(scene: Scene, mapping: Mapping) -> dict[str, str | None]:
     }
 
 
-def repeated(scene: Scene) -> list[tuple[str, str]]:
+def repeated(skin: Skin, setup: Setup, pressing: Pressing) -> list[tuple[str, str]]:
     """Interfaces with the same impedance as an earlier one for any press, and that earlier one.
 
     Gains are left out: they differ by what drives and loads the nodes.
     They have the same two sides, in either order, or after the exchange of equal sheets, and no
     other frequencies: a further one only averages the meter's errors.
     """
-    group = conductor_groups(scene.contacts, scene.skin)
-    terminal = dict(zip((contact.name for contact in scene.contacts), group, strict=True))
-    images = _exchanged(scene)
-    kind = tuple if _directed(scene) else frozenset
+    group = conductor_groups(skin.contacts, skin)
+    terminal = dict(zip((contact.name for contact in skin.contacts), group, strict=True))
+    images = _exchanged(skin, pressing)
+    kind = tuple if _directed(skin, setup) else frozenset
     known: dict[Collection[frozenset[int]], list[str]] = {}
     found = []
-    for interface in scene.interfaces:
+    for interface in setup.interfaces:
         if interface.reader == "gain":
             continue
         sides = interface.high, interface.low
@@ -257,13 +259,13 @@ def repeated(scene: Scene) -> list[tuple[str, str]]:
             kind(frozenset(terminal[as_is[name]] for name in side) for side in sides)
             for as_is in ({name: name for name in terminal}, *images)
         ]
-        own = set(scene.parts.setup.frequency_at(interface.name))
+        own = set(setup.frequency_at(interface.name))
         earlier = next(
             (
                 name
                 for each in equivalent
                 for name in known.get(each, [])
-                if own <= set(scene.parts.setup.frequency_at(name))
+                if own <= set(setup.frequency_at(name))
             ),
             None,
         )
@@ -274,32 +276,32 @@ def repeated(scene: Scene) -> list[tuple[str, str]]:
     return found
 
 
-def _exchanged(scene: Scene) -> list[dict[str, str]]:
+def _exchanged(skin: Skin, pressing: Pressing) -> list[dict[str, str]]:
     """Image of every foil if the sheets can change places, else an empty list."""
     exchange = Mapping(swapped=False, turned=(False, False), exchanged=True)
-    same = _layers_kept(scene.skin, exchange) and _equal_surroundings(scene)
-    if scene.skin.mesh is not None or not same:
+    same = _layers_kept(skin, exchange) and _equal_surroundings(skin, pressing)
+    if skin.mesh is not None or not same:
         return []
-    images = {name: image for name, image in _images(scene, exchange).items() if image is not None}
-    return [images] if len(images) == len(scene.contacts) else []
+    images = {name: image for name, image in _images(skin, exchange).items() if image is not None}
+    return [images] if len(images) == len(skin.contacts) else []
 
 
-def describe_repeated(scene: Scene) -> list[str]:
+def describe_repeated(skin: Skin, setup: Setup, pressing: Pressing) -> list[str]:
     """Sentence for each repeated interface."""
     return [
         f"{name}: has the impedance of {earlier} by symmetry; it only averages the meter's errors"
-        for name, earlier in repeated(scene)
+        for name, earlier in repeated(skin, setup, pressing)
     ]
 
 
-def _wiring_kept(scene: Scene, mapping: Mapping) -> bool:
+def _wiring_kept(skin: Skin, setup: Setup, mapping: Mapping) -> bool:
     """True if every foil has an image, and every interface connects the images in the same way."""
-    images = _images(scene, mapping)
+    images = _images(skin, mapping)
     if None in images.values():
         return False
-    for interface in scene.interfaces:
+    for interface in setup.interfaces:
         sides = [frozenset(interface.high), frozenset(interface.low)]
         moved = [frozenset(images[name] for name in side) for side in sides]
-        if moved != sides and (_directed(scene) or moved != sides[::-1]):
+        if moved != sides and (_directed(skin, setup) or moved != sides[::-1]):
             return False
     return True

@@ -6,24 +6,22 @@ import numpy as np
 
 from ..models.mechanics.indentation import deformation
 from ..press.press import parse_press, press_on, strength_of
-from ..scene.scene import Scene
+from ..scene.parts import Skin
+from ..scene.pixel_grid import Pressing
 from ..sweeps.press_text import JOINT
 
 FACTOR_RTOL = 1e-3
 """Tolerance of the deflection next to an applicator of a given force, which sets its depth."""
 
 
-def factors_under(scene: Scene, press: str) -> list[float]:
+def factors_under(skin: Skin, pressing: Pressing, press: str) -> list[float]:
     """Factor under each touch, in their order in the text.
 
     Raises InputError for a press that does not fit the scene, and what `deformation` raises.
     """
-    whole, default = press_on(scene.parts.skin, scene.press, press), strength_of(scene.press)
+    whole, default = press_on(skin, pressing, press), strength_of(pressing)
     known = {str(touch): touch.factor for touch in whole.sharp.touches}
     if whole.indented:
-        under = scene.pressed_factors(np.array(deformation(scene, whole, FACTOR_RTOL).depth))
+        under = skin.pressed_factors(np.array(deformation(skin, whole, FACTOR_RTOL).depth))
         known |= dict(zip(map(str, whole.indented), under.tolist(), strict=True))
-    return [
-        known[str(parse_press(part, default, scene.parts.skin, scene.press))]
-        for part in JOINT.split(press)
-    ]
+    return [known[str(parse_press(part, default, skin, pressing))] for part in JOINT.split(press)]

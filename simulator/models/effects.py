@@ -8,7 +8,8 @@ from typing import Any
 
 from ..press.finger import finger_of
 from ..press.touch import Touch
-from ..scene.scene import Scene
+from ..scene.parts import Skin
+from ..scene.pixel_grid import Pressing
 from ..scene.surroundings import Body, Rim
 from ..surroundings.rim import rim_densities
 
@@ -25,12 +26,12 @@ NEEDED = {
 """Requirements of each of EFFECTS on a scene."""
 
 
-def effects_of(scene: Scene) -> tuple[str, ...]:
+def effects_of(skin: Skin) -> tuple[str, ...]:
     """Names among EFFECTS of the parameters that change a scene.
 
     `surroundings.solved` is computed for one geometry: neither body nor rim is a factor there.
     """
-    around = scene.surroundings
+    around = skin.around
     if around is None:
         return ()
     there = {
@@ -41,24 +42,24 @@ def effects_of(scene: Scene) -> tuple[str, ...]:
     return tuple(name for name in EFFECTS if there[name])
 
 
-def with_effects(scene: Scene, values: Mapping[str, float]) -> dict[str, Any]:
+def with_effects(skin: Skin, pressing: Pressing, values: Mapping[str, float]) -> dict[str, Any]:
     """Update of a scene's `model_copy` for these values of EFFECTS; empty if they change nothing.
 
     A computed rim is replaced by its values, because it would otherwise change with the body.
     Raises InputError if it cannot be computed.
     """
-    around, changed = scene.surroundings, {n: values[n] for n in EFFECTS if values.get(n)}
+    around, changed = skin.around, {n: values[n] for n in EFFECTS if values.get(n)}
     if around is None or not changed:
         return {}
     body, rim = (math.exp(changed.get(name, 0.0)) for name in ("body", "rim"))
     parts = {
         "body": tuple(_nearer(each, body) for each in around.body),
-        "rim": around.rim if body == rim == 1 else _stronger(scene, rim),
+        "rim": around.rim if body == rim == 1 else _stronger(skin, rim),
     }
     found: dict[str, Any] = {"surroundings": around.model_copy(update=parts)}
     if finger := changed.get("finger"):
-        whole = finger_of(Touch(1, 1, 1.0), None, scene.press.finger, scene.parts.skin) + finger
-        found["press"] = scene.press.model_copy(update={"finger": whole})
+        whole = finger_of(Touch(1, 1, 1.0), None, pressing.finger, skin) + finger
+        found["press"] = pressing.model_copy(update={"finger": whole})
     return found
 
 
@@ -69,9 +70,9 @@ def _nearer(body: Body, factor: float) -> Body:
     return body.model_copy(update={"distance": body.distance / factor})
 
 
-def _stronger(scene: Scene, factor: float) -> Rim | bool:
+def _stronger(skin: Skin, factor: float) -> Rim | bool:
     """Rim with its capacitance multiplied by a factor; False without a rim."""
-    if "rim" not in effects_of(scene):
+    if "rim" not in effects_of(skin):
         return False
-    rim = rim_densities(scene.parts.skin)
+    rim = rim_densities(skin)
     return Rim(mutual=rim.mutual * factor, top=rim.top * factor, bottom=rim.bottom * factor)

@@ -19,30 +19,31 @@ from ..press.capacitance import lines, tile_map
 from ..press.pixels import pixel_lines
 from ..press.press import Press
 from ..scene.frequency import laplace_variable
+from ..scene.parts import Skin
+from ..scene.pixel_grid import Pressing
 from ..scene.readings.contacts import Interface
-from ..scene.scene import Scene
+from ..scene.readings.setup import Setup
 from ..sweeps import InputError
 from .line_ports import LinePorts, film, segment, tanh_ratio
-from .uniform import equivalent_scene, require_uniform
+from .uniform import require_uniform
 
 
 class Line:
     """A scene that is a line; its impedance is exact to rounding."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, skin: Skin, setup: Setup, pressing: Pressing) -> None:
         """Raises InputError, with the reason, if the scene is no line."""
-        require_uniform(scene, "the line")
-        circuit = one_field(scene.parts.skin, scene.parts.setup)
+        require_uniform(skin, "the line")
+        circuit = one_field(skin, setup)
         if circuit is None:
-            raise InputError(f"{scene.name} is no line: its sheets are not fed in pairs of foils")
+            raise InputError(f"{skin.name} is no line: its sheets are not fed in pairs of foils")
         contacts = circuit.contacts
         if not _at_ends(circuit):
             raise InputError(
-                f"{scene.name} is no line: it is not fed along one whole edge, or two opposite ones"
+                f"{skin.name} is no line: it is not fed along one whole edge, or two opposite ones"
             )
-        self.scene, self._contact = scene, contacts[0]
+        self.skin, self.pressing, self._contact = skin, pressing, contacts[0]
         self._circuit = circuit
-        skin = scene.skin
         along_x = self._contact.edge in ("left", "right")
         self._length, self._width = (
             (skin.length, skin.width) if along_x else (skin.width, skin.length)
@@ -62,8 +63,8 @@ class Line:
         if self.two_ended:
             return self._between_two_ends(press, frequency)
         c, segments = self.profile(press)
-        s = laplace_variable(frequency, self.scene.skin.foam.loss)
-        sheets = self.scene.skin.both_sheets
+        s = laplace_variable(frequency, self.skin.foam.loss)
+        sheets = self.skin.both_sheets
         Y = np.zeros(s.shape, dtype=complex)
         for R, C in zip(
             sheets * segments[::-1] / self._width, (c * segments)[::-1] * self._width, strict=True
@@ -85,8 +86,8 @@ class Line:
         frequency: Hz. Raises InputError if the press varies across the line.
         """
         c, segments = self.profile(press)
-        s = laplace_variable(frequency, self.scene.skin.foam.loss)
-        sheets = self.scene.skin.both_sheets
+        s = laplace_variable(frequency, self.skin.foam.loss)
+        sheets = self.skin.both_sheets
         line = [
             segment(R, C, s)
             for R, C in zip(
@@ -105,15 +106,15 @@ class Line:
         Raises InputError if the press varies across the line.
         """
         x, y = (
-            np.sort([*pixel_lines(self.scene.parts.skin, axis), *of_touches])
-            for axis, of_touches in enumerate(lines(self.scene.parts.skin, press))
+            np.sort([*pixel_lines(self.skin, axis), *of_touches])
+            for axis, of_touches in enumerate(lines(self.skin, press))
         )
-        along, c = x, tile_map(self.scene.parts.skin, self.scene.press, press, x, y)
+        along, c = x, tile_map(self.skin, self.pressing, press, x, y)
         if self._contact.edge in ("bottom", "top"):
             along, c = y, c.T
         if not (c == c[:1]).all():
-            raise InputError(f"press {press} varies across {self.scene.name}: it is no line")
-        c = c[0] * self.scene.skin.foam.unpressed_capacitance_per_area
+            raise InputError(f"press {press} varies across {self.skin.name}: it is no line")
+        c = c[0] * self.skin.foam.unpressed_capacitance_per_area
         from_feed = slice(None, None, 1 if self._contact.edge in ("left", "bottom") else -1)
         return c[from_feed], np.diff(along)[from_feed]
 
@@ -160,16 +161,17 @@ def interrogation_frequency(
     return constant / (R * C * np.asarray(x, dtype=float) ** 2)
 
 
-def cut_off_frequency(scene: Scene, *interfaces: Interface) -> float:
+def cut_off_frequency(skin: Skin, setup: Setup, *interfaces: Interface) -> float:
     """Frequency in Hz at which the wave has half power at the place farthest from the driven foils.
 
     f = 0.0382 / (R c x²): R of both sheets in series, c of the unpressed foam, x the distance from
     the foils of these interfaces, by default of all interfaces. Above this frequency a meter
     observes less of the skin. Maps, curvature and presses are left out. Source: paper Eq 6.
     """
-    uniform = equivalent_scene(scene)
-    c = uniform.skin.foam.unpressed_capacitance_per_area
-    return float(interrogation_frequency(uniform.reach(*interfaces), uniform.skin.both_sheets, c))
+    even = skin.electrical
+    far = even.reach(interfaces or setup.interfaces, setup.interfaces)
+    c = even.foam.unpressed_capacitance_per_area
+    return float(interrogation_frequency(far, even.both_sheets, c))
 
 
 def open_line_amplitude(frequency: ArrayLike, x: float, length: float, R: float, C: float) -> Real:

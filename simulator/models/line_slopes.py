@@ -16,7 +16,9 @@ from ..arrays import Complex, Integer, Real
 from ..press.press import Press
 from ..press.touch import Touch
 from ..scene.frequency import laplace_variable, slopes_of_s
-from ..scene.scene import Scene
+from ..scene.parts import Skin
+from ..scene.pixel_grid import Pressing
+from ..scene.readings.setup import Setup
 from ..sweeps import InputError
 from .line import Line
 from .line_ports import tanh_ratio
@@ -32,27 +34,34 @@ class LineModel:
     """A scene that is a line of pixels, as a function of parameters and presses, exact
     everywhere."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, skin: Skin, setup: Setup, pressing: Pressing) -> None:
         """Raises InputError, with the reason, if the scene is no line or has pixels across it."""
-        line = Line(scene)
+        line = Line(skin, setup, pressing)
         if line.two_ended:
-            raise InputError(f"{scene.name} has contacts at both ends: slopes need those at one")
+            raise InputError(f"{skin.name} has contacts at both ends: slopes need those at one")
         c, lengths = line.profile(Press())
-        skin, pixels, edge = scene.skin, scene.pixels, scene.contacts[0].edge
+        skin, pixels, edge = skin, skin.pixels, skin.contacts[0].edge
         along_x = edge in ("left", "right")
         across, width = (pixels.rows, skin.width) if along_x else (pixels.columns, skin.length)
         if across != 1:
-            raise InputError(f"{scene.name} is no line: it has {across} pixels across")
-        self.scene, self._C, self._shares = scene, c * lengths * width, lengths / lengths.sum()
+            raise InputError(f"{skin.name} is no line: it has {across} pixels across")
+        self.skin, self.setup, self._C, self._shares = (
+            skin,
+            setup,
+            c * lengths * width,
+            lengths / lengths.sum(),
+        )
         self._order = np.arange(len(c))[:: 1 if edge in ("left", "bottom") else -1]
         sheets = np.array(skin.sheet_resistances)
         self._sheets = sheets * lengths.sum() / width
-        self._film = sum(contact.resistance for contact in scene.contacts) / width
+        self._film = sum(contact.resistance for contact in skin.contacts) / width
 
     @property
     def free(self) -> tuple[str, ...]:
         """Parameters that the impedance of the scene depends on."""
-        return tuple(n for n in own_values(self.scene) if n != "contact_resistance" or self._film)
+        return tuple(
+            n for n in own_values(self.skin, self.setup) if n != "contact_resistance" or self._film
+        )
 
     def cells(self, press: Press) -> tuple[Integer, Real]:
         """Pixels that a press touches, from 0, and the rise of each relative to the unpressed c.
@@ -78,7 +87,7 @@ class LineModel:
 
     def unpressed_factors(self, given: Mapping[str, float] | None = None) -> Real:
         """c of each unpressed cell over that of the scene."""
-        factor = math.exp(all_values(self.scene, given)["capacitance"])
+        factor = math.exp(all_values(self.skin, self.setup, given)["capacitance"])
         return np.full(len(self._C), factor)
 
     def respond(
@@ -101,8 +110,8 @@ class LineModel:
         self, cells: Integer, rises: Real, given: Mapping[str, float] | None
     ) -> Response:
         """Responses to presses, shape (press, touch): all arrays have an axis (press,) first."""
-        values = all_values(self.scene, given)
-        s = laplace_variable(self.scene.frequencies, loss_of(values))
+        values = all_values(self.skin, self.setup, given)
+        s = laplace_variable(self.setup.frequency, loss_of(values))
         sheets = self._both_sheets(values)
         map_of_c = np.ones((len(cells), len(self._C)))
         np.add.at(map_of_c, (np.arange(len(cells))[:, None], cells), rises)
@@ -117,9 +126,9 @@ class LineModel:
         film = self._film * math.exp(values["contact_resistance"])
         slopes = by_sheets(-(Z + s * by_s)[None], *sheets)
         slopes["contact_resistance"] = np.full_like(Z, film)
-        of_s = slopes_of_s(self.scene.frequencies, loss_of(values))
+        of_s = slopes_of_s(self.setup.frequency, loss_of(values))
         slopes |= {name: by_s * slope for name, slope in of_s.items()}
-        to_Y, times = -1 / (Z + film) ** 2, len(self.scene.parts.setup.solved)
+        to_Y, times = -1 / (Z + film) ** 2, len(self.setup.solved)
 
         def everywhere(values: Complex) -> Complex:
             return np.repeat(values[:, None], times, axis=1)
@@ -127,7 +136,7 @@ class LineModel:
         return at_meter(
             everywhere(Z + film),
             {name: everywhere(to_Y * slope) for name, slope in slopes.items()},
-            reading_of(self.scene, values),
+            reading_of(self.setup, values),
             everywhere(to_Y[..., None] * by_cell),
         )
 

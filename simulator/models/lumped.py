@@ -16,7 +16,7 @@ from ..fem.terminals.excitation import Excitation
 from ..fem.terminals.terminal_network import allowed_potentials
 from ..press.press import Press
 from ..scene.frequency import laplace_variable
-from ..scene.scene import Scene
+from ..scene.parts import Skin
 from ..sweeps import InputError, parallel_capacitance
 from .sheet_model import SheetModel
 
@@ -39,12 +39,12 @@ class Lumped:
 
         `series` raises InputError if an interface is no capacitor at zero frequency.
         """
-        self.scene, self._sheet, self._space = sheet.scene, sheet, space or sheet.space
+        self._skin, self._sheet, self._space = sheet.skin, sheet, space or sheet.space
         self._series: dict[Press, list[Series]] = {}
 
     def impedance(self, press: Press, frequency: Real) -> Complex:
         """Z in ohm, shape (interface, frequency); frequency in Hz."""
-        s = laplace_variable(frequency, self.scene.skin.foam.loss)
+        s = laplace_variable(frequency, self._skin.foam.loss)
         return np.stack([1 / (s * term.C) + term.R for term in self.series(press)])
 
     def bounds(self, press: Press, frequency: Real) -> tuple[Real, Real]:
@@ -52,7 +52,7 @@ class Lumped:
 
         They cover the truncation; the discretisation of R and C is not part of them.
         """
-        s = laplace_variable(frequency, self.scene.skin.foam.loss)
+        s = laplace_variable(frequency, self._skin.foam.loss)
         Rs, Cp = zip(*(_bounds(term, s, frequency) for term in self.series(press)), strict=True)
         return np.stack(Rs), np.stack(Cp)
 
@@ -73,14 +73,13 @@ class Lumped:
         return self._series[press]
 
 
-def min_truncation_error(scene: Scene, frequency: float) -> float:
+def min_truncation_error(skin: Skin, frequency: float) -> float:
     """Lower bound of the relative error of Cp by one R and one C, at a frequency in Hz.
 
     It is the error of a skin fed at both ends of its shorter side: two lines of u = omega R c (side
     / 2)². Such a line has Cp = C (1 - 2 u² / 15), and R = R_line / 3 and C in series C (1 - u² /
     9).
     """
-    skin = scene.skin
     u = 2 * (min(skin.sides) / 2 / skin.depth(frequency)) ** 2
     return min(1.0, u**2 / 45)
 

@@ -14,6 +14,8 @@ from ..press.parts import SOLVED, foam_parts, parts_of
 from ..scene.foam.foam import VACUUM_PERMITTIVITY, Foam
 from ..scene.foam.foam_in_time import IN_TIME
 from ..scene.frequency import Loss
+from ..scene.parts import Skin
+from ..scene.pixel_grid import Pressing
 from ..scene.readings.setup import Setup
 from ..scene.readout.meter import Leads
 from ..scene.scene import Scene
@@ -47,13 +49,13 @@ class Variation:
     rim: float = 1.0
     air: float = 1.0
 
-    def foam(self, scene: Scene) -> Real:
+    def foam(self, skin: Skin) -> Real:
         """Factors on the capacitance of each part, shape (part,), see `foam_parts`."""
-        return of_parts(scene, np.asarray(self.capacitance, dtype=np.float64), self.beyond_pixels)
+        return of_parts(skin, np.asarray(self.capacitance, dtype=np.float64), self.beyond_pixels)
 
-    def factors(self, scene: Scene) -> Real:
+    def factors(self, skin: Skin) -> Real:
         """Factors on each part of M, shape (part,), see `Parts`; `air` for a finger."""
-        parts, foam = parts_of(scene.parts.skin), self.foam(scene)
+        parts, foam = parts_of(skin), self.foam(skin)
         fixed = [1.0 if name == SOLVED else getattr(self, name) for name in parts.fixed]
         across = foam if parts.thickness else foam[:0]
         walls = foam[parts.walls.pairs].mean(axis=1)
@@ -68,31 +70,31 @@ class Variation:
         return bool(np.allclose(top, bottom, rtol=1e-12, atol=1e-12))
 
 
-def of_parts(scene: Scene, map_of: Real, beyond: float) -> Real:
+def of_parts(skin: Skin, map_of: Real, beyond: float) -> Real:
     """Values of parts, shape (part,), from those of pixels, shape (row, column)."""
-    return np.append(map_of.ravel(), beyond)[: foam_parts(scene.parts.skin)]
+    return np.append(map_of.ravel(), beyond)[: foam_parts(skin)]
 
 
-def nominal(scene: Scene, modes: int = 1) -> Variation:
+def nominal(skin: Skin, modes: int = 1) -> Variation:
     """Variation without any change of the scene."""
     uniform = np.eye(1, modes).ravel()
     return Variation(
         uniform,
         uniform,
-        np.ones(len(scene.contacts)),
-        np.ones((scene.pixels.rows, scene.pixels.columns)),
-        scene.skin.foam.loss,
+        np.ones(len(skin.contacts)),
+        np.ones((skin.pixels.rows, skin.pixels.columns)),
+        skin.foam.loss,
     )
 
 
-def mode_values(scene: Scene, x: Real, modes: int) -> Real:
+def mode_values(skin: Skin, x: Real, modes: int) -> Real:
     """cos(pi i x / L) cos(pi j y / W) for the first of HALF_WAVES, shape (mode, ...).
 
     x: positions in m, shape (2, ...). Raises InputError for more modes than there are.
     """
     if not 1 <= modes <= len(HALF_WAVES):
         raise InputError(f"`modes` must be between 1 and {len(HALF_WAVES)}, got {modes}")
-    along, across = np.pi * x[0] / scene.skin.length, np.pi * x[1] / scene.skin.width
+    along, across = np.pi * x[0] / skin.length, np.pi * x[1] / skin.width
     return np.stack([np.cos(i * along) * np.cos(j * across) for i, j in HALF_WAVES[:modes]])
 
 
@@ -142,10 +144,10 @@ COSINE_MODES = (*FOAM_MODES, *SHEET_MODES)
 KNOWN = (*PARAMETERS, *ON_REQUEST, *COSINE_MODES)
 
 
-def own_values(scene: Scene) -> dict[str, float]:
+def own_values(skin: Skin, setup: Setup) -> dict[str, float]:
     """The scene's own parameters, with its leak, its readers' and those of EFFECTS that change
     it."""
-    foam, leads = scene.skin.foam, scene.leads
+    foam, leads = skin.foam, setup.leads
     stated = {
         "loss_tangent": foam.loss_tangent,
         "phase_exponent": foam.phase_exponent,
@@ -155,20 +157,20 @@ def own_values(scene: Scene) -> dict[str, float]:
     }
     of_every_scene = {name: stated.get(name, 0.0) for name in PARAMETERS}
     leak = {} if foam.leak is None else {"leak": foam.leak}
-    return of_every_scene | leak | reader_values(scene) | dict.fromkeys(effects_of(scene), 0.0)
+    return of_every_scene | leak | reader_values(setup) | dict.fromkeys(effects_of(skin), 0.0)
 
 
-def all_values(scene: Scene, given: Mapping[str, float] | None) -> dict[str, float]:
+def all_values(skin: Skin, setup: Setup, given: Mapping[str, float] | None) -> dict[str, float]:
     """Given values, and the scene's own for the others.
 
     Raises InputError for an unknown name, and for one of EFFECTS that the scene does not have.
     """
-    own = own_values(scene)
+    own = own_values(skin, setup)
     for name in given or {}:
         if name not in KNOWN:
             raise InputError(f"`parameter` must be one of {', '.join(KNOWN)}, got {name!r}")
         if name in EFFECTS and name not in own:
-            raise InputError(f"{scene.name}: {name} changes nothing here; {NEEDED[name]}")
+            raise InputError(f"{skin.name}: {name} changes nothing here; {NEEDED[name]}")
     return own | dict(given or {})
 
 
@@ -187,23 +189,23 @@ def leads_of(values: Mapping[str, float]) -> Leads:
     )
 
 
-def reading_of(scene: Scene, values: Mapping[str, float]) -> Setup:
+def reading_of(setup: Setup, values: Mapping[str, float]) -> Setup:
     """Readings behind the leads and the reader."""
-    reading = scene.parts.setup.behind(leads_of(values))
+    reading = setup.behind(leads_of(values))
     if not reading.gain:
         return reading
     return replace(reading, interfaces=with_reader(reading.interfaces, values))
 
 
-def variation_of(scene: Scene, values: Mapping[str, float]) -> Variation:
+def variation_of(skin: Skin, values: Mapping[str, float]) -> Variation:
     """Skin as factors on the scene's; a mismatch of sheets is split in half between them."""
     common, half = math.exp(-values["sheet_resistance"]), values["sheet_mismatch"] / 2
     return Variation(
         top=np.array([common * math.exp(-half)]),
         bottom=np.array([common * math.exp(half)]),
-        films=np.full(len(scene.contacts), math.exp(-values["contact_resistance"])),
+        films=np.full(len(skin.contacts), math.exp(-values["contact_resistance"])),
         capacitance=np.full(
-            (scene.pixels.rows, scene.pixels.columns), math.exp(values["capacitance"])
+            (skin.pixels.rows, skin.pixels.columns), math.exp(values["capacitance"])
         ),
         loss=loss_of(values),
         beyond_pixels=math.exp(values["capacitance"]),
@@ -214,7 +216,7 @@ def variation_of(scene: Scene, values: Mapping[str, float]) -> Variation:
 
 def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
     """Scene with these parameters. Raises InputError for an unknown name."""
-    values = all_values(scene, given)
+    values = all_values(scene.parts.skin, scene.parts.setup, given)
     skin, half = scene.skin, values["sheet_mismatch"] / 2
     sheets = {
         name: sheet.model_copy(
@@ -226,7 +228,7 @@ def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
         for name, sheet, turn in (("top", skin.top, half), ("bottom", skin.bottom, -half))
     }
     foam = Foam(
-        **_capacitance(scene, math.exp(values["capacitance"])),
+        **_capacitance(scene.parts.skin, scene.press, math.exp(values["capacitance"])),
         loss_tangent=values["loss_tangent"],
         phase_exponent=values["phase_exponent"],
         leak=values.get("leak"),
@@ -242,21 +244,21 @@ def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
     update = {"skin": changed, "contacts": contacts, "leads": leads_of(values)}
     if scene.parts.setup.gain:
         update["interfaces"] = with_reader(scene.interfaces, values)
-    return scene.model_copy(update=update | with_effects(scene, values))
+    return scene.model_copy(update=update | with_effects(scene.parts.skin, scene.press, values))
 
 
-def _capacitance(scene: Scene, factor: float) -> dict[str, Any]:
+def _capacitance(skin: Skin, pressing: Pressing, factor: float) -> dict[str, Any]:
     """Capacitance per area of the foam, F/m², times a factor, in the keys of a scene.
 
     The thickness is included if anything depends on it: the strain under a press that changes the
     sheets or creeps, the factor of a depth, or the field around the skin. Foam whose capacitance
     would be below that of vacuum becomes thicker.
     """
-    foam, press, skin = scene.skin.foam, scene.press, scene.skin
+    foam, press, skin = skin.foam, pressing, skin
     c = foam.unpressed_capacitance_per_area * factor
     sheets = skin.top.piezoresistance or skin.bottom.piezoresistance
     mechanics = None if press.by_factor and not sheets and not foam.in_time else foam.mechanics
-    if foam.thickness is None or not (mechanics or scene.surroundings):
+    if foam.thickness is None or not (mechanics or skin.around):
         return {"capacitance_per_area": c}
     thickness = max(foam.thickness, VACUUM_PERMITTIVITY / c)
     return {"capacitance_per_area": c, "mechanics": mechanics, "thickness": thickness}

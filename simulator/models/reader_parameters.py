@@ -9,7 +9,7 @@ from ..scene.readings.readers import Load, Source, own_source
 
 if TYPE_CHECKING:
     from ..scene.readings.contacts import Interface
-    from ..scene.scene import Scene
+    from ..scene.readings.setup import Setup
 
 SOURCE = "source_scale"
 READER = (SOURCE, "series_resistance", "load_capacitance", "load_conductance")
@@ -17,18 +17,18 @@ READER = (SOURCE, "series_resistance", "load_capacitance", "load_conductance")
 all others change by the same factor, and their inputs by the same capacitance and conductance."""
 
 
-def reader_values(scene: Scene) -> dict[str, float]:
+def reader_values(setup: Setup) -> dict[str, float]:
     """Parameters of the scene's readers; none where they read impedances."""
-    if not scene.parts.setup.gain:
+    if not setup.gain:
         return {}
-    first = own_source(scene.interfaces[0])
+    first = own_source(setup.interfaces[0])
     load = first.load.capacitance, _conductance(first.load)
     return dict(zip(READER, (first.source_scale, first.series_resistance, *load), strict=True))
 
 
-def smallest_load_capacitance(scene: Scene) -> float:
+def smallest_load_capacitance(setup: Setup) -> float:
     """Capacitance of the first input at which the smallest one of all inputs is 0, F."""
-    every = [own_source(each).load.capacitance for each in scene.interfaces]
+    every = [own_source(each).load.capacitance for each in setup.interfaces]
     return every[0] - min(every)
 
 

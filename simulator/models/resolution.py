@@ -9,9 +9,10 @@ from ..mesh.quadrilaterals import Resolution, singular_ends
 from ..press.capacitance import lines, patch, tile_map, touched_box
 from ..press.press import Press
 from ..press.touch import AnyTouch, Touch
+from ..scene.parts import Skin
+from ..scene.pixel_grid import Pressing
 from ..scene.planar import Lines, distinct
 from ..scene.readings.contacts import Contact
-from ..scene.scene import Scene
 
 ONE_CELL = [(order, 1) for order in (2, 3, 4, 5, 6, 7, 9)]
 """Orders with one cell in a pixel. 8 and 10 are left out: within a pixel most fields are nearly
@@ -38,15 +39,17 @@ class ResolutionHierarchy:
     an exponential over p/4 of that depth.
     """
 
-    def __init__(self, scene: Scene, circuit: Circuit, own: float | None = None) -> None:
+    def __init__(
+        self, skin: Skin, pressing: Pressing, circuit: Circuit, own: float | None = None
+    ) -> None:
         """own: tolerance of one press that shares no mesh with others.
 
         Its cells are as wide as this tolerance allows. Their width does not depend on the order, so
         that the next order reduces the error.
         """
-        self.scene = scene
+        self.skin, self.pressing, self.circuit = skin, pressing, circuit
         contacts = circuit.contacts
-        self.singular = bool(singular_ends(contacts, scene.skin))
+        self.singular = bool(singular_ends(contacts, skin))
         self.levels = SINGULAR if self.singular else SMOOTH
         self._widths: float | None = None
         if own is not None:
@@ -67,8 +70,8 @@ class ResolutionHierarchy:
         The order is one more than the level's: one for the answer, and one to estimate its error.
         """
         order, cells = self.levels[level]
-        factor = strongest(press, self.scene)
-        depth = depth_of(self.scene, frequency)
+        factor = strongest(press, self.skin, self.pressing)
+        depth = depth_of(self.skin, frequency)
         reached = self._reached(press, depth)
         layer = depth / math.sqrt(factor if reached.touches else 1.0) * self.followed(order)
         if self.halved(layer) == math.inf:
@@ -79,13 +82,13 @@ class ResolutionHierarchy:
             math.ceil(RINGS_PER_ORDER * order) + RINGS_AT_LEAST if self.singular else 0,
             edge_cell=self.halved(layer),
             touch_cell=self.halved(layer) if reached.touches else math.inf,
-            touched=all_lines(reached, self.scene),
-            lines=lines(self.scene.parts.skin, press),
+            touched=all_lines(reached, self.skin),
+            lines=lines(self.skin, press),
         )
 
     @property
     def _widest_pixel(self) -> float:
-        skin, pixels = self.scene.skin, self.scene.pixels
+        skin, pixels = self.skin, self.skin.pixels
         return max(skin.length / pixels.columns, skin.width / pixels.rows)
 
     def _no_plane_of_symmetry(self, cells: int) -> int:
@@ -93,7 +96,7 @@ class ResolutionHierarchy:
 
         Otherwise a plane of symmetry leaves every second order without effect.
         """
-        pixels = self.scene.pixels
+        pixels = self.skin.pixels
         return max(cells, 2 if 1 in (pixels.rows, pixels.columns) else 1)
 
     def followed(self, order: int) -> float:
@@ -107,7 +110,7 @@ class ResolutionHierarchy:
         """
         if self._widths:
             return width
-        skin = self.scene.skin
+        skin = self.skin
         longest = max(skin.length, skin.width)
         if width >= self._widest_pixel:
             return math.inf
@@ -119,17 +122,17 @@ class ResolutionHierarchy:
             tuple(
                 touch
                 for touch in press.touches
-                if touch.factor > 1 and reached_by_field(touch, self.scene, depth)
+                if touch.factor > 1 and reached_by_field(touch, self.skin, depth)
             )
         )
 
 
-def depth_of(scene: Scene, frequency: float) -> float:
+def depth_of(skin: Skin, frequency: float) -> float:
     """Lower bound of the depth to which the field reaches from a foil at a frequency in Hz, m.
 
     Bodies charge the sheets as well: s G^-1 C of both sheets has no eigenvalue above its trace.
     """
-    skin, around = scene.skin, scene.surroundings
+    skin, around = skin, skin.around
     if around is None or not around.body:
         return skin.depth(frequency)
     R = {"top": skin.top.sheet_resistance, "bottom": skin.bottom.sheet_resistance}
@@ -138,34 +141,34 @@ def depth_of(scene: Scene, frequency: float) -> float:
     return skin.depth(frequency, 1 + charged / (skin.both_sheets * c))
 
 
-def reached_by_field(touch: AnyTouch, scene: Scene, depth: float) -> bool:
+def reached_by_field(touch: AnyTouch, skin: Skin, depth: float) -> bool:
     """True if a touch is near enough to a foil for a field of that depth in m to return from it."""
-    return math.exp(-2 * _distance(touch, scene) / depth) > FAINTEST
+    return math.exp(-2 * _distance(touch, skin) / depth) > FAINTEST
 
 
-def all_lines(press: Press, scene: Scene) -> Lines:
+def all_lines(press: Press, skin: Skin) -> Lines:
     """Lines at which c jumps by these touches, ascending."""
-    patches = [patch(scene.parts.skin, touch) for touch in press.touches]
+    patches = [patch(skin, touch) for touch in press.touches]
     x, y = ({line for p in patches for line in (p.x, p.y)[axis].tolist()} for axis in (0, 1))
     return tuple(sorted(x)), tuple(sorted(y))
 
 
-def strongest(press: Press, scene: Scene) -> float:
+def strongest(press: Press, skin: Skin, pressing: Pressing) -> float:
     """Largest factor anywhere; where touches overlap, their product."""
     if all(isinstance(touch, Touch) for touch in press.touches):
         return max((touch.factor for touch in press.touches), default=1.0)
-    x, y = (distinct(each) for each in all_lines(press, scene))
-    return float(tile_map(scene.parts.skin, scene.press, press, x, y).max())
+    x, y = (distinct(each) for each in all_lines(press, skin))
+    return float(tile_map(skin, pressing, press, x, y).max())
 
 
-def _distance(touch: AnyTouch, scene: Scene) -> float:
+def _distance(touch: AnyTouch, skin: Skin) -> float:
     """Distance from a touch to the nearest foil, m."""
-    box, skin = touched_box(scene.parts.skin, touch), scene.skin
+    box, skin = touched_box(skin, touch), skin
 
     def gap(touched: tuple[float, float], contact: Contact, axis: int) -> float:
         low, high = (end[axis] for end in contact.ends(skin))
         return max(0.0, low - touched[1], touched[0] - high)
 
     return min(
-        math.hypot(gap(box[:2], contact, 0), gap(box[2:], contact, 1)) for contact in scene.contacts
+        math.hypot(gap(box[:2], contact, 0), gap(box[2:], contact, 1)) for contact in skin.contacts
     )

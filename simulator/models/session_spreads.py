@@ -10,7 +10,7 @@ import numpy as np
 from ..arrays import Real
 from ..scene.draws.draw_distributions import AnyDistribution
 from ..scene.foam.foam_in_time import AMBIENT
-from ..scene.scene import Scene
+from ..scene.parts import Plan, SceneParts, Skin
 from .parameters import own_values
 
 
@@ -24,25 +24,25 @@ class SessionSpread(NamedTuple):
 QUANTILES = (np.arange(4001) + 0.5) / 4001
 
 
-def session_spreads(scene: Scene) -> dict[str, SessionSpread]:
+def session_spreads(parts: SceneParts) -> dict[str, SessionSpread]:
     """Spread of every parameter of a scene over sessions of [dataset.session]; 0 if not drawn.
 
     Temperature and humidity contribute independently to the sheets' resistance and to the foam's
     capacitance. The factors of both sheets are independent: half of each belongs to their common
     resistance. The factors of contacts with a resistance are independent: their mean counts.
     """
-    drawn = scene.dataset.session
-    weather = _of_ambient(scene)
+    drawn = parts.plan.draws.session
+    weather = _of_ambient(parts.skin, parts.plan)
     both = _with(_of_logarithm(drawn.sheet_resistance), weather["sheet_resistance"])
     own = _of_logarithm(drawn.sheet_mismatch)
     film = _of_logarithm(drawn.contact_resistance)
-    films = sum(not contact.ideal for contact in scene.contacts)
+    films = sum(not contact.ideal for contact in parts.skin.contacts)
     surrounding = {
         name: _of_logarithm(factor)
         for name, factor in (("body", drawn.body), ("rim", drawn.rim))
         if factor is not None
     }
-    return dict.fromkeys(own_values(scene), SessionSpread(0.0, 0.0)) | {
+    return dict.fromkeys(own_values(parts.skin, parts.setup), SessionSpread(0.0, 0.0)) | {
         "sheet_resistance": SessionSpread(
             both.shift + own.shift, math.hypot(both.deviation, own.deviation / math.sqrt(2))
         ),
@@ -56,9 +56,9 @@ def session_spreads(scene: Scene) -> dict[str, SessionSpread]:
     }
 
 
-def _of_ambient(scene: Scene) -> dict[str, list[SessionSpread]]:
+def _of_ambient(skin: Skin, plan: Plan) -> dict[str, list[SessionSpread]]:
     """Spreads of capacitance and sheet resistance by the drawn temperature and humidity."""
-    drawn, foam = scene.dataset.session, scene.skin.foam
+    drawn, foam = plan.draws.session, skin.foam
     states = [(getattr(foam, name), getattr(drawn, name)) for name in AMBIENT]
     return {
         key: [

@@ -19,17 +19,25 @@ from ..mesh.quadrilaterals import Resolution, tile_lines
 from ..press.capacitance import capacitance_map, lines, tile_map
 from ..press.press import Press
 from ..scene.frequency import laplace_variable
+from ..scene.parts import Skin
+from ..scene.pixel_grid import Pressing
 from ..scene.planar import NO_LINES
-from ..scene.scene import Scene
 from ..sweeps import InputError
 
 
 class SheetModel:
     """A scene discretised once, solved for any press and frequency."""
 
-    def __init__(self, scene: Scene, circuit: Circuit, resolution: Resolution) -> None:
-        self.scene, self.circuit, self.resolution = scene, circuit, resolution
-        self.system = build_system(scene.parts.skin, circuit, resolution)
+    def __init__(
+        self, skin: Skin, pressing: Pressing, circuit: Circuit, resolution: Resolution
+    ) -> None:
+        self.skin, self.pressing, self.circuit, self.resolution = (
+            skin,
+            pressing,
+            circuit,
+            resolution,
+        )
+        self.system = build_system(skin, circuit, resolution)
         self.space = Galerkin(self.system, circuit, resolution.order)
         self._filled: tuple[Press, csc_matrix] | None = None
 
@@ -88,15 +96,13 @@ class SheetModel:
     def _capacitance(self, press: Press) -> Real:
         """c in F/m² between the lines of the mesh, shape (row, column)."""
         if self.resolution.lines == NO_LINES:
-            return capacitance_map(self.scene.parts.skin, self.scene.press, press)
-        for own, of_touches in zip(
-            self.resolution.lines, lines(self.scene.parts.skin, press), strict=True
-        ):
+            return capacitance_map(self.skin, self.pressing, press)
+        for own, of_touches in zip(self.resolution.lines, lines(self.skin, press), strict=True):
             if not set(of_touches) <= set(own):
                 raise InputError(f"press {press} has edges that the mesh does not conform to")
-        x, y = (tile_lines(self.scene.parts.skin, axis, self.resolution) for axis in (0, 1))
-        return self.scene.skin.foam.unpressed_capacitance_per_area * tile_map(
-            self.scene.parts.skin, self.scene.press, press, x, y
+        x, y = (tile_lines(self.skin, axis, self.resolution) for axis in (0, 1))
+        return self.skin.foam.unpressed_capacitance_per_area * tile_map(
+            self.skin, self.pressing, press, x, y
         )
 
     def moments(self, press: Press, count: int) -> Real:
@@ -104,4 +110,4 @@ class SheetModel:
         return self.space.moments(self.mass(press), count)
 
     def _s(self, frequency: Real) -> Complex:
-        return laplace_variable(frequency, self.scene.skin.foam.loss)
+        return laplace_variable(frequency, self.skin.foam.loss)

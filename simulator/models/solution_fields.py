@@ -13,7 +13,9 @@ from ..press.press import Press, check_fingers
 from ..progress import ProgressCallback, silent
 from ..scene.air_nodes import air_factor
 from ..scene.frequency import laplace_variable
-from ..scene.scene import Scene, checked_interface, interface_names
+from ..scene.parts import Skin
+from ..scene.pixel_grid import Pressing
+from ..scene.readings.setup import Setup
 from .heterogeneous.coefficients import ELECTRODES, PressCoefficients
 from .heterogeneous.discretised import Discretised
 from .heterogeneous.mesh_choice import deformed, meshes
@@ -50,7 +52,9 @@ class SolutionFields:
 
 
 def fields(
-    scene: Scene,
+    skin: Skin,
+    setup: Setup,
+    pressing: Pressing,
     press: Press,
     frequencies: Sequence[float],
     interface: str,
@@ -63,12 +67,12 @@ def fields(
     currents and power are per length and area of the flat skin. progress: see `ProgressCallback`.
     Raises InputError for an unknown interface, ToleranceError if the tolerance is not reached.
     """
-    check_fingers(press, scene.parts.skin)
+    check_fingers(press, skin)
     frequency = np.array(sorted(frequencies), dtype=np.float64)
-    excitation = interface_names(scene).index(checked_interface(interface, scene))
-    discretised, Z = _resolved(scene, press, frequency, rtol, progress)
-    sampler = Sampler(scene, discretised)
-    loss, found = scene.skin.foam.loss, []
+    excitation = setup.names.index(setup.checked_name(interface))
+    discretised, Z = _resolved(skin, setup, pressing, press, frequency, rtol, progress)
+    sampler = Sampler(skin, discretised)
+    loss, found = skin.foam.loss, []
     s, air = laplace_variable(frequency, loss).tolist(), air_factor(frequency, loss).tolist()
     for k, each in enumerate(zip(s, air, strict=True)):
         progress(f"fields, frequencies: {len(s)}", k / len(s))
@@ -76,13 +80,13 @@ def fields(
     potential, current, power, rises = zip(*found, strict=True)
     by_rise = np.stack(rises)
     x, coefficients = sampler.surface.x, discretised.coefficients
-    by_Rs, by_Cp = _relative(scene, by_rise, Z[excitation], frequency)
+    by_Rs, by_Cp = _relative(setup, by_rise, Z[excitation], frequency)
     return SolutionFields(
         x=_flat(x),
         position=_flat(sampler.position),
         cells=sampler.parts,
         frequency=frequency,
-        Z=scene.leads.at_meter(Z[excitation], frequency),
+        Z=setup.leads.at_meter(Z[excitation], frequency),
         potential=_flat(np.stack(potential, axis=1)),
         current=_flat(np.stack(current, axis=1)),
         power=_flat(np.stack(power)),
@@ -90,26 +94,32 @@ def fields(
         by_rise_Cp=_flat(by_Cp),
         capacitance=_flat(coefficients.capacitance(x)),
         factor=_flat(coefficients.factor(x)),
-        deflection=_flat(_deflection(scene, press, coefficients, x)),
+        deflection=_flat(_deflection(skin, press, coefficients, x)),
     )
 
 
-def _deflection(scene: Scene, press: Press, coefficients: PressCoefficients, x: Real) -> Real:
+def _deflection(skin: Skin, press: Press, coefficients: PressCoefficients, x: Real) -> Real:
     """Deflection in m by depths and forces; without tension it jumps at the edges of touches."""
     if coefficients.pressed is not None or not press.indented:
         return coefficients.deflection(x)
-    assert scene.skin.foam.thickness is not None
-    return scene.skin.foam.thickness * coefficients.strain(x)
+    assert skin.foam.thickness is not None
+    return skin.foam.thickness * coefficients.strain(x)
 
 
 def _resolved(
-    scene: Scene, press: Press, frequency: Real, rtol: float, progress: ProgressCallback
+    skin: Skin,
+    setup: Setup,
+    pressing: Pressing,
+    press: Press,
+    frequency: Real,
+    rtol: float,
+    progress: ProgressCallback,
 ) -> tuple[Discretised, Complex]:
     """Mesh that keeps the tolerance at all frequencies, and Z in ohm, (interface, frequency)."""
-    touched = deformed(scene, press, rtol, progress)
+    touched = deformed(skin, press, rtol, progress)
     solving, remaining = f"solving, frequencies: {frequency.size}", RemainingTime(rtol)
     progress(solving)
-    finer = meshes(scene, *touched, rtol)
+    finer = meshes(skin, setup, pressing, *touched, rtol)
     while True:
         discretised = finer.finer(frequency)
         result = discretised.result(frequency, rtol)
@@ -144,11 +154,11 @@ def _at(
     return potential, sampler.along_x_and_y(current), power, by_rise
 
 
-def _relative(scene: Scene, by_rise: Complex, Z: Complex, frequency: Real) -> tuple[Real, Real]:
+def _relative(setup: Setup, by_rise: Complex, Z: Complex, frequency: Real) -> tuple[Real, Real]:
     """Changes of ln Rs and ln Cp at the meter's end from those of Y at the skin."""
     along = np.s_[:, None, None]
-    measured = scene.leads.at_meter(Z, frequency)
-    through = (1 + 2j * np.pi * frequency * scene.leads.unguarded * Z) ** -2
+    measured = setup.leads.at_meter(Z, frequency)
+    through = (1 + 2j * np.pi * frequency * setup.leads.unguarded * Z) ** -2
     change = (-(Z**2) * through)[along] * by_rise
     of_Y = -change / (measured**2)[along]
     return change.real / measured.real[along], of_Y.imag / (1 / measured).imag[along]

@@ -7,6 +7,7 @@ leaves the others to the next one.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Literal, get_args
 
@@ -16,12 +17,12 @@ from numpy.typing import ArrayLike
 from ..arrays import Real
 from ..press.press import Press, check_fingers
 from ..press.press import require_plain as require_plain_press
-from ..scene.scene import Scene
+from ..scene.parts import SceneParts
 from ..sweeps import InputError, ToleranceError
 from .heterogeneous.press_cache import PressCache, PressPlace
 from .solution import Solution, SolutionProgress
 from .time_estimate import TimeEstimate
-from .uniform import equivalent_press, equivalent_scene, require_uniform
+from .uniform import equivalent_press, require_uniform
 from .uniform_models import UniformModels
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ class Solver:
 
     def __init__(
         self,
-        scene: Scene,
+        parts: SceneParts,
         rtol: float = DEFAULT_RTOL,
         model: ModelName = "auto",
         frequency: ArrayLike | None = None,
@@ -60,21 +61,26 @@ class Solver:
         """
         if not (np.isfinite(rtol) and rtol > 0):
             raise InputError(f"`rtol` must be finite and > 0, got {rtol}")
-        self.scene, self.rtol = scene, rtol
-        self.frequency = scene.frequencies if frequency is None else checked_frequencies(frequency)
-        self._uniform, self._time_estimate = equivalent_scene(scene), TimeEstimate(rtol)
+        self.parts, self.skin, self.setup, self.rtol = parts, parts.skin, parts.setup, rtol
+        at = self.setup.frequency if frequency is None else checked_frequencies(frequency)
+        self.frequency, self._time_estimate = at, TimeEstimate(rtol)
         self.model: ModelName = model
-        self._models = UniformModels(self._uniform, rtol, bound_first=model == "auto")
+        self._models = UniformModels(
+            self.skin.electrical,
+            self.setup,
+            parts.plan.press,
+            rtol,
+            bound_first=model == "auto",
+        )
         self._places = PressCache()
 
     @cached_property
     def _without_earth(self) -> Solver | None:
         """Solver without surroundings for presses by rods, where earth makes no difference; else
         None."""
-        around = self.scene.surroundings
-        if around is None or around.for_rods is around:
+        if self.skin.for_rods is self.skin:
             return None
-        alone = self.scene.model_copy(update={"surroundings": around.for_rods})
+        alone = replace(self.parts, skin=self.skin.for_rods)
         return Solver(alone, self.rtol, self.model, self.frequency)
 
     def solve(self, press: Press, frequency: ArrayLike | None = None) -> Solution:
@@ -89,9 +95,7 @@ class Solver:
         self._check_depth(press, float(requested[-1]))
         solver = self
         while True:
-            answer = solver._of_skin(press, requested).at_meter(
-                self.scene.parts.setup.at(requested)
-            )
+            answer = solver._of_skin(press, requested).at_meter(self.setup.at(requested))
             if max(error.max() for error in answer.relative_errors) <= self.rtol:
                 return answer
             solver = solver._stricter
@@ -100,21 +104,21 @@ class Solver:
         """Raise InputError if the field under the strongest touch is too shallow to resolve."""
         strongest = max((each.factor for each in press.sharp.touches), default=1.0)
         try:
-            self.scene.skin.check_depth(frequency, max(strongest, 1.0))
+            self.skin.check_depth(frequency, max(strongest, 1.0))
         except ValueError as error:
             raise InputError(f"press {press}: {error}") from error
 
     @cached_property
     def _stricter(self) -> Solver:
-        return Solver(self.scene, STRICTER * self.rtol, self.model, self.frequency)
+        return Solver(self.parts, STRICTER * self.rtol, self.model, self.frequency)
 
     def _of_skin(self, press: Press, frequency: Real) -> Solution:
         """Solution at the skin's own contacts."""
-        check_fingers(press, self.scene.parts.skin)
+        check_fingers(press, self.skin)
         if self._without_earth is not None and not press.fingers:
             return self._without_earth._of_skin(press, frequency)
         on_error = self._time_estimate.of(str(press))
-        solved = len(self.scene.parts.setup.solved)
+        solved = len(self.setup.solved)
         progress = SolutionProgress(solved, frequency, self.rtol, on_error)
         if self._applicators_reduce(press):
             self._under_applicators(press, progress)
@@ -125,8 +129,8 @@ class Solver:
             from .heterogeneous.mesh_choice import deformed
 
             place = self._places.of(press)
-            sharp, pressed = deformed(self.scene, press, self.rtol, place=place)
-        uniform = None if pressed else equivalent_press(self.scene, sharp, self._uniform)
+            sharp, pressed = deformed(self.skin, press, self.rtol, place=place)
+        uniform = None if pressed else equivalent_press(self.skin, sharp)
         if uniform is None:
             self._solve_heterogeneous(sharp, pressed, progress, place)
         else:
@@ -168,11 +172,13 @@ class Solver:
         from .heterogeneous.mesh_choice import meshes
 
         if self.model in ("line", "lumped"):
-            require_uniform(self._uniform, f"the model {self.model!r}")
+            require_uniform(self.skin.electrical, f"the model {self.model!r}")
             require_plain_press(press)
         if self.model == "reduced":
             self._reduced_first(press, pressed, progress)
-        finer = meshes(self.scene, press, pressed, self.rtol, place)
+        finer = meshes(
+            self.skin, self.setup, self.parts.plan.press, press, pressed, self.rtol, place
+        )
         while not progress.done:
             try:
                 discretised = finer.finer(progress.frequency)
@@ -201,7 +207,7 @@ class Solver:
             return False
         from .reduced.indentation.indentation_draws import spreads
 
-        return spreads(self.scene)
+        return spreads(self.skin)
 
     def _under_applicators(self, press: Press, progress: SolutionProgress) -> None:
         """Offer the results of a reduced model for pixels pressed by depth and force."""
@@ -214,7 +220,7 @@ class Solver:
     def _indentation_model(self) -> IndentationPressModel:
         from .reduced.indentation.indentation_press_model import IndentationPressModel
 
-        return IndentationPressModel(self.scene, self.rtol, self.frequency)
+        return IndentationPressModel(self.parts, self.rtol, self.frequency)
 
     def explain(self, press: Press, answer: Solution) -> str:
         """Text: the model of each frequency, its estimated error, and the rejected models."""
@@ -248,7 +254,7 @@ class Solver:
     def _factor_model(self) -> FactorPressModel:
         from .reduced.factor_press_model import FactorPressModel
 
-        return FactorPressModel(self._uniform, self.rtol, self.frequency)
+        return FactorPressModel(self.parts, self.rtol, self.frequency)
 
 
 def checked_frequencies(frequency: ArrayLike) -> Real:

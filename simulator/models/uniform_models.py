@@ -20,7 +20,9 @@ from ..fem.terminals.excitation import impedance_with_error
 from ..mesh.quadrilaterals import Resolution
 from ..method_cache import cached_method
 from ..press.press import Press
-from ..scene.scene import Scene
+from ..scene.parts import Skin
+from ..scene.pixel_grid import Pressing
+from ..scene.readings.setup import Setup
 from ..sweeps import InputError
 from .line import Line
 from .lumped import Lumped, min_truncation_error
@@ -37,9 +39,15 @@ LUMPED = "one R and one C"
 class UniformModels:
     """Models of a uniform scene without training; each offers its result to a solution."""
 
-    def __init__(self, scene: Scene, rtol: float, bound_first: bool) -> None:
+    def __init__(
+        self, skin: Skin, setup: Setup, pressing: Pressing, rtol: float, bound_first: bool
+    ) -> None:
         """bound_first: True if one R and one C is tried only where it suffices without a press."""
-        self.scene, self.rtol, self._bound_first = scene, rtol, bound_first
+        self.skin, self.setup, self.pressing = skin, setup, pressing
+        self.rtol, self._bound_first = (
+            rtol,
+            bound_first,
+        )
         self._sheets: dict[Resolution, SheetModel] = {}
 
     def line(self, press: Press, progress: SolutionProgress) -> None:
@@ -53,7 +61,7 @@ class UniformModels:
     def _exact_line(self) -> Line | str:
         """Exact line model of the scene, or the reason why there is none."""
         try:
-            return Line(self.scene)
+            return Line(self.skin, self.setup, self.pressing)
         except InputError as no_line:
             return str(no_line)
 
@@ -79,7 +87,7 @@ class UniformModels:
         If even the short line with the smallest error exceeds the tolerance, the skin is not
         solved.
         """
-        least = min_truncation_error(self.scene, frequency[-1])
+        least = min_truncation_error(self.skin, frequency[-1])
         if least > self.rtol:
             return least
         sheet = self._sheet(self._hierarchy.resolution(self._first_level, Press(), frequency[-1]))
@@ -117,18 +125,18 @@ class UniformModels:
         if resolution not in self._sheets:
             if len(self._sheets) == SHEETS_KEPT:
                 del self._sheets[next(iter(self._sheets))]
-            self._sheets[resolution] = SheetModel(self.scene, self._circuit, resolution)
+            self._sheets[resolution] = SheetModel(
+                self.skin, self.pressing, self._circuit, resolution
+            )
         return self._sheets[resolution]
 
     @cached_property
     def _circuit(self) -> Circuit:
-        return one_field(self.scene.parts.skin, self.scene.parts.setup) or two_fields(
-            self.scene.parts.skin, self.scene.parts.setup
-        )
+        return one_field(self.skin, self.setup) or two_fields(self.skin, self.setup)
 
     @cached_property
     def _hierarchy(self) -> ResolutionHierarchy:
-        return ResolutionHierarchy(self.scene, self._circuit)
+        return ResolutionHierarchy(self.skin, self.pressing, self._circuit)
 
     @cached_property
     def _first_level(self) -> int:

@@ -54,7 +54,7 @@ def page(
 
         reduced = reduced_for_page(skin, rtol, cells, progress)
         text = document(page_data(skin, reduced))
-    if scene_spreads_presses(requested):
+    if scene_spreads_presses(requested.parts.skin, requested.press):
         factor = f"{skin.press.capacitance_factor:.4g} x C"
         spread = "the spread of a press by the foam's tension is left out"
         note(f"{scene}: the page presses whole pixels uniformly, by {factor}; {spread}")

@@ -51,9 +51,9 @@ def random_press_drawer(scene: Scene, cells: int) -> Callable[[np.random.Generat
     A rectangle has up to two pixels on a side. If both sheets are fields of their own, each has a
     resistance of its own.
     """
-    shape, apart = scene.pixels.shape, circuit_of(scene).fields == 2
+    shape, apart = scene.pixels.shape, circuit_of(scene.parts.skin, scene.parts.setup).fields == 2
     parts = parts_of(scene.parts.skin)
-    strongest = strongest_finger(scene) if parts.fingers else 0.0
+    strongest = strongest_finger(scene.parts.skin, scene.parts.plan) if parts.fingers else 0.0
 
     def draw(random: np.random.Generator) -> Case:
         rises, fingers = np.zeros((2, *shape))
@@ -124,7 +124,7 @@ def reduced_for_page(
     cells = 1 if scene.pixels.groups is not None else cells
     divided = scene.divided(cells)
     draw = random_press_drawer(divided, cells)
-    return reduce(divided, rtol, draw, progress=progress, frequency=band)
+    return reduce(divided.parts, rtol, draw, progress=progress, frequency=band)
 
 
 def page_data(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str, Any]:
@@ -135,7 +135,7 @@ def page_data(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str,
     """
     skin, raster = reduced.skin(None), Raster.over(scene, points)
     picture = raster_fields(skin, raster)
-    presses = own_presses(scene)
+    presses = own_presses(scene.parts.skin, scene.press)
     return {
         "name": scene.name,
         "description": scene.description,

@@ -55,7 +55,7 @@ def packed_model(skin: ReducedSkin) -> dict[str, Any]:
         "fields": reduced.terminal_field.tolist(),
         "conductance": _conductance(skin).tolist(),
         "top": exact_array(_top_sheet_matrix(skin)) if reduced.circuit.fields == 2 else None,
-        "gauges": _gauge_data(skin) if gauged(reduced.scene.skin) else None,
+        "gauges": _gauge_data(skin) if gauged(reduced.parts.skin) else None,
         **_surroundings_data(skin),
     }
 
@@ -114,7 +114,7 @@ def _gauge_data(skin: ReducedSkin) -> dict[str, Any]:
     piezoresistance: that of each field's sheet.
     """
     reduced = skin.reduced
-    scene, fields = reduced.scene, reduced.circuit.fields
+    scene, fields = reduced.parts.scene, reduced.circuit.fields
     terms = reduced.stiffness[: fields * foam_parts(scene.parts.skin)]
     factors = [_factor(skin.turn.T @ term @ skin.turn) for term in terms]
     return {

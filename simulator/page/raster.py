@@ -71,7 +71,7 @@ def raster_fields(skin: ReducedSkin, raster: Raster) -> RasterFields:
     whole = family.space.spread(skin.reduced.coordinates @ skin.turn)
     held = np.vstack([whole, np.zeros((1, whole.shape[1]))])
     numbers = family.system.unknowns.number
-    top = Materials(family.scene).conductance("top", raster.points)
+    top = Materials(family.skin).conductance("top", raster.points)
     every = np.zeros(raster.points.shape[1])
     return RasterFields(
         np.stack([at_points @ held[number] for number in numbers]), on_skin, top + every

@@ -84,7 +84,9 @@ def _one_sheet_in_kilo(scene: Scene) -> Iterator[str]:
 def _cut_off(scene: Scene) -> Iterator[str]:
     """A warning if the cut-off frequency lies far from the sweep."""
     start, stop = scene.sweep.frequencies[0], scene.sweep.frequencies[-1]
-    cut_off = max(cut_off_frequency(scene, each) for each in scene.interfaces)
+    cut_off = max(
+        cut_off_frequency(scene.parts.skin, scene.parts.setup, each) for each in scene.interfaces
+    )
     sheet = max(scene.skin.top.sheet_resistance, scene.skin.bottom.sheet_resistance)
     if stop <= IN_KILO and cut_off > FAR_ABOVE * stop and start <= cut_off / IN_KILO <= stop:
         yield (

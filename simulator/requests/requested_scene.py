@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from ..models.uniform import equivalent_scene
 from ..models.validity import earth_left_out, warnings
 from ..scene.scene import Scene
 from ..scene.scene_files import load_scene
@@ -26,14 +25,16 @@ def requested_scene(name: str) -> Scene:
 
 def warn_of_model(name: str, scene: Scene) -> None:
     """Warns where touching foils connect terminals, and where thin sheets are no valid model."""
-    uniform = equivalent_scene(scene)
-    for warning in (*scene.driven_by_touch, *warnings(uniform)):
+    for warning in (
+        *scene.driven_by_touch,
+        *warnings(scene.parts.skin.electrical, scene.parts.setup, scene.press),
+    ):
         warn(f"{name}: {warning}")
 
 
 def warn_of_earth(name: str, scene: Scene) -> None:
     """Warns of the effect of earth if the scene of a measured skin has no [surroundings]."""
-    warning = earth_left_out(equivalent_scene(scene))
+    warning = earth_left_out(scene.parts.skin.electrical)
     if warning is not None:
         warn(f"{name}: {warning}")
 

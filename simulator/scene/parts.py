@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from ..arrays import Real
 from ..sweeps import InputError
 from .design_goals import Design
 from .draws.randomisation import Randomisation
+from .evened import evened
 from .foam.foam import Foam
 from .foam.foam_mechanics import Mechanics
 from .form.mesh_data import MeshData
@@ -56,12 +58,32 @@ class Skin(SheetsAndFoam, Part):
     shape: Shape | None = None
     around: Surroundings | None = None
 
+    def with_parts(self, **changed: Any) -> Self:
+        """The skin with changed fields."""
+        return replace(self, **changed)
+
+    @cached_property
+    def electrical(self) -> Skin:
+        """Electrically equivalent skin, as uniform and as flat as there is one; see `evened`."""
+        return evened(self)
+
     @property
     def foils(self) -> tuple[Contact, ...]:
         """Contacts of the scene file, without those of earth."""
         if not self.one_conductor:
             return self.contacts
         return tuple(each for each in self.contacts if each.electrode == "top")
+
+    @cached_property
+    def for_rods(self) -> Skin:
+        """The skin for presses without a finger: equal readings, and one excitation if possible.
+
+        One excitation is enough if only a finger would be charged against earth. The skin itself is
+        returned if anything else is.
+        """
+        if self.around is None or self.around.for_rods is self.around:
+            return self
+        return replace(self, around=self.around.for_rods)
 
     def contact(self, name: str) -> Contact:
         """The contact of that name."""
@@ -170,9 +192,9 @@ class Meter(Part):
     readout: see the table of that name. speed, averaging: see `Timing`.
     """
 
-    readout: Readout
-    speed: str
-    averaging: int
+    readout: Readout = Readout()
+    speed: str = "MEDIUM"
+    averaging: int = 1
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,17 +216,58 @@ class Plan(Part):
 
 
 @dataclass(frozen=True)
-class Parts:
-    """The four parts of a scene."""
+class SceneParts:
+    """The four parts of a scene.
+
+    whole: the scene that they were made from, for what only its file says.
+    """
 
     skin: Skin
     setup: Setup
     meter: Meter
     plan: Plan
+    whole: Scene
+
+    @cached_property
+    def evened(self) -> SceneParts:
+        """The parts with the electrically equivalent skin, see `Skin.electrical`."""
+        return replace(self, skin=self.skin.electrical)
+
+    def on_grid(self, rows: int, columns: int) -> SceneParts:
+        """The parts with a grid of equal pixels, see `Skin.on_grid`."""
+        return replace(self, skin=self.skin.on_grid(rows, columns))
+
+    def divided(self, cells: int) -> SceneParts:
+        """The parts with each pixel divided into cells along each side; themselves for 1."""
+        rows, columns = self.skin.pixels.shape
+        return self if cells == 1 else self.on_grid(cells * rows, cells * columns)
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The scene with these parts, which are not checked again."""
+        skin, setup = self.skin, self.setup
+        table = {name: getattr(skin, name) for name in type(self.whole.skin).model_fields}
+        changed = {
+            "name": skin.name,
+            "skin": self.whole.skin.model_copy(update=table),
+            "contacts": skin.contacts,
+            "pixels": skin.pixels,
+            "surroundings": skin.around,
+            "interfaces": setup.interfaces,
+            "leads": setup.leads,
+        }
+        return self.whole.model_copy(update=changed)
+
+    @cached_property
+    def text(self) -> str:
+        """The scene as the text of its file, which results and trained models keep."""
+        from .scene_files import scene_text
+
+        return scene_text(self.scene)
 
     @classmethod
-    def of(cls, scene: Scene) -> Parts:
-        """Parts of a checked scene."""
+    def of(cls, scene: Scene) -> SceneParts:
+        """SceneParts of a checked scene."""
         skin, experiment = scene.skin, scene.experiment
         timed = experiment.timed
         return cls(
@@ -235,4 +298,5 @@ class Parts:
                 draws=scene.dataset,
                 design=scene.design,
             ),
+            scene,
         )

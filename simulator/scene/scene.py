@@ -27,7 +27,7 @@ from .foam.foam_in_time import in_ambient
 from .foam.foam_mechanics import Mechanics
 from .keys.changing import put
 from .multisine.scene_tones import scene_reader
-from .parts import Parts
+from .parts import SceneParts
 from .pixel_grid import Pixels, Pressing
 from .readings.contacts import (
     MAX_CONTACTS,
@@ -135,9 +135,9 @@ class Scene(Table):
         return tuple(each for each in self.contacts if each.electrode == "top")
 
     @cached_property
-    def parts(self) -> Parts:
+    def parts(self) -> SceneParts:
         """The skin, setup, meter and plan, which computations take."""
-        return Parts.of(self)
+        return SceneParts.of(self)
 
     def __copy__(self) -> Self:
         """A copy, which makes its own parts: copies are given other tables."""
@@ -352,16 +352,3 @@ class Scene(Table):
         check_readout(self.interfaces, self.readout)
         self.skin.check_depth(max(self.sweep.frequencies))
         return self
-
-
-def interface_names(scene: Scene) -> list[str]:
-    """Names of the interfaces of a scene."""
-    return [interface.name for interface in scene.interfaces]
-
-
-def checked_interface(name: str | None, scene: Scene) -> str:
-    """Returns a name of an interface, the first one for None; InputError for an unknown name."""
-    names = interface_names(scene)
-    if name is not None and name not in names:
-        raise InputError(f"`interface` must be one of {', '.join(names)}, got {name!r}")
-    return name or names[0]

@@ -113,6 +113,10 @@ class SheetsAndFoam:
         stretch: Stretch | None
         shape: Shape | None
 
+    def with_parts(self, **changed: Any) -> Self:
+        """The skin with changed fields."""
+        raise NotImplementedError
+
     @property
     def sides(self) -> tuple[float, float]:
         """Length and width of the unstretched skin, m."""
@@ -223,6 +227,10 @@ class SkinTable(SheetsAndFoam, Table):
     foam: Foam
     stretch: Stretch | None = None
     shape: Shape | None = None
+
+    def with_parts(self, **changed: Any) -> Self:
+        """The skin with changed fields."""
+        return self.model_copy(update=changed)
 
     @model_validator(mode="after")
     def _one_outline(self) -> Self:

@@ -206,11 +206,13 @@ class PressReader:
         check_press(press, self.scene.parts.skin)
         label = PressLabel(label_of(press, self.scene.parts.skin, self.scene.press), *press.pixel)
         fixed = self._fixes_depths(press)
-        if press.indented and spreads(self.scene):
+        if press.indented and spreads(self.scene.parts.skin):
             pressed = self._rasterizer(_indenters(self.scene, press))
             limited = bool(pressed.limited[0])
             return GivenPress(pressed.batch, (label,), (fixed,), (limited,), (0.0,))
-        by_factor = Press(tuple(map(self._by_factor, press_by_depths(self.scene, press).touches)))
+        by_factor = Press(
+            tuple(map(self._by_factor, press_by_depths(self.scene.parts.skin, press).touches))
+        )
         batch = PressBatch.of(
             [touched_cells(self.scene.parts.skin, self.scene.press, by_factor, self.cells.fine)]
         )

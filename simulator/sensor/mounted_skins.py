@@ -58,7 +58,7 @@ class MountedSkins:
         self.family, self.distinct, self.count = family, len(distinct), len(numbers)
         grid, modes = family.grid, family.modes
         self._drawn = [
-            _with_faults(drawn_skin(scene, seed, number, grid, modes), faults, scene, grid)
+            _with_faults(drawn_skin(scene.parts, seed, number, grid, modes), faults, scene, grid)
             for number in distinct
         ]
         self._setup = scene.parts.setup.behind(_stacked_leads(self._drawn))
@@ -106,7 +106,7 @@ class MountedSkins:
         frequencies: slice,
     ) -> Complex:
         """Z in ohm of chosen excitations, or of all interfaces: (row, interface, frequency)."""
-        if gauged(self.family.scene.skin):
+        if gauged(self.family.parts.skin):
             each = zip(skins.tolist(), presses.tolist(), strict=True)
             Z = np.stack([self._skins[skin].sweep(*batch.one(press)) for skin, press in each])
             return Z[:, slice(None) if chosen is None else chosen, frequencies]
@@ -158,8 +158,10 @@ def _with_faults(
     variation = drawn.variation
     remaining = np.ones(len(scene.contacts), dtype=bool)
     for fault in faults:
-        remaining &= fault.remaining(scene)
-        variation = replace(variation, capacitance=variation.capacitance * fault.foam(scene, grid))
+        remaining &= fault.remaining(scene.parts.skin)
+        variation = replace(
+            variation, capacitance=variation.capacitance * fault.foam(scene.parts.skin, grid)
+        )
     return replace(drawn, variation=replace(variation, films=variation.films[remaining]))
 
 

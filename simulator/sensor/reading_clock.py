@@ -56,7 +56,7 @@ class ReadingClock:
     @classmethod
     def of(cls, scene: Scene) -> ReadingClock:
         """Clock of a scene's meter; sweeps follow each other without a pause."""
-        starts, durations, whole = reading_spans(scene)
+        starts, durations, whole = reading_spans(scene.parts.setup, scene.parts.meter)
         taken, slots = scene.parts.setup.read, []
         for interface in range(len(taken)):
             own = np.flatnonzero(taken[interface]).tolist()

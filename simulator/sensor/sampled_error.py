@@ -53,7 +53,7 @@ def press_errors(
     some = [k for k in range(count) if batch.one(k).rises.max(initial=0.0) <= highest - 1]
     spread = cells.spread(PressBatch.of(batch.one(k) for k in some))
     found = scene.parts.setup.at_meter(nominal_skin(own, family).sweeps(spread))
-    solver = Solver(scene, TRUTH_SHARE * rtol)
+    solver = Solver(scene.parts, TRUTH_SHARE * rtol)
     exact = [solver.solve(parse_press(texts[k], np.nan)).Z for k in some]
     errors = reading_difference(found, np.stack(exact), scene.parts.setup.kind)
     return np.asarray(np.nanmax(errors, axis=(0, 2, 3)))

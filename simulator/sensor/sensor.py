@@ -91,7 +91,9 @@ class Sensor:
         self._drawn = session == "drawn"
         self._own = family_scene(self.scene, self._drawn, rtol)
         self._family = trained_family(self._own, rtol)  # pyright: ignore[reportArgumentType]
-        self._faults = self._first_faults = tuple(parse_fault(text, self._own) for text in faults)
+        self._faults = self._first_faults = tuple(
+            parse_fault(text, self._own.parts) for text in faults
+        )
         self._cells = SkinCells.of(self.scene, self._family.grid)
         highest = highest_factor(self.scene)
         self._press = PressReader(self.scene, self._cells, len(numbers), highest)
@@ -136,7 +138,7 @@ class Sensor:
         fault: its text, such as "tear top bottom 0.5 0.6". Raises InputError if the skins cannot
         have it, ToleranceError if it cannot be modelled within rtol.
         """
-        faults = (*self._faults, parse_fault(fault, self._own))
+        faults = (*self._faults, parse_fault(fault, self._own.parts))
         self._mounted, self._known = self._mount(self.seed, faults), {}
         self._faults = faults
 
@@ -145,8 +147,9 @@ class Sensor:
         changed: Scene | None = self._own
         for fault in faults:
             if changed is not None:
-                fault.check(changed)
-                changed = fault.changed(changed)
+                fault.check(changed.parts)
+                left_parts = fault.changed(changed.parts)
+                changed = left_parts and left_parts.scene
         left = () if changed is None else [each.name for each in changed.interfaces]
         family = self._family
         if changed is not None and changed is not self._own:

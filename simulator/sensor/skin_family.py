@@ -136,7 +136,7 @@ def _with_lower_rank(scene: Scene, model: Reduced, rtol: float) -> Reduced:
     random = np.random.default_rng(0)
     cases = []
     for session in range(RANK_SKINS):
-        skin = drawn_skin(scene, 0, session, model.grid, model.modes)
+        skin = drawn_skin(scene.parts, 0, session, model.grid, model.modes)
         presses = drawn_presses(scene, random, PRESSES_ON_SKIN, model.grid).batch
         cases += [Case(skin.variation, *press) for press in presses.each()]
     looser = replace(model, rtol=RANK_SHARE / COMPRESSED_SHARE * rtol)

@@ -110,13 +110,12 @@ def _viewed_press(
     from ..press.press import press_on
     from ..requests.console import note, warn
     from ..requests.requested_scene import requested_scene
-    from ..scene.scene import checked_interface
     from ..sweeps import InputError
     from .scenery import ViewedPress
 
     scene = requested_scene(name)
     pressed = press_on(scene.parts.skin, scene.press, press)
-    chosen = checked_interface(interface, scene)
+    chosen = scene.parts.setup.checked_name(interface)
     wiring = next(each for each in scene.interfaces if each.name == chosen)
     if wiring.driven_with:
         raise InputError(
@@ -132,7 +131,16 @@ def _viewed_press(
             warn(f"{name}: {one_terminal}")
     for key in scene.skin.foam.in_time:
         note(f"{name}: fields are those at the moment of the press, before `{key}` has an effect")
-    found = fields(scene, pressed, frequencies, chosen, rtol, progress)
+    found = fields(
+        scene.parts.skin,
+        scene.parts.setup,
+        scene.press,
+        pressed,
+        frequencies,
+        chosen,
+        rtol,
+        progress,
+    )
     return ViewedPress(scene, pressed, wiring, found)
 
 

@@ -85,7 +85,7 @@ class ViewedPress:
     def to_space(self, x: Real) -> Real:
         """Flat places (2, n) where they are drawn, (3, n), on the skin and off its edges."""
         if self._in_space:
-            return position(self.scene, x)
+            return position(self.scene.parts.skin, x)
         return np.vstack([x, np.zeros_like(x[:1])])
 
     def _bodies(self, skin: SkinSurface) -> list[pv.PolyData]:

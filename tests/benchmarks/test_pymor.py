@@ -18,11 +18,14 @@ def sheet():
     tables["pixels"] = {"rows": 2, "columns": 2}
     tables["sweep"] = {"frequencies": [40.0, 3e3, 200e3]}
     scene = Scene.model_validate(tables)
-    return reduce(scene, 1e-5)
+    return reduce(scene.parts, 1e-5)
 
 
 def pressed(sheet, count, seed):
-    random, draw = np.random.default_rng(seed), pixel_touches(sheet.scene)
+    random, draw = (
+        np.random.default_rng(seed),
+        pixel_touches(sheet.scene.parts.skin, sheet.scene.parts.plan),
+    )
     return [draw(random) for _ in range(count)]
 
 

@@ -36,7 +36,13 @@ def line(make_scene):
     """A scene that is a line of four pixels, a press on the second, and the true Z."""
     scene = at(make_scene, U, columns=COLUMNS)
     press = parse_press(PRESS, 2.0)
-    return scene, press, Line(scene).impedance(press, scene.frequencies)[0]
+    return (
+        scene,
+        press,
+        Line(scene.parts.skin, scene.parts.setup, scene.press).impedance(press, scene.frequencies)[
+            0
+        ],
+    )
 
 
 def error(scene, Z, truth):
@@ -93,7 +99,9 @@ def test_low_frequency(rival, make_scene):
     """The deviation form keeps Rs at u = 1e-9, in single precision too; a current does not."""
     scene = at(make_scene, [1e-9], columns=COLUMNS)
     press, cells = parse_press(PRESS, 2.0), rival("cells").Cells(40, 1)
-    truth = Line(scene).impedance(press, scene.frequencies)[0]
+    truth = Line(scene.parts.skin, scene.parts.setup, scene.press).impedance(
+        press, scene.frequencies
+    )[0]
 
     def error_of(name):
         return error(scene, rival(name).impedance(scene, press, scene.frequencies, cells), truth)
@@ -136,7 +144,9 @@ def test_ladder_from_every_edge(rival, make_scene):
             columns=1 if upright else 4,
         )
         press = parse_press(pressed, 2.0)
-        truth = Line(scene).impedance(press, scene.frequencies)[0]
+        truth = Line(scene.parts.skin, scene.parts.setup, scene.press).impedance(
+            press, scene.frequencies
+        )[0]
         Z = rival("lumped_ladder").impedance(scene, press, scene.frequencies, 400)
         assert error(scene, Z, truth) < 1e-3
 
@@ -206,7 +216,9 @@ def test_fits_of_readings_lose_rs_and_the_poles(rival, make_scene):
     scene = at(make_scene, [1e-8])
     fits = rival("rational_fit")
     given = scene, Press(), scene.frequencies
-    truth = Line(scene).impedance(Press(), scene.frequencies)[0]
+    truth = Line(scene.parts.skin, scene.parts.setup, scene.press).impedance(
+        Press(), scene.frequencies
+    )[0]
     assert error(scene, fits.impedance(*given), truth) < 1e-6
     assert error(scene, fits.impedance(*given, digits=6), truth) > 1e-2
     assert fits.aaa(*fits.sampled(*given, digits=6)).poles_off_axis > 0
@@ -227,7 +239,12 @@ def test_triangles_of_one_size_on_a_square(rival, make_scene):
     from skfem import MeshTri
 
     scene = at(make_scene, U)
-    skin, truth = scene.skin, Line(scene).impedance(Press(), scene.frequencies)[0]
+    skin, truth = (
+        scene.skin,
+        Line(scene.parts.skin, scene.parts.setup, scene.press).impedance(
+            Press(), scene.frequencies
+        )[0],
+    )
     c = skin.foam.unpressed_capacitance_per_area
     square = MeshTri().scaled((skin.length, skin.width))
 

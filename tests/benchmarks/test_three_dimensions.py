@@ -81,7 +81,7 @@ def test_two_dimensional_limit(scene, insulated):
     skin = ForeignSkin(scene, insulated.solved(), low="floating", law="permittivity", rtol=1e-9)
     for text in ("none", "2,3:2.0", "1,1:1.5+3,3:3.0"):
         press = parse_press(text, 2.0)
-        expected = Solver(scene, 1e-8).solve(press).Z
+        expected = Solver(scene.parts, 1e-8).solve(press).Z
         assert skin.impedance(press) == pytest.approx(np.asarray(expected), rel=1e-6)
 
 
@@ -109,7 +109,7 @@ def test_rim_of_the_papers_sheet(scene, air):
 def test_earth_takes_from_the_current_into_low(scene, static):
     """22.82 % are added to Rs, 1.29 % to Cp, by a plane 5 mm below, at 1 kHz."""
     skin = ForeignSkin(scene, static.solved(below=body(5e-3)))
-    Z, flat = skin.impedance()[0], np.asarray(Solver(scene, 1e-6).solve(Press()).Z)[0]
+    Z, flat = skin.impedance()[0], np.asarray(Solver(scene.parts, 1e-6).solve(Press()).Z)[0]
     assert Z[0].real / flat[0].real - 1 == pytest.approx(0.2282, abs=2e-3)
     assert (1 / Z[0]).imag / (1 / flat[0]).imag - 1 == pytest.approx(0.0129, abs=1e-3)
 

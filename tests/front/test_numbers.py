@@ -74,7 +74,7 @@ def test_there_are_all_commands():
         (lambda: rcskin.sweep("strip-1x3", rtol=math.inf), "`rtol` must be from 1e-08 to 0.01"),
         (lambda: rcskin.limits("glove", seed=-1), "`seed` must be from 0 to 4294967295, got -1"),
         (
-            lambda: Solver(GLOVE).solve(Press(), [1e3, math.inf]),
+            lambda: Solver(GLOVE.parts).solve(Press(), [1e3, math.inf]),
             "`frequency` must be ascending and > 0 (Hz), and finite",
         ),
         (lambda: rcskin.sweep(GLOVE, ["1,1:inf"]), "FACTOR must be finite"),

@@ -10,7 +10,6 @@ from rcskin.hardware.virtual import served_skin
 from rcskin.hardware.virtual.recorded_skin import exact_readout
 from rcskin.simulator.command_line import run as run_command_line
 from rcskin.simulator.scene.readings.changed_readings import (
-    checked_interfaces,
     restricted_to_interfaces,
 )
 from rcskin.tests.hardware.pillow import SKINS, document
@@ -18,7 +17,7 @@ from rcskin.tests.hardware.pillow import SKINS, document
 
 def simulated(scene, interfaces=None, seed=1):
     """The pillow at interfaces of a scene, read without error."""
-    names = checked_interfaces(interfaces, scene)
+    names = scene.parts.setup.checked_names(interfaces)
     skins = {name: SKINS[name] for name in names}
     return served_skin.ServedSkin(
         skins, exact_readout, *scene.pixels.shape, 1e3, restricted_to_interfaces(scene, names)

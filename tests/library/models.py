@@ -11,7 +11,6 @@ from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.reduced.model_file import load, save
 from rcskin.simulator.press.batch import NOTHING
-from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.tests.library.scenes import KINDS
 
 CASES = 4
@@ -30,25 +29,25 @@ class Library:
         with FileLock(self.folder / "scenes.lock"):
             return KINDS[name].make(self.folder)
 
-    def reduce(self, scene, rtol=1e-5, draw=None, *, progress=None, **options):
+    def reduce(self, parts, rtol=1e-5, draw=None, *, progress=None, **options):
         """The model that `reduce` makes, as it was trained or, by another process, as its file."""
-        path = self._path(scene, rtol, draw, **options)
+        path = self._path(parts, rtol, draw, **options)
         if path not in self._models:
             with FileLock(path.with_suffix(".lock")):
                 if path.exists():
                     self._models[path] = load(path)
                 else:
-                    model = self._models[path] = reduce(scene, rtol, draw, **options)
+                    model = self._models[path] = reduce(parts, rtol, draw, **options)
                     np.savez(path.with_suffix(".answers.npz"), **answers(model))
                     save(model, path)
         return self._models[path]
 
-    def _path(self, scene, rtol, draw, **options):
+    def _path(self, parts, rtol, draw, **options):
         """File of a model; draws are told apart by their first cases."""
         random = np.random.default_rng(0)
         cases = draw and [draw(random) for _ in range(CASES)]
         given = pickle.dumps((rtol, cases, sorted(options.items())))
-        digest = hashlib.sha256(scene_text(scene).encode() + given)
+        digest = hashlib.sha256(parts.text.encode() + given)
         return self.folder / f"{digest.hexdigest()[:32]}.npz"
 
     def model(self, name):
@@ -64,11 +63,15 @@ class Library:
 
     def _training(self, name):
         scene, kind = self.scene(name), KINDS[name]
-        return scene, kind.rtol, pixel_touches(scene, kind.factors)
+        return (
+            scene.parts,
+            kind.rtol,
+            pixel_touches(scene.parts.skin, scene.parts.plan, kind.factors),
+        )
 
     def forward(self, scene, **options):
         """A forward model of a scene, trained once."""
-        return Forward(scene, train=self.reduce, **options)
+        return Forward(scene.parts, train=self.reduce, **options)
 
 
 def answers(model):

@@ -69,7 +69,7 @@ def test_the_pixel_is_named_alike_with_and_without_a_finger(family):
 def test_sweeps_are_those_of_what_their_texts_say(family):
     presses = drawn_presses(FINGERS, stream(1, 0, PRESSES), 6, family.grid)
     Z = nominal_skin(FINGERS, family).sweeps(presses.batch)
-    solver = Solver(FINGERS, RTOL / 3)
+    solver = Solver(FINGERS.parts, RTOL / 3)
     exact = np.stack([solver.solve(parse_press(text, np.nan)).Z for text in presses.text])
     np.testing.assert_allclose(FINGERS.leads.at_meter(Z, FINGERS.frequencies), exact, rtol=RTOL)
 

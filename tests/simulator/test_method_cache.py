@@ -41,7 +41,7 @@ def test_a_solver_and_its_sheets_go_with_the_last_name_for_it(
     make_scene, model, no_search_for_waste
 ):
     for _ in range(2):  # the first one also imports
-        solver = Solver(make_scene(rows=2, columns=2), 1e-3, model)
+        solver = Solver(make_scene(rows=2, columns=2).parts, 1e-3, model)
         solver.solve(parse_press(PRESS, 2.0))
     gone = weakref.ref(solver)
     del solver
@@ -53,7 +53,7 @@ def test_a_specimen_goes_and_the_same_at_another_interface_knows_what_it_solved(
 ):
     contacts = {"top-left": {}, "bottom-left": {}, "bottom-right": {"resistance": 300.0}}
     pairs = {"one": ("top-left", "bottom-left"), "two": ("top-left", "bottom-right")}
-    first = Specimen(make_scene(contacts, pairs), "one")
+    first = Specimen(make_scene(contacts, pairs).parts, "one")
     second = first.at("two")
     Z = first.impedance(PRESS, 1e3)
     gone = weakref.ref(first)

@@ -13,7 +13,9 @@ from rcskin.simulator.scene.scene_files import load_scene
 def test_fields_of_every_kind_of_skin_report_their_progress(name, press):
     scene, heard = load_scene(name), list[tuple[str, float | None]]()
     fields(
-        scene,
+        scene.parts.skin,
+        scene.parts.setup,
+        scene.press,
         press_on(scene.parts.skin, scene.press, press),
         [1e3, 2e4],
         scene.interfaces[0].name,

@@ -22,13 +22,15 @@ def test_an_applicator_off_the_skin_is_named_as_it_was_given():
     press = press_on(scene.parts.skin, scene.press, "disc(0.112,0.112,0.004):1mm")
     for model in ("auto", "reduced"):
         with pytest.raises(InputError, match=r"press disc\(0.112,0.112,0.004\): must touch"):
-            Solver(scene, 1e-2, model).solve(press)
+            Solver(scene.parts, 1e-2, model).solve(press)
 
 
 def test_a_depth_beyond_the_foam_is_refused_before_any_training():
     scene = load_scene("foam")
     with pytest.raises(InputError, match="where foam of 0.004 m is compressed by 0.669"):
-        Solver(scene, 1e-3, "reduced").solve(press_on(scene.parts.skin, scene.press, "2,2:5mm"))
+        Solver(scene.parts, 1e-3, "reduced").solve(
+            press_on(scene.parts.skin, scene.press, "2,2:5mm")
+        )
 
 
 def test_a_map_of_one_column_varies_along_the_other_side():
@@ -38,6 +40,7 @@ def test_a_map_of_one_column_varies_along_the_other_side():
         scene.with_({"skin.foam.map": {"kind": "grid", "values": values}}) for values in grids
     ]
     Z = [
-        Solver(each, 1e-5).solve(press_on(each.parts.skin, each.press, "none")).Z for each in mapped
+        Solver(each.parts, 1e-5).solve(press_on(each.parts.skin, each.press, "none")).Z
+        for each in mapped
     ]
     np.testing.assert_allclose(*Z, rtol=2e-5)

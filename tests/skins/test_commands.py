@@ -38,7 +38,7 @@ def test_a_localizer_of_drawn_skins_finds_the_columns_of_another(kinds, done, tm
 
 
 def test_a_pixel_without_skin_is_no_press_of_the_virtual_skin(kinds):
-    skin = Specimen(kinds["l with a hole"], "meter")
+    skin = Specimen(kinds["l with a hole"].parts, "meter")
     assert skin.check("2,1") == "2,1:2.0"
     with pytest.raises(InputError, match="press 2,2:2.0: there is no skin at that place"):
         skin.check("2,2")

@@ -71,7 +71,10 @@ def touches(library, name):
 
 def drawn(model, count):
     """Further touches of pixels that have skin."""
-    random, draw = np.random.default_rng(7), pixel_touches(model.scene)
+    random, draw = (
+        np.random.default_rng(7),
+        pixel_touches(model.scene.parts.skin, model.scene.parts.plan),
+    )
     there = np.flatnonzero(np.abs(model.factors).sum(axis=(1, 2)))
     cases = [draw(random) for _ in range(5 * count)]
     return [(each.cells, each.rises) for each in cases if np.isin(each.cells, there).all()][:count]
@@ -81,7 +84,7 @@ def drawn(model, count):
 def test_the_full_solver_agrees_within_the_certificate(library, model, touches, name):
     kind, scene, own = KINDS[name], library.scene(name), model.skin(None)
     closely = 0.1 * kind.rtol
-    solver = Solver(scene, closely)
+    solver = Solver(scene.parts, closely)
     for text, touched in zip(kind.presses, touches, strict=True):
         off = relative_difference(
             own.sweep(*touched), solver.solve(press_on(scene.parts.skin, scene.press, text)).Z
@@ -148,7 +151,9 @@ def test_presses_have_equal_results_one_by_one_and_together(model, touches):
 @kinds(left_out=[*BY_DEPTH, "piezoresistive"], slow=DEAR)
 def test_a_network_has_the_readings_of_a_model_of_these(library, touches, name):
     scene = library.scene(name)
-    trained = library.reduce(scene, ROUGH, same_sheets=False, readings=chain(scene))
+    trained = library.reduce(
+        scene.parts, ROUGH, same_sheets=False, readings=chain(scene.parts.skin)
+    )
     own, batch = read(trained, scene.interfaces).skin(None), PressBatch.of(touches)
     network = NetworkSkin(own)
     Z = network.impedances(network.wiring(scene.interfaces), network.admittances(batch))
@@ -183,12 +188,23 @@ def test_slopes_are_differences(library, touches, values, name):
 
 @kinds("a line")
 def test_slopes_of_the_exact_line_are_differences(library, touches, values, name):
-    check_slopes(LineModel(library.scene(name)), touches, values)
+    check_slopes(
+        LineModel(
+            library.scene(name).parts.skin,
+            library.scene(name).parts.setup,
+            library.scene(name).press,
+        ),
+        touches,
+        values,
+    )
 
 
 def check_slopes(forward, touches, values):
     """By parameters and touches; of one press and of presses together."""
-    foam, own = foam_parts(forward.scene.parts.skin), own_values(forward.scene)
+    foam, own = (
+        foam_parts(forward.parts.skin),
+        own_values(forward.parts.skin, forward.parts.setup),
+    )
     values = {key: value for key, value in values.items() if key in own}
 
     def difference(step, *ends):
@@ -244,7 +260,7 @@ def test_a_data_set_has_the_sweeps_of_the_full_solver(library, tmp_path, name):
     data = open_zarr(tmp_path / "set.zarr").load()
     pressed = {*zip(data["row"].values.tolist(), data["column"].values.tolist(), strict=True)}
     assert pressed - {(0, 0), (-1, -1)} == set(pixels_with_skin(scene.parts.skin))
-    solver, bound = Solver(scene, 0.1 * rtol), data.attrs["audit_bound"] + 0.1 * rtol
+    solver, bound = Solver(scene.parts, 0.1 * rtol), data.attrs["audit_bound"] + 0.1 * rtol
     for k in np.flatnonzero(data["touches"].values)[:3]:
         truth = solver.solve(
             press_on(scene.parts.skin, scene.press, str(data["press"].values[k]))

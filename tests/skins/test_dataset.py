@@ -106,7 +106,7 @@ def test_touches_anywhere_have_their_middles_on_the_skin(kinds):
 def test_touches_anywhere_are_as_near_as_the_error_of_their_cells(kinds, tmp_path):
     scene = kinds["draped"].with_({**ALIKE, **ANYWHERE})
     data = made(scene, tmp_path / "out.zarr", 8)
-    solver, Z = Solver(scene, RTOL / 10), impedance(data)
+    solver, Z = Solver(scene.parts, RTOL / 10), impedance(data)
     truth = solver.solve(parse_press(str(data["press"].values[5]), np.nan)).Z
     off = relative_difference(Z[5], truth).max()
     assert RTOL < data.attrs["cells_error"] < 0.1

@@ -63,7 +63,7 @@ def test_what_is_left_out_between_depths_covers_the_membrane_itself(scene, reduc
     for depth in (0.21e-3, 1.13e-3, 2.3e-3):
         rise = float(scene.pressed_factors(np.array(depth))) - 1
         (found,) = family.press(np.array([1]), np.array([rise]))
-        truth = deformation(scene, parse_press(f"1,2:{depth!r}m", DEEP), 1e-4)
+        truth = deformation(scene.parts.skin, parse_press(f"1,2:{depth!r}m", DEEP), 1e-4)
         x = family.elements.surface.x[:, found.cells]
         off, weights = np.abs(truth.factor(x) - 1 - found.rise), family.elements.rule.weights
         area = family.elements.surface.some(found.cells).area * weights
@@ -72,7 +72,7 @@ def test_what_is_left_out_between_depths_covers_the_membrane_itself(scene, reduc
 
 
 def test_sweeps_by_depth_and_force_are_reduced_where_that_serves(scene):
-    solver, full = Solver(scene, RTOL, "reduced"), Solver(scene, CLOSELY)
+    solver, full = Solver(scene.parts, RTOL, "reduced"), Solver(scene.parts, CLOSELY)
     for text in ("1,2:1mm", "1,1:2N"):
         press = parse_press(text, DEEP)
         answer, truth = solver.solve(press), full.solve(press)
@@ -93,7 +93,7 @@ def test_sweeps_by_depth_and_force_are_reduced_where_that_serves(scene):
 
 def test_a_calibration_finds_the_sheets_of_a_twin_pressed_by_depth(scene):
     twin = scene.with_({"skin.top.sheet_resistance": 60e3})
-    sweeps = simulate(Solver(twin, CLOSELY), every_press(twin.parts.skin, twin.press))
+    sweeps = simulate(Solver(twin.parts, CLOSELY), every_press(twin.parts.skin, twin.press))
     found = calibrate(scene, sweeps, Options(fit=("sheet_resistance", "capacitance")))
     sheets = (found.scene.skin.top, found.scene.skin.bottom)
     assert sum(each.sheet_resistance for each in sheets) == pytest.approx(100e3, rel=2e-3)
@@ -108,7 +108,7 @@ def test_limits_and_studies_press_by_depth(scene, coarse):
     planned = scene.with_({"experiment": {"repetitions": 5}})
     assert 0.6 < bayes_accuracy(planned, "pixel", draws=100, seed=1).share <= 1.0
     assert chosen_touch(planned).rise == scene.pressed_factor - 1
-    presses = planned_presses(planned, np.random.default_rng(1))
+    presses = planned_presses(planned.parts.skin, planned.parts.plan, np.random.default_rng(1))
     assert all(touch.by.unit == "m" for press in presses for touch in press.touches)
     plan = EvaluationSettings(draws=1).plan(planned, 0, RTOL)
     (Z,) = impedances(
@@ -117,7 +117,7 @@ def test_limits_and_studies_press_by_depth(scene, coarse):
         family_of(plan.scene, RTOL),
         RTOL,
     )
-    off = relative_difference(Z, Solver(scene, CLOSELY).solve(parse_press("1,2", DEEP)).Z)
+    off = relative_difference(Z, Solver(scene.parts, CLOSELY).solve(parse_press("1,2", DEEP)).Z)
     assert off.max() <= RTOL
 
 
@@ -136,8 +136,8 @@ def test_data_sets_refuse_in_one_line_what_they_cannot_press(scene, changed, rea
 
 
 def test_the_virtual_meter_reads_one_press_at_all_frequencies(scene):
-    specimen, press = Specimen(scene, "meter"), "1,2:1mm"
-    truth = Solver(scene).solve(parse_press(press, DEEP)).Z[0]
+    specimen, press = Specimen(scene.parts, "meter"), "1,2:1mm"
+    truth = Solver(scene.parts).solve(parse_press(press, DEEP)).Z[0]
     found = [specimen.impedance(press, float(f)) for f in scene.frequencies]
     np.testing.assert_allclose(found, truth, rtol=1e-9)
     between = specimen.impedance(press, 3e3)

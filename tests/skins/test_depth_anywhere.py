@@ -99,7 +99,7 @@ def covered(scene, count, *others):
     of_deflections = lattice_error(scene, family, SEED)
     own = family.skin(None)
     drawn = drawn_presses(scene, np.random.default_rng(7), count, family.grid)
-    solver = Solver(scene, RTOL / 10)
+    solver = Solver(scene.parts, RTOL / 10)
     for touches, placed in ((drawn.touches, drawn.placed), *others):
         Z = own.sweeps(cell_presses(scene, touches, placed, family.grid))
         by_triangles = own.sweeps(cell_presses_by_triangles(scene, touches, placed, family.grid))

@@ -79,7 +79,7 @@ def test_forces_stand_for_the_depths_that_they_take(caplog):
     """Without tension of the foam's own law; with it of what the membrane adds."""
     scene = strip(tension=0.0, force=4.0)
     foam, area = scene.skin.foam.mechanics, 0.03 * 0.03
-    (factor,) = factors_under(scene, "1,1:4N")
+    (factor,) = factors_under(scene.parts.skin, scene.press, "1,1:4N")
     strain = foam.strain_at(np.array(factor))
     assert foam.elastic.stress(strain) * area == pytest.approx(4.0, rel=1e-6)
     with caplog.at_level(logging.INFO):
@@ -115,7 +115,9 @@ def test_every_command_says_how_deep_a_force_goes(tmp_path, tension, force):
     path.write_text(scene_text(scene), encoding="utf-8")
     done = run("sweep", path, "--press", "1,2", "--press", "none", "-o", tmp_path / "a.nc")
     (depth,) = re.findall(rf"note: press 1,2:{force:g}N: ([\d.]+) mm deep", done.stderr)
-    back = deformation(scene, press_on(scene.parts.skin, scene.press, f"1,2:{depth}mm"), 1e-2).force
+    back = deformation(
+        scene.parts.skin, press_on(scene.parts.skin, scene.press, f"1,2:{depth}mm"), 1e-2
+    ).force
     assert back == pytest.approx([force], rel=0.02)
     assert len(re.findall(r" mm deep", done.stderr)) == 1
     shown = re.search(rf"by {force:g} N, ([\d. to]+) mm deep", run("describe", path).stdout)[1]
@@ -134,11 +136,11 @@ def test_many_presses_by_a_force_are_summarized_in_one_line():
     presses = [
         press_on(scene.parts.skin, scene.press, f"1,1:{force}N") for force in np.linspace(1, 5, 40)
     ]
-    (line,) = depths_in_words(scene, presses)
+    (line,) = depths_in_words(scene.parts.skin, presses)
     assert re.fullmatch(r"40 presses by force are [\d.]+ to [\d.]+ mm deep .*", line)
     assert (
         depths_in_words(
-            scene,
+            scene.parts.skin,
             [
                 press_on(scene.parts.skin, scene.press, "none"),
                 press_on(scene.parts.skin, scene.press, "1,1:1mm"),

@@ -52,7 +52,11 @@ def pressed_at(scene, touch, solver, x, y, rise):
 @pytest.mark.parametrize("size", [0.012, pytest.param(None, marks=pytest.mark.slow)])
 def test_slopes_and_bounds_are_those_of_differences_of_the_full_model(foam, size):
     scene = foam.with_({"sweep": {"frequencies": [2e4, 6e4, 2e5]}})
-    touch, solver, frequency = chosen_touch(scene, size), Solver(scene, 1e-4), scene.frequencies
+    touch, solver, frequency = (
+        chosen_touch(scene, size),
+        Solver(scene.parts, 1e-4),
+        scene.frequencies,
+    )
     fields = fields_of(scene, float(frequency[-1]), touch)
     deep = DepthRasterizer(scene, fields.grid, (touch.width, touch.height))
     x, y, rise, step = 0.0683, 0.0552, touch.rise, 1.5e-3
@@ -118,7 +122,7 @@ def test_a_foam_whose_skins_hardly_pull_is_pressed_as_by_factors(foam):
 def test_a_touch_of_a_pixels_size_has_the_limits_of_the_pixel(foam, compared, coarse):
     compared(4)
     scene = foam.with_({"pixels": 2, "sweep": {"frequencies": [2e4]}})
-    presses = own_presses(scene)
+    presses = own_presses(scene.parts.skin, scene.press)
     whole, laid = (TouchReadings(scene, presses, size=size) for size in (None, SIDE / 2))
     told = laid.rasterization_errors(presses)
     assert whole.rasterization_errors(presses) is None and 0 < told.deflection < told.cells
@@ -134,7 +138,7 @@ def test_estimated_errors_of_places_cover_those_of_others(foam, compared):
     told = errors_of_places(fields, [(x, y) for x in inside for y in inside], touch)
     deep, solver = (
         DepthRasterizer(foam, fields.grid, (touch.width, touch.height)),
-        Solver(foam, 1e-4),
+        Solver(foam.parts, 1e-4),
     )
     for place in ((0.0071, 0.0082), (0.033, 0.0071), (0.1083, 0.0577)):
         Z = fields.respond(deep.rasterized(place, touch).factors, {}, foam.frequencies).Z

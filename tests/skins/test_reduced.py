@@ -47,7 +47,7 @@ def test_cosine_modes_of_the_sheets_are_maps_of_the_sheets(kinds):
             np.zeros(0),
         )
 
-    reduced = reduce(plain, RTOL, one, modes=len(HALF_WAVES), same_sheets=False)
+    reduced = reduce(plain.parts, RTOL, one, modes=len(HALF_WAVES), same_sheets=False)
     wave = 0.15
     nodes = np.linspace(0, 1, 41)
     factors = 1 / (1 + wave * np.cos(np.pi * nodes))
@@ -56,7 +56,7 @@ def test_cosine_modes_of_the_sheets_are_maps_of_the_sheets(kinds):
         np.array([1.0, wave, 0, 0]), np.eye(1, 4).ravel(), np.ones(2), np.ones((2, 2)), Loss(0.0)
     )
     Z = reduced.skin(own).sweep(*NOTHING)
-    truth = Solver(mapped, 1e-4).solve(Press()).Z
+    truth = Solver(mapped.parts, 1e-4).solve(Press()).Z
     assert relative_difference(Z, truth).max() <= RTOL
 
 
@@ -85,7 +85,7 @@ SERVED = {
 def test_the_solver_takes_the_reduced_model_where_it_serves(library, name):
     rtol, closely, presses = SERVED[name]
     scene = library.scene(name) if name in KINDS else rcskin.load(name)
-    solver, full = Solver(scene, rtol, "reduced"), Solver(scene, closely)
+    solver, full = Solver(scene.parts, rtol, "reduced"), Solver(scene.parts, closely)
     for text, reason in presses.items():
         press = parse_press(text, 2.0)
         answer = solver.solve(press)
@@ -100,10 +100,10 @@ def test_the_solver_takes_the_reduced_model_where_it_serves(library, name):
 
 def test_bodies_and_rims_of_other_sizes_need_no_other_basis(library):
     scene, values = library.scene("near a virtual earth"), {"body": 0.2, "rim": -0.3}
-    variation = replace(nominal(scene), body=np.exp(0.2), rim=np.exp(-0.3))
+    variation = replace(nominal(scene.parts.skin), body=np.exp(0.2), rim=np.exp(-0.3))
     model = library.model("near a virtual earth")
     own = model.skin(variation)
-    truth = Solver(scene_with(scene, values), CLOSELY).solve(Press()).Z
+    truth = Solver(scene_with(scene, values).parts, CLOSELY).solve(Press()).Z
     estimated = own.certificate(*NOTHING).max() + model.mesh_error
     assert relative_difference(own.sweep(*NOTHING), truth).max() <= estimated + CLOSELY < 2 * RTOL
 
@@ -117,16 +117,21 @@ def test_a_finger_among_the_values_is_one_on_every_touched_pixel(library):
 
 def test_what_does_not_reduce_is_refused_by_its_key(library):
     with pytest.raises(InputError, match=r"`surroundings\.thickness` does not reduce where"):
-        reduce(library.scene("by depth near earth").with_({"surroundings.thickness": True}), RTOL)
+        reduce(
+            library.scene("by depth near earth").with_({"surroundings.thickness": True}).parts, RTOL
+        )
     with pytest.raises(InputError, match=r"fitted without `surroundings\.thickness`"):
-        check_uniform_foam(library.scene("near a virtual earth"))
+        check_uniform_foam(
+            library.scene("near a virtual earth").parts.skin,
+            library.scene("near a virtual earth").press,
+        )
 
 
 @pytest.mark.parametrize("name", ["walls", "walls of a hexagon", "walls of groups"])
 def test_walls_change_more_than_a_model_leaves_out(library, name):
     scene, press = library.scene(name), parse_press("1,1:2.6:rod+1,2:1.4:rod", np.nan)
     ends = (scene, scene.with_({"surroundings.edges": False}))
-    Z = [Solver(each, 0.1 * KINDS[name].rtol).solve(press).Z for each in ends]
+    Z = [Solver(each.parts, 0.1 * KINDS[name].rtol).solve(press).Z for each in ends]
     assert relative_difference(*Z).max() > 2 * KINDS[name].rtol
 
 
@@ -142,7 +147,7 @@ def test_slopes_where_the_foam_of_pixels_differs_are_differences(library):
     """Walls go with the mean of the permittivity on both sides."""
     scene = library.scene("walls").with_({"pixels": {"rows": 2, "columns": 3}})
     reduced, rises = library.forward(scene, rtol=0.1).reduced, np.array([0.5, 0.8])
-    foam = nominal(reduced.scene)
+    foam = nominal(reduced.parts.skin)
     foam.capacitance[:] = np.linspace(0.8, 1.2, 6).reshape(2, 3)
     skin, cells = reduced.skin(foam), np.array([1, 4])
     found = sensitivity(skin, cells, rises, skin.reduced.frequency)
@@ -162,7 +167,7 @@ def test_slopes_by_place_are_those_of_walls_that_move_with_the_touch(library):
     found, expected = [], []
     for edges in (True, False):
         scene = library.scene("walls").with_({"surroundings": {"thickness": True, "edges": edges}})
-        fields, solver = FullFields(scene, 2e5), Solver(scene, 1e-4)
+        fields, solver = FullFields(scene, 2e5), Solver(scene.parts, 1e-4)
         changes = AreaRasterizer.of(0.12, 0.12, fields.grid).raised(place, touch)
         answer = fields.respond(1 + changes["strength"], changes, scene.frequencies)
         found.append([answer.Z, *(answer.by_parameter[name] for name in moved)])
@@ -181,11 +186,11 @@ def test_slopes_by_place_are_those_of_walls_that_move_with_the_touch(library):
 def test_random_skins_have_walls_of_their_own_foam(library):
     """Skin with more capacitance at the same thickness: with more permittivity."""
     scene = library.scene("walls of groups")
-    foam = nominal(scene)
+    foam = nominal(scene.parts.skin)
     foam.capacitance[:] = 1.2
     foam = type(foam)(**{**vars(foam), "beyond_pixels": 1.2})
     press = press_on(scene.parts.skin, scene.press, "1,1:2.2:rod+1,2:1.5:rod")
-    truth = Solver(scene_with(scene, {"capacitance": np.log(1.2)}), 2e-4).solve(press).Z
+    truth = Solver(scene_with(scene, {"capacitance": np.log(1.2)}).parts, 2e-4).solve(press).Z
     found = (
         library.model("walls of groups")
         .skin(foam)
@@ -206,7 +211,7 @@ REFUSED = {
     "offset of a data set": lambda scene: Plan(
         scene.with_({"dataset.press.offset": 0.1}), 20, 1, RTOL
     ),
-    "cells of pixels": lambda scene: Forward(scene, 3),
+    "cells of pixels": lambda scene: Forward(scene.parts, 3),
     "presses at random positions": lambda scene: RandomPresses.of_pixels(
         scene, Uniform(low=1.5, high=2.5), offset=0.1
     ),
@@ -221,7 +226,9 @@ def test_touches_beside_pixels_are_refused_in_one_line(library, name):
 
 def test_slopes_beside_bodies_are_differences_where_the_foam_loses_and_air_does_not(library):
     model, press = library.model("near a virtual earth"), (np.array([2, 6]), np.array([0.5, 3e-12]))
-    lossy = replace(nominal(model.scene), loss=Loss(tangent=0.03, exponent=0.97), body=1.2)
+    lossy = replace(
+        nominal(model.scene.parts.skin), loss=Loss(tangent=0.03, exponent=0.97), body=1.2
+    )
     f, skin = model.frequency, model.skin(lossy)
     found = sensitivity(skin, *press, f)
     together = sensitivities(skin, *(each[None] for each in press), f)

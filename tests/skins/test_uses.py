@@ -31,7 +31,7 @@ def test_fields_answer_and_change_as_the_full_solver(kinds, name):
         change = {"strength": pixel}
         return fields.respond(1 + (factor - 1) * pixel, change, scene.frequencies, {})
 
-    found, truth = answer(2.0), Solver(scene, 1e-4).solve(parse_press("1,2", 2.0)).Z
+    found, truth = answer(2.0), Solver(scene.parts, 1e-4).solve(parse_press("1,2", 2.0)).Z
     assert relative_difference(found.Z, truth).max() < 3e-3
     apart = (answer(2 + STEP).Z - answer(2 - STEP).Z) / (2 * STEP)
     np.testing.assert_allclose(found.by_parameter["strength"], apart, rtol=1e-4)
@@ -51,7 +51,7 @@ def test_pixels_without_skin_are_no_class_and_no_press(kinds):
         "1,2",
         "2,1",
     ]
-    planned = planned_presses(scene, np.random.default_rng(1))
+    planned = planned_presses(scene.parts.skin, scene.parts.plan, np.random.default_rng(1))
     for presses in (planned, EvaluationSettings().nominal(scene)):
         assert {press.pixel for press in presses} == {(0, 0), *((i + 1, j + 1) for i, j in there)}
 
@@ -74,7 +74,7 @@ def test_columns_of_a_mesh_are_found_as_well_as_pressed_by_the_full_solver(kinds
 @pytest.mark.parametrize("name", [UNEVEN, "mesh"])
 def test_a_calibration_finds_what_a_twin_was_given(kinds, name):
     scene, given = kinds[name], {"sheet_resistance": 0.3, "capacitance": -0.2}
-    twin = Solver(scene_with(scene, given), 1e-4)
+    twin = Solver(scene_with(scene, given).parts, 1e-4)
     presses = [parse_press(text, 2.0) for text in ("none", "none", "1,1", "1,2")]
     read = read_out(simulate(twin, presses), scene.readout, np.random.default_rng(3))
     fit = calibrate(scene, read)

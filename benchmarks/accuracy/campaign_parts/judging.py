@@ -46,7 +46,7 @@ def judged(kind: str, seed: int) -> Verdict:
 def _compared(kind: str, seed: int, case: Case) -> Verdict:
     start = time.process_time()
     try:
-        answer = Solver(case.problem.scene, case.rtol).solve(case.problem.press)
+        answer = Solver(case.problem.scene.parts, case.rtol).solve(case.problem.press)
     except (ToleranceError, InputError) as error:
         return Verdict(kind, seed, case.rtol, "refused", str(error))
     answered = time.process_time() - start

@@ -71,7 +71,7 @@ class Case:
 
 def solved(problem: Problem, rtol: float) -> Truth:
     """What the solver says at a tolerance, and how far off it tells to be."""
-    answer = Solver(problem.scene, rtol).solve(problem.press)
+    answer = Solver(problem.scene.parts, rtol).solve(problem.press)
     return Truth(answer.Z, np.stack(answer.relative_errors))
 
 

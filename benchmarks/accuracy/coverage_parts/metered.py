@@ -15,7 +15,7 @@ from rcskin.hardware.virtual.hioki.reading_text import measurement_text
 from rcskin.hardware.virtual.measurement import MeasurementSetup
 from rcskin.simulator.measure.specimen import MeterSessionErrors, Specimen
 from rcskin.simulator.meters.accuracy_table import read_table
-from rcskin.simulator.scene.scene import Scene, interface_names
+from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.sweeps import build
 
 
@@ -27,9 +27,9 @@ def metered(
     presses: of the skin, as text. called: what those who record say of each.
     Raises ReadingError where a reading is outside what the meter displays.
     """
-    errors = MeterSessionErrors(scene, int(random.integers(2**31)))
-    names = interface_names(scene)
-    one = Specimen(scene, names[0])
+    errors = MeterSessionErrors(scene.parts.meter, int(random.integers(2**31)))
+    names = scene.parts.setup.names
+    one = Specimen(scene.parts, names[0])
     benches = [
         MeasurementSetup(
             one.at(name),

@@ -88,7 +88,7 @@ def _two_dimensions(scene: Scene, solved: Solved) -> Check:
     errors = []
     for text in ("none", "2,3:2.0", "1,1:1.5+3,3:3.0"):
         press = parse_press(text, 2.0)
-        expected = np.asarray(Solver(scene, 1e-8).solve(press).Z)
+        expected = np.asarray(Solver(scene.parts, 1e-8).solve(press).Z)
         errors.append(float(abs(skin.impedance(press) / expected - 1).max()))
     return _small("thin foam without air, against rcskin: error of Z, 3 presses", max(errors), 1e-6)
 

@@ -71,7 +71,7 @@ def sweeps_of(skin: ForeignSkin) -> Sweeps:
 
 def flat_sweeps(scene: Scene) -> Sweeps:
     """By rcskin, with the surroundings that the scene names."""
-    solver = Solver(scene, FLAT_RTOL)
+    solver = Solver(scene.parts, FLAT_RTOL)
     unpressed, *pressed = (
         np.asarray(solver.solve(press).Z)[0] for press in (Press(), *near_and_far(scene))
     )

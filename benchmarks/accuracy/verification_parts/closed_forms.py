@@ -78,7 +78,7 @@ def checks(u: NDArray, skins: int) -> Iterator[Check]:
 
 def shipped(scene: Scene, press: Press, model: ModelName = "auto") -> NDArray[np.complex128]:
     """Z of the first interface at RTOL."""
-    return Solver(scene, RTOL, model).solve(press).Z[0]
+    return Solver(scene.parts, RTOL, model).solve(press).Z[0]
 
 
 def uniform_line(u: NDArray) -> Iterator[Check]:
@@ -169,7 +169,7 @@ def symmetries() -> Iterator[Check]:
         ("sheet-5x5-crossed", "9 pixels (i, j) and (j, i), fed crosswise", lambda i, j: (j, i)),
     ):
         scene = load_scene(name)
-        solver = Solver(scene, RTOL)
+        solver = Solver(scene.parts, RTOL)
         answers = {
             press.pixel: solver.solve(press).Z[0]
             for press in every_press(scene.parts.skin, scene.press)[1:]
@@ -190,7 +190,7 @@ def passivity(skins: int) -> Iterator[Check]:
         press = random_press(rng, scene)
         scene = swept(scene, np.geomspace(1e-6, 30, 17))
         try:
-            Z = Solver(scene, 1e-4).solve(press).Z[:1]
+            Z = Solver(scene.parts, 1e-4).solve(press).Z[:1]
         except ToleranceError:
             continue
         answered += 1

@@ -114,7 +114,7 @@ def by_script(skin: Skin) -> Iterator[Check]:
 
 def shipped(scene: Scene) -> NDArray[np.complex128]:
     """Z of this project's solver."""
-    return Solver(scene, RTOL).solve(parse_press(PRESS, 2.0)).Z[0]
+    return Solver(scene.parts, RTOL).solve(parse_press(PRESS, 2.0)).Z[0]
 
 
 def extrapolated(Z: list[NDArray], powers: tuple[int, ...]) -> NDArray[np.complex128]:

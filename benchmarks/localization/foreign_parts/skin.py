@@ -27,7 +27,7 @@ from rcskin.simulator.press.pixels import cell_centres
 from rcskin.simulator.press.press import Press, check_press, parse_press
 from rcskin.simulator.press.touch import Rectangle
 from rcskin.simulator.scene.frequency import laplace_variable
-from rcskin.simulator.scene.scene import Scene, checked_interface, interface_names
+from rcskin.simulator.scene.scene import Scene
 
 THICKNESS = 4e-3
 """Thickness of the paper's foam, m."""
@@ -62,7 +62,7 @@ class Foreign(Twin):
     def drawn(self) -> DrawnSkin:
         """The skin and its leads at the first press."""
         scene = self.scene.on_grid(*GRID)
-        return drawn_skin(scene, self.seed, self.number, GRID, len(HALF_WAVES))
+        return drawn_skin(scene.parts, self.seed, self.number, GRID, len(HALF_WAVES))
 
     @cached_property
     def foreign(self) -> ForeignSkin:
@@ -70,14 +70,14 @@ class Foreign(Twin):
         assert self.around is not None
         own = self.drawn.variation
         centres = mode_values(
-            self.scene, cell_centres(self.scene.parts.skin, GRID), len(HALF_WAVES)
+            self.scene.parts.skin, cell_centres(self.scene.parts.skin, GRID), len(HALF_WAVES)
         )
         foam, *_ = np.linalg.lstsq(
             centres.reshape(len(HALF_WAVES), -1).T, own.capacitance.ravel(), rcond=None
         )
 
         def along(waves: NDArray[np.float64], x: NDArray, y: NDArray) -> NDArray[np.float64]:
-            return waves @ mode_values(self.scene, np.stack([x, y]), len(HALF_WAVES))
+            return waves @ mode_values(self.scene.parts.skin, np.stack([x, y]), len(HALF_WAVES))
 
         return ForeignSkin(
             self.scene,
@@ -132,8 +132,8 @@ class ForeignBench(Bench):
     """A foreign twin at one of its interfaces: every press is solved once at all frequencies."""
 
     def __init__(self, twin: Foreign, interface: str) -> None:
-        name = checked_interface(interface, twin.scene)
-        self._twin, self._number = twin, interface_names(twin.scene).index(name)
+        name = twin.scene.parts.setup.checked_name(interface)
+        self._twin, self._number = twin, twin.scene.parts.setup.names.index(name)
         self._event, self._press = 0, Press(())
         self._checked, self._Z = False, None
 

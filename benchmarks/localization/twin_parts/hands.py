@@ -71,7 +71,7 @@ class Stage:
         scene, number = self.twin.scene, 1000 * self.twin.number
         self._benches = {name: self.twin.at(name) for name in self.interfaces}
         self._errors = {
-            name: MeterSessionErrors(scene, seed=number + k)
+            name: MeterSessionErrors(scene.parts.meter, seed=number + k)
             for k, name in enumerate(self.interfaces)
         }
 

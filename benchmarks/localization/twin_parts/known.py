@@ -32,12 +32,15 @@ class TwinsHand(RandomPresses):
         scene = twin.scene
         super().__init__(
             scene,
-            own_presses(scene),
+            own_presses(scene.parts.skin, scene.press),
             size=(size, size),
             offset=twin.hand.offset,
             against_rest=against_rest,
         )
-        self._twin, self._errors = twin, errors_of(scene, against_rest)
+        self._twin, self._errors = (
+            twin,
+            errors_of(scene.parts.setup, scene.parts.meter, against_rest),
+        )
         self._own = twin.family.skin(twin.drawn.variation)
 
     def pressed(self, meant: Hypothesis, random: np.random.Generator, count: int) -> NDArray:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
-from rcskin.simulator.measure.readout import Meter
+from rcskin.simulator.measure.readout import MeterSession
 from rcskin.simulator.meters.accuracy_table import DERIVED_TABLE, read_table
 from rcskin.simulator.press.press import check_press, parse_press
 from rcskin.simulator.scene.scene import Scene
@@ -39,6 +39,6 @@ def _measured(Z: np.ndarray, scene: Scene, random: np.random.Generator, ranges: 
         used = np.broadcast_to(used[:1], Z.shape)
     shown = np.empty_like(Z)
     for number in np.unique(used):
-        measured = Meter(scene.readout, Z.shape[1], random).measure(Z, scene.frequencies)
+        measured = MeterSession(scene.readout, Z.shape[1], random).measure(Z, scene.frequencies)
         shown[used == number] = measured[used == number]
     return shown

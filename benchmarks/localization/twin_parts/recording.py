@@ -37,7 +37,7 @@ def recorded(twin: Twin, presses: Sequence[str], interfaces: Sequence[str]) -> x
 def _at(twin: Twin, presses: Sequence[str], interface: str) -> xr.Dataset:
     scene = twin.scene
     number = [each.name for each in scene.interfaces].index(interface)
-    errors = MeterSessionErrors(scene, seed=1000 * twin.number + number)
+    errors = MeterSessionErrors(scene.parts.meter, seed=1000 * twin.number + number)
     skins = {interface: twin.at(interface)}
     first = scene.sweep.frequencies[0]
     readout = lambda Z, at_hand: errors.read(Z, at_hand.frequency, at_hand.range)  # noqa: E731

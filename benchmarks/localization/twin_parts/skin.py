@@ -19,7 +19,7 @@ from rcskin.simulator.models.reduced.reduced_skin import ReducedSkin
 from rcskin.simulator.press.capacitance import touched_box, touched_cells
 from rcskin.simulator.press.press import Press, check_press, parse_press
 from rcskin.simulator.press.touch import AnyTouch, Rectangle
-from rcskin.simulator.scene.scene import Scene, checked_interface, interface_names
+from rcskin.simulator.scene.scene import Scene
 
 HAND, DRIFT = 101, 102
 """Kinds of random numbers, beside those of `measure.streams`."""
@@ -69,7 +69,9 @@ class Twin:
     @cached_property
     def drawn(self) -> DrawnSkin:
         """The skin and its leads at the first press."""
-        return drawn_skin(self.scene, self.seed, self.number, self.family.grid, self.family.modes)
+        return drawn_skin(
+            self.scene.parts, self.seed, self.number, self.family.grid, self.family.modes
+        )
 
     def pressed(self, asked: Press, event: int) -> Press:
         """What the hand does at its event-th press where `asked` is to be pressed."""
@@ -149,8 +151,8 @@ class Bench(WithoutCreep):
     """
 
     def __init__(self, twin: Twin, interface: str) -> None:
-        name = checked_interface(interface, twin.scene)
-        self._twin, self._number = twin, interface_names(twin.scene).index(name)
+        name = twin.scene.parts.setup.checked_name(interface)
+        self._twin, self._number = twin, twin.scene.parts.setup.names.index(name)
         self._event = -1
         self._skin = twin.skin(0)
         own = [float(f"{each:.{DIGITS - 1}e}") for each in twin.scene.frequencies]
@@ -175,7 +177,7 @@ class Bench(WithoutCreep):
     def _impedances(self, press: str, f: NDArray[np.float64]) -> NDArray[np.complex128]:
         family, drawn = self._twin.family, self._twin.drawn
         cells, rises = touched_cells(
-            family.scene.parts.skin, family.scene.press, parse_press(press, 1.0)
+            family.parts.skin, family.parts.plan.press, parse_press(press, 1.0)
         )
         Z = self._skin.sweep(cells, rises, f)
         return drawn.leads.at_meter(Z, f)[self._number]

@@ -31,14 +31,14 @@ def answers(run: Run) -> Iterator[Answer]:
     """By this project, by a grid of differences, and by a press that ends at its edges."""
     scene = load_scene("foam")
     press, *others = (parse_press(text, np.nan) for text in (PRESS, *OTHERS))
-    truth = Solver(scene, run.sized(TRUE, 1e-4)).solve(press).Z[0]
+    truth = Solver(scene.parts, run.sized(TRUE, 1e-4)).solve(press).Z[0]
     asked = Asked(scene, press, tuple(others), truth)
     yield from asked.by_solver(run.sized(RTOLS, RTOLS[:1]), AGAIN)
     for rtol in run.sized(OF_REDUCED, ()):
         pressed = touched_cells(scene.parts.skin, scene.press, press)
-        yield asked.by_batch(REDUCED, f"{rtol:g}", reduce(scene, rtol), *pressed)
+        yield asked.by_batch(REDUCED, f"{rtol:g}", reduce(scene.parts, rtol), *pressed)
     even = Press((Touch(2, 3, scene.pressed_factor),))
-    seconds, Z = timed(lambda: Solver(scene, EVEN_RTOL).solve(even).Z[0])
+    seconds, Z = timed(lambda: Solver(scene.parts, EVEN_RTOL).solve(even).Z[0])
     yield Answer(EVEN, f"{EVEN_RTOL:g}", asked.off(Z), seconds)
     for cells in run.sized(CELLS, CELLS[:1]):
         work = partial(membrane_grid.impedance, scene, (2, 3), scene.frequencies, cells)

@@ -40,7 +40,7 @@ TRUE_DRAWS, REPEATED = 200_000, 4
 def answers(run: Run) -> Iterator[Answer]:
     """Root mean square of what is off over some seeds; a classifier's share right as a bound."""
     scene = load_scene("sheet-5x5")
-    presses, among = own_presses(scene), hypotheses(scene, TARGET)
+    presses, among = own_presses(scene.parts.skin, scene.press), hypotheses(scene, TARGET)
     known = TouchReadings(scene, presses)
     truth = bayes(known, among, presses, 99, run.sized(TRUE_DRAWS, 1000)).share
     for draws in run.sized(DRAWS, DRAWS[:1]):
@@ -76,7 +76,7 @@ def _judged(classifier, known: TouchReadings, sweeps: int) -> float:
     which = random.integers(0, len(among), 2 * sweeps)
     cells = [np.array([i * scene.pixels.columns + j for i, j in own], dtype=int) for own in among]
     starts = np.cumsum([0, *(len(cells[k]) for k in which)])
-    rises = own_presses(scene).at(random.random(starts[-1])) - 1
+    rises = own_presses(scene.parts.skin, scene.press).at(random.random(starts[-1])) - 1
     clean = known.of_batch(PressBatch(np.concatenate([cells[k] for k in which]), rises, starts))
     read = clean + random.standard_normal(clean.shape)
     classifier.fit(read[:sweeps], which[:sweeps])
@@ -92,7 +92,7 @@ class _InFull(TouchReadings):
     def of_each(self, batch: PressBatch) -> NDArray[np.float64]:
         """As of `Readings`."""
         columns = self.scene.pixels.columns
-        solver = Solver(self.scene, 1e-4)
+        solver = Solver(self.scene.parts, 1e-4)
         Z = []
         for cells, rises in batch.each():
             each = zip(*divmod(cells, columns), rises, strict=True)

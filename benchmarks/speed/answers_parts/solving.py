@@ -42,9 +42,11 @@ class Asked:
     def by_solver(self, rtols: Sequence[float], again: str) -> Iterator[Answer]:
         """The first press at each tolerance; again: the way's name for each further one."""
         for rtol in rtols:
-            seconds, Z = timed(lambda rtol=rtol: Solver(self.scene, rtol).solve(self.press).Z[0])
+            seconds, Z = timed(
+                lambda rtol=rtol: Solver(self.scene.parts, rtol).solve(self.press).Z[0]
+            )
             yield Answer(FIRST, f"{rtol:g}", self.off(Z), seconds)
-            solver = Solver(self.scene, rtol)
+            solver = Solver(self.scene.parts, rtol)
             solver.solve(self.press)
             further = [_seconds(partial(solver.solve, other)) for other in self.others]
             yield Answer(again, f"{rtol:g}", self.off(Z), float(np.median(further)))

@@ -50,7 +50,7 @@ def answers(run: Run) -> Iterator[Answer]:
     """By this project, by elements of scikit-fem and by ngspice."""
     scene = load_scene("sheet-5x5")
     press, *others = (parse_press(text, FACTOR) for text in (PRESS, *OTHERS))
-    asked = Asked(scene, press, tuple(others), Solver(scene, TRUE).solve(press).Z[0])
+    asked = Asked(scene, press, tuple(others), Solver(scene.parts, TRUE).solve(press).Z[0])
     yield from asked.by_solver(run.sized(RTOLS, RTOLS[1:2]), AGAIN)
     for cells in run.sized(OF_DATA_SETS, OF_DATA_SETS[:1]):
         yield _of_data_sets(asked, cells)
@@ -79,7 +79,7 @@ def _of_data_sets(asked: Asked, cells: int) -> Answer:
         touch = parse_press(f"rect({x},{y},{width},{height})", random.uniform(1.5, 2.5))
         return Case(None, *touched_cells(finer.parts.skin, finer.press, touch))
 
-    reduced = reduce(finer, REDUCED_RTOL, anywhere)
+    reduced = reduce(finer.parts, REDUCED_RTOL, anywhere)
     return asked.by_batch(
         ON_CELLS,
         f"{cells} cells a side",

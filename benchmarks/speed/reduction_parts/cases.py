@@ -73,7 +73,10 @@ class Presses:
     @classmethod
     def drawn(cls, scene: Scene, count: int, seed: int) -> Presses:
         """Not those of the training: the seed is another."""
-        random, draw = np.random.default_rng(seed), pixel_touches(scene, FACTORS)
+        random, draw = (
+            np.random.default_rng(seed),
+            pixel_touches(scene.parts.skin, scene.parts.plan, FACTORS),
+        )
         cases = [draw(random) for _ in range(count)]
         return cls(scene, PressBatch.of((case.cells, case.rises) for case in cases))
 
@@ -119,7 +122,7 @@ def prepared(skin: Skin, rtol: float = RTOL) -> Prepared:
     compiled()
     scene = skin.scene()
     start = time.perf_counter()
-    reduced = reduce(scene, rtol, pixel_touches(scene, FACTORS))
+    reduced = reduce(scene.parts, rtol, pixel_touches(scene.parts.skin, scene.parts.plan, FACTORS))
     return Prepared(reduced, time.perf_counter() - start)
 
 
@@ -127,7 +130,7 @@ def prepared(skin: Skin, rtol: float = RTOL) -> Prepared:
 def compiled() -> None:
     """Kernels are compiled once for all skins."""
     scene = Skin("sheet-5x5", pixels=2).scene()
-    Presses.drawn(scene, 1, 0).solved(reduce(scene, 1e-3).skin(None))
+    Presses.drawn(scene, 1, 0).solved(reduce(scene.parts, 1e-3).skin(None))
 
 
 def worst(Z: Impedance, truth: Impedance) -> float:
@@ -137,7 +140,7 @@ def worst(Z: Impedance, truth: Impedance) -> float:
 
 def true_impedance(presses: Presses) -> Impedance:
     """Z in ohm by the full solver, shape (press, interface, frequency)."""
-    solver = Solver(presses.scene, TRUE_RTOL)
+    solver = Solver(presses.scene.parts, TRUE_RTOL)
     return np.stack([solver.solve(press).Z for press in presses.named()])
 
 
@@ -156,7 +159,7 @@ def against_exact(skin: ReducedSkin, presses: Presses) -> tuple[NDArray, NDArray
 def unreduced(skin: ReducedSkin, cells: NDArray[np.int64], rises: NDArray[np.float64]) -> Impedance:
     """Z in ohm of one press on the very mesh that was reduced, shape (interface, frequency)."""
     reduced = skin.reduced
-    loss = (skin.variation or reduced.scene.skin.foam).loss
+    loss = (skin.variation or reduced.parts.skin.foam).loss
     asked = skin.weights, loss, skin.map_of(cells, rises), reduced.rtol, reduced.frequency
     return reduced.family.solved(*asked, reduced.circuit.excitations)[0]
 

@@ -37,8 +37,8 @@ def by_pixels(run: Run) -> pd.DataFrame:
 def _cost(pixels: int) -> dict[str, float]:
     model = prepared(Skin(SHEET, pixels))
     reduced, skin = model.reduced, model.reduced.skin(None)
-    presses = Presses.drawn(reduced.scene, 4, seed=3)
-    named, solver = presses.named(), Solver(reduced.scene, RTOL)
+    presses = Presses.drawn(reduced.parts.scene, 4, seed=3)
+    named, solver = presses.named(), Solver(reduced.parts, RTOL)
     truth = np.stack([solver.solve(press).Z for press in named])
     difference = worst(presses.solved(skin), truth)
     if not difference <= AGREEING:
@@ -50,7 +50,7 @@ def _cost(pixels: int) -> dict[str, float]:
         "vectors": reduced.size,
         "preparation (s)": model.seconds,
         "full (µs)": 1e6 * full,
-        "reduced (µs)": microseconds(skin, reduced.scene),
+        "reduced (µs)": microseconds(skin, reduced.parts.scene),
         "difference": difference,
     }
 
@@ -58,8 +58,8 @@ def _cost(pixels: int) -> dict[str, float]:
 def by_size(run: Run) -> pd.DataFrame:
     """Error and certificate of the leading vectors of one large basis."""
     reduced = prepared(Skin(SHEET), LARGE_RTOL).reduced
-    leading = turned(sharpened(reduced), Presses.drawn(reduced.scene, 200, seed=4))
-    presses = Presses.drawn(reduced.scene, run.sized(30, 6), seed=5)
+    leading = turned(sharpened(reduced), Presses.drawn(reduced.parts.scene, 200, seed=4))
+    presses = Presses.drawn(reduced.parts.scene, run.sized(30, 6), seed=5)
     sizes = sorted({*range(5, reduced.size, run.sized(5, 20)), reduced.size})
     rows = [against_exact(truncated(leading, size).skin(None), presses) for size in sizes]
     return pd.DataFrame(

@@ -84,7 +84,7 @@ def measured(target: Target) -> dict[str, str | float]:
 def _times(reduced: Reduced) -> dict[str, float]:
     skin, interfaces = reduced.skin(None), len(reduced.circuit.excitations)
     return {
-        name: microseconds(skin, reduced.scene, count) / interfaces
+        name: microseconds(skin, reduced.parts.scene, count) / interfaces
         for name, count in ((IN_A_BATCH, BATCH), ("a single call (µs per interface)", 1))
     }
 
@@ -92,7 +92,7 @@ def _times(reduced: Reduced) -> dict[str, float]:
 def _errors(reduced: Reduced, count: int) -> dict[str, float]:
     """Of the presses with the largest certificates: against the full solver, and of the basis."""
     skin = reduced.skin(None)
-    presses, certified = Presses.drawn(reduced.scene, CERTIFIED, seed=1).doubtful(skin, count)
+    presses, certified = Presses.drawn(reduced.parts.scene, CERTIFIED, seed=1).doubtful(skin, count)
     left_out, bounds = against_exact(sharpened(reduced).skin(None), presses)
     ratio = bounds / left_out
     return {

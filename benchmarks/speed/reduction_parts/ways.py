@@ -60,7 +60,7 @@ class Found:
 def table(run: Run) -> pd.DataFrame:
     """One row for each way: the true error, and that against the matrices that were reduced."""
     reduced = prepared(Skin("sheet-5x5")).reduced
-    presses = Presses.drawn(reduced.scene, run.sized(PRESSES, FEW_PRESSES), seed=6)
+    presses = Presses.drawn(reduced.parts.scene, run.sized(PRESSES, FEW_PRESSES), seed=6)
     truth = true_impedance(presses)[:, 0]
     skin = reduced.skin(None)
     exact = np.stack([unreduced(skin, *press)[0] for press in presses])
@@ -102,7 +102,7 @@ def _reduced(reduced: Reduced, presses: Presses) -> Found:
         "reduced model",
         f"{reduced.rtol:g}, {reduced.size} vectors",
         prepared(Skin("sheet-5x5")).seconds,
-        microseconds(skin, reduced.scene),
+        microseconds(skin, reduced.parts.scene),
         presses.solved(skin)[:, 0],
         of_same=True,
     )
@@ -112,7 +112,7 @@ def _full(presses: Presses) -> Found:
     """The shipped solver: its preparation is a first press."""
     named = presses.named()
     start = time.perf_counter()
-    solver = Solver(presses.scene, RTOL)
+    solver = Solver(presses.scene.parts, RTOL)
     solver.solve(named[0])
     first = time.perf_counter() - start
     Z = np.stack([solver.solve(press).Z[0] for press in named])
@@ -151,7 +151,10 @@ def _pymor(setting: str, reduced: Reduced, presses: Presses, trained_by: int) ->
 
 def _training(reduced: Reduced, count: int) -> list[NDArray[np.float64]]:
     """c of each pixel over that at rest, of the presses that `reduction.reduce` draws first."""
-    random, draw = np.random.default_rng(0), pixel_touches(reduced.scene, FACTORS)
+    random, draw = (
+        np.random.default_rng(0),
+        pixel_touches(reduced.parts.skin, reduced.parts.plan, FACTORS),
+    )
     cases = [draw(random) for _ in range(MESH_DRAWS + count)][MESH_DRAWS:]
     skin = reduced.skin(None)
     return [skin.map_of(case.cells, case.rises).ravel() for case in cases]

@@ -32,7 +32,7 @@ def fields_of(
     """
     scene = scene if touch.finger else scene.for_rods
     cells = cells or cells_under(scene, touch)
-    if scene.uniform and needs_all_terminals(scene):
+    if scene.uniform and needs_all_terminals(scene.parts.skin, scene.parts.setup, scene.press):
         try:
             return trained(scene, highest, touch, cells)
         except ToleranceError:
@@ -47,7 +47,7 @@ def cells_under(scene: Scene, touch: TouchSize) -> int:
     cells; with fewer, its slopes by position would be wrong. This does not hold for sheets with
     piezoresistance, where each cell is a term of K. Raises InputError for more than MAX_CELLS.
     """
-    if not scene_spreads_presses(scene) or gauged(scene.skin):
+    if not scene_spreads_presses(scene.parts.skin, scene.press) or gauged(scene.skin):
         return CELLS_PER_PIXEL
     (rows, columns), skin = scene.pixels.shape, scene.skin
     across = max(skin.length / columns / touch.width, skin.width / rows / touch.height)

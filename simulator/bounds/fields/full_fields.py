@@ -63,10 +63,10 @@ class FullFields:
 
     def __init__(self, scene: Scene, highest: float, cells: int = CELLS_PER_PIXEL) -> None:
         """cells: along each side of a pixel. highest: Hz."""
-        self.scene, self.cells, divided = scene, cells, scene.divided(cells)
-        self.grid = divided.pixels.shape
-        self._circuit = circuit_of(divided)
-        self._family = unreduced(divided, self._circuit, RTOL, highest)
+        self.scene, self.cells, divided = scene, cells, scene.parts.divided(cells)
+        self.grid = divided.skin.pixels.shape
+        self._circuit = circuit_of(divided.skin, divided.setup)
+        self._family = unreduced(divided.skin, divided.plan, self._circuit, RTOL, highest)
 
     def respond(
         self, factors: Real, directions: Maps, frequency: Real, of_foam: Maps | None = None
@@ -83,14 +83,14 @@ class FullFields:
         of_maps, edges = self._maps, self._maps.edges(factors, directions)
         pressed = of_maps.pressed(factors, edges)
         foam = pressed[of_maps.foam]
-        weights = weights_under(None, self._family.scene, self._circuit, 1, foam)
+        weights = weights_under(None, self._family.skin, self._circuit, 1, foam)
         maps = {
             name: of_maps.by_press(name, each, foam, edges) for name, each in directions.items()
         }
         if of_foam is not None:
             maps |= {name: of_maps.by_foam(each, foam, edges) for name, each in of_foam.items()}
             maps |= of_maps.by_skin(pressed)
-        space, in_air = self._family.skin(weights), of_maps.parts.in_air
+        space, in_air = self._family.space_of(weights), of_maps.parts.in_air
         gauges = {name: self._gauged(foam, change) for name, change in directions.items()}
         air = LOSSLESS_FOAM
         if pressed[in_air].any():
@@ -137,7 +137,7 @@ class FullFields:
 
     @cached_property
     def _maps(self) -> PartMaps:
-        return PartMaps(self._family.scene)
+        return PartMaps(self._family.skin, self.scene.press)
 
     @cached_property
     def _sheet_terms(self) -> list[csc_matrix]:
@@ -151,10 +151,9 @@ class FullFields:
 
     def _gauged(self, foam: Real, change: Real) -> Real | None:
         """Change of the weights of the sheet terms of K; None where no press changes them."""
-        scene = self._family.scene
-        if not gauged(scene.skin):
+        if not gauged(self._family.skin):
             return None
-        by_factor = gauge_slopes(scene.skin, foam)[: self._circuit.fields]
+        by_factor = gauge_slopes(self._family.skin, foam)[: self._circuit.fields]
         return (by_factor * self._maps.of_foam(change, 0.0)).ravel()
 
     def _excitation_response(

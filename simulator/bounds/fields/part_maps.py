@@ -11,7 +11,8 @@ from ...arrays import Real
 from ...models.parameters import of_parts
 from ...models.reduced.indentation.indentation_draws import scene_spreads_presses
 from ...press.parts import SOLVED, Parts, parts_of
-from ...scene.scene import Scene
+from ...scene.parts import Skin
+from ...scene.pixel_grid import Pressing
 from .edge_walls import EdgeWalls
 
 
@@ -22,13 +23,13 @@ class PartMaps:
     shape (2, row, column).
     """
 
-    def __init__(self, scene: Scene) -> None:
-        self._scene = scene
+    def __init__(self, skin: Skin, pressing: Pressing) -> None:
+        self._skin, self._pressing = skin, pressing
 
     @cached_property
     def parts(self) -> Parts:
         """Numbering of the parts."""
-        return parts_of(self._scene.parts.skin)
+        return parts_of(self._skin)
 
     @property
     def foam(self) -> slice:
@@ -38,18 +39,18 @@ class PartMaps:
     def of_foam(self, map_of: Real, outside: float) -> Real:
         """Value of each part of the foam. outside: value of parts outside all cells."""
         own = map_of if map_of.ndim == 2 else map_of[0]
-        return of_parts(self._scene, own, outside)
+        return of_parts(self._skin, own, outside)
 
     def edges(self, factors: Real, directions: Mapping[str, Real]) -> EdgeWalls | None:
         """Walls around one touch; None if there are none, or if a tension spreads the press.
 
         factors: map of the touch. directions: its derivatives by name.
         """
-        if not self.parts.walls.count or scene_spreads_presses(self._scene):
+        if not self.parts.walls.count or scene_spreads_presses(self._skin, self._pressing):
             return None
         by = {name: self.of_foam(change, 0.0) for name, change in directions.items()}
         return EdgeWalls.of_touch(
-            self.parts, self.of_foam(factors, 1.0), by, self._scene.pixels.shape
+            self.parts, self.of_foam(factors, 1.0), by, self._skin.pixels.shape
         )
 
     def pressed(self, factors: Real, edges: EdgeWalls | None = None) -> Real:

@@ -20,7 +20,6 @@ from ...models.reduced.families.family_meshes import unreduced
 from ...models.reduced.greedy import GreedyBasis
 from ...models.reduced.reduced_skin import MAX_SKINS, ReducedSkin
 from ...models.response import Response, at_meter
-from ...models.uniform import equivalent_scene
 from ...progress import silent
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.readings.setup import Setup
@@ -43,9 +42,9 @@ class ReducedFields:
         """cells: of the model, along each side of a pixel. reading: of the skin's interfaces, by
         default the scene's."""
         self.scene, self.cells, self._reading = scene, cells, reading or scene.parts.setup
-        self.grid = scene.divided(cells).pixels.shape
+        self.grid = scene.parts.divided(cells).skin.pixels.shape
         self._skin = skin
-        self._maps = PartMaps(skin.reduced.scene)
+        self._maps = PartMaps(skin.reduced.parts.skin, skin.reduced.parts.plan.press)
 
     def respond(
         self, factors: Real, directions: Maps, frequency: Real, of_foam: Maps | None = None
@@ -108,19 +107,15 @@ def trained(
     the reduced model does not reach its tolerance.
     """
     scene.require_sheets_alone("the information of readings")
-    grid, random = scene.divided(cells).pixels.shape, np.random.default_rng(0)
-    driven, band = equivalent_scene(scene.on_grid(*grid)), np.array([scene.frequencies[0], highest])
-    lines = AreaRasterizer.of(scene.skin.length, scene.skin.width, grid)
+    driven, random = scene.parts.divided(cells).evened, np.random.default_rng(0)
+    skin, band = driven.skin, np.array([scene.frequencies[0], highest])
+    lines = AreaRasterizer.of(scene.skin.length, scene.skin.width, skin.pixels.shape)
 
     def draw(random: np.random.Generator) -> Case:
         return Case(None, *lines.drawn(touch, random))
 
     with one_blas_thread():
-        family = unreduced(
-            driven,
-            two_fields(driven.parts.skin, driven.parts.setup).read(chain(driven)),
-            MESH_RTOL,
-            highest,
-        )
-        reduced = GreedyBasis(family, RTOL, 0.0, band).grow(draw, random, silent, most=1)
+        circuit = two_fields(skin, driven.setup).read(chain(skin))
+        family = unreduced(skin, driven.plan, circuit, MESH_RTOL, highest)
+        reduced = GreedyBasis(driven, family, RTOL, 0.0, band).grow(draw, random, silent, most=1)
     return ReducedFields(scene, read(reduced, scene.interfaces).skin(None), cells)

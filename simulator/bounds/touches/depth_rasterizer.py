@@ -55,7 +55,7 @@ class DepthRasterizer:
         """
         check_plane(scene.skin)
         self._scene, self._sides, self._stride = scene, sides, stride
-        self.lattice: Lattice = lattice_of(scene, grid, min(sides))
+        self.lattice: Lattice = lattice_of(scene.parts.skin, grid, min(sides))
         self._cache: dict[tuple[object, ...], Real] = {}
 
     def rasterized(self, place: Point, touch: TouchSize) -> RasterizedTouch:
@@ -156,6 +156,6 @@ def rasterizer_for(
     scene: Scene, grid: tuple[int, int], touch: TouchSize
 ) -> AreaRasterizer | DepthRasterizer:
     """Rasterizer of touches of one size on a grid of rows and columns over a scene."""
-    if scene_spreads_presses(scene):
+    if scene_spreads_presses(scene.parts.skin, scene.press):
         return DepthRasterizer(scene, grid, (touch.width, touch.height))
     return AreaRasterizer.of(scene.skin.length, scene.skin.width, grid)

@@ -52,7 +52,7 @@ def touches_around_pixels(
 
     size: of a side, m. grid: rows and columns of cells. strongest: largest rise.
     """
-    if scene_spreads_presses(scene):
+    if scene_spreads_presses(scene.parts.skin, scene.press):
         return DepthPixelTouches(scene, grid, size, strongest)
     return SharpPixelTouches(scene, grid, size)
 

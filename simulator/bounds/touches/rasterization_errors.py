@@ -69,7 +69,9 @@ def rasterization_errors(
     """
     found = impedances(own)
     cells = error_against_solver(scene, map(as_press, each), found, RTOL)
-    by_triangles = impedances(PressBatch.of(traced(scene, lattice, applied) for applied in each))
+    by_triangles = impedances(
+        PressBatch.of(traced(scene.parts.skin, lattice, applied) for applied in each)
+    )
     kind = scene.parts.setup.kind
     deflection = float(reading_difference(found, by_triangles, kind).max())
     return RasterizationErrors(SAMPLED * cells, SAMPLED * deflection, kind.with_errors)
@@ -82,7 +84,7 @@ def error_against_solver(
 
     The reference is the full model, which resolves every edge, at `rtol`. Raises as `Solver` does.
     """
-    solver = Solver(scene, rtol)
+    solver = Solver(scene.parts, rtol)
     exact = np.stack([solver.solve(press).Z for press in presses])
     return float(reading_difference(found, exact, scene.parts.setup.kind).max())
 

@@ -42,10 +42,10 @@ def model_of(
     """
     try:
         if scene.press.by_factor and uneven == NO_MODES:
-            return LineModel(scene)
+            return LineModel(scene.parts.skin, scene.parts.setup, scene.press)
     except InputError:
         pass
-    return Forward(scene, rtol=rtol, progress=progress, train=reduced_for, modes=uneven.modes)
+    return Forward(scene.parts, rtol=rtol, progress=progress, train=reduced_for, modes=uneven.modes)
 
 
 class CenteredModel:
@@ -57,7 +57,7 @@ class CenteredModel:
         """model: the scene's model with its factors at `center`, which are logarithms, and with
         the cosine modes of `uneven`."""
         self.model, self.uneven = model, uneven
-        own = own_values(model.scene)
+        own = own_values(model.skin, model.setup)
         self.center = {name: center.get(name, 0.0) for name in FACTORS if name in own}
 
     def reach(self, name: str) -> float:
@@ -125,8 +125,8 @@ def trainable_factors(scene: Scene) -> list[str]:
 
     The mismatch of two sheets that one field describes is none: it would make the field two.
     """
-    single = single_field(scene) is not None
-    factors = [name for name in own_values(scene) if name in FACTORS]
+    single = single_field(scene.parts.skin, scene.parts.setup) is not None
+    factors = [name for name in own_values(scene.parts.skin, scene.parts.setup) if name in FACTORS]
     return [name for name in factors if not (single and name == "sheet_mismatch")]
 
 
@@ -135,8 +135,14 @@ def checked_model(model: Model, scene: Scene, uneven: FittedModes = NO_MODES) ->
 
     It must also have the cosine modes of `uneven`. Raises InputError where it does not fit.
     """
-    for name in ("sweep", "interfaces", "pixels", "surroundings"):
-        if getattr(model.scene, name) != getattr(scene, name):
+    skin, setup = scene.parts.skin, scene.parts.setup
+    for name, same in (
+        ("sweep", np.array_equal(model.setup.frequency, setup.frequency)),
+        ("interfaces", model.setup.interfaces == setup.interfaces),
+        ("pixels", model.skin.pixels == skin.pixels),
+        ("surroundings", model.skin.around == skin.around),
+    ):
+        if not same:
             raise InputError(f"the model's {name} differ from the measured ones")
     if isinstance(model, Forward) and model.cells_per_pixel != 1:
         raise InputError(f"`cells_per_pixel` of the model must be 1, got {model.cells_per_pixel}")

@@ -54,7 +54,10 @@ def candidates(
     unknown = [name for name in KNOWN if name in free and name in priors.keys() - known]
     if not unknown:
         raise InputError("every parameter is fixed: there is nothing to fit")
-    in_series = "sheet_resistance" in unknown and single_field(measured.scene) is not None
+    in_series = (
+        "sheet_resistance" in unknown
+        and single_field(measured.scene.parts.skin, measured.scene.parts.setup) is not None
+    )
     chosen = fit or [name for name in unknown if not (name == "sheet_mismatch" and in_series)]
     return Candidates(
         [name for name in unknown if name in chosen],

@@ -197,7 +197,7 @@ def _presses(scene: Scene, texts: Sequence[str]) -> tuple[list[Press | None], tu
     for text in map(str, texts):
         try:
             press, rods = _recorded(scene, text)
-            press = press_by_depths(scene, press)
+            press = press_by_depths(scene.parts.skin, press)
             for touch in press.touches:
                 pressed_factor(scene.parts.skin, touch)
         except InputError as reason:

@@ -61,13 +61,15 @@ def priors(
     uneven: the cosine modes among them. also: names that are unknown although no distribution of
     the scene draws them. With wide priors, those of EFFECTS and the source of gains are, too.
     """
-    own = own_values(measured.scene) | dict.fromkeys(COSINE_MODES, 0.0)
-    spreads = wide(measured) if kind == "wide" else session_spreads(measured.scene)
+    own = own_values(measured.scene.parts.skin, measured.scene.parts.setup) | dict.fromkeys(
+        COSINE_MODES, 0.0
+    )
+    spreads = wide(measured) if kind == "wide" else session_spreads(measured.scene.parts)
     if measured.scene.skin.one_conductor:
         spreads = {name: own for name, own in spreads.items() if name != "sheet_mismatch"}
     if kind == "wide":
         source = (SOURCE,) if measured.scene.parts.setup.gain else ()
-        also = (*effects_of(measured.scene), *source, *also)
+        also = (*effects_of(measured.scene.parts.skin), *source, *also)
     modes = mode_deviations(measured.scene, kind)
     spreads = spreads | {name: SessionSpread(0.0, modes[name]) for name in uneven.names}
     found = {
@@ -100,13 +102,13 @@ def effect_prior(measured: Measurements, name: str) -> Prior:
 def _reader_prior(scene: Scene, name: str) -> Prior:
     """Prior of a parameter of the readers: as wide as source and resistor themselves, and as what
     the resistor shows of inputs."""
-    own, f = reader_values(scene), scene.frequencies
+    own, f = reader_values(scene.parts.setup), scene.frequencies
     R = own["series_resistance"]
     if name in (SOURCE, "series_resistance"):
         return Prior(own[name], own[name], MIN_SHARE * own[name])
     if name == "load_capacitance":
         deviation = 1 / (2 * math.pi * math.sqrt(f[0] * f[-1]) * R)
-        return Prior(own[name], deviation, smallest_load_capacitance(scene))
+        return Prior(own[name], deviation, smallest_load_capacitance(scene.parts.setup))
     return Prior(own[name], 1 / R, 0.0)
 
 

@@ -140,7 +140,7 @@ def quantities(
     fit, information, distributions: see `intervals`. fitted: names of parameters.
     """
     own = intervals(scene, fit, information, freedom, distributions)
-    start = own_values(scene) | dict.fromkeys(COSINE_MODES, 0.0)
+    start = own_values(scene.parts.skin, scene.parts.setup) | dict.fromkeys(COSINE_MODES, 0.0)
     identified = information.identified
     hanging = depend_on_ratio(scene, information)
     width = quantile(freedom)

@@ -27,7 +27,7 @@ def products(scene: Scene, values: Mapping[str, float]) -> Iterator[Product]:
 
 def _of_surroundings(scene: Scene, values: Mapping[str, float]) -> Iterator[Product]:
     """Distances or capacitances of bodies, and capacitances of the rim."""
-    around, own = scene.surroundings, effects_of(scene)
+    around, own = scene.surroundings, effects_of(scene.parts.skin)
     if around is None:
         return
     for body in around.body if "body" in own else ():

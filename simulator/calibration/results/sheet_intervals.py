@@ -53,7 +53,7 @@ def sheets(scene: Scene, values: Mapping[str, float]) -> Iterator[Product]:
         return
     yield Product(TOP, "ohm/sq", before[0], top, {COMMON: 1.0, MISMATCH: 0.5})
     yield Product(BOTTOM, "ohm/sq", before[1], bottom, {COMMON: 1.0, MISMATCH: -0.5})
-    if single_field(scene) is not None:
+    if single_field(scene.parts.skin, scene.parts.setup) is not None:
         slopes = {COMMON: 1.0, MISMATCH: 0.5 * (top - bottom) / (top + bottom)}
         yield Product(SUM, "ohm/sq", sum(before), top + bottom, slopes)
     yield Product(RATIO, "", before[0] / before[1], top / bottom, {MISMATCH: 1.0})
@@ -61,7 +61,10 @@ def sheets(scene: Scene, values: Mapping[str, float]) -> Iterator[Product]:
 
 def depend_on_ratio(scene: Scene, information: Information) -> bool:
     """True if one field describes both sheets, and both are unknown."""
-    return single_field(scene) is not None and {COMMON, MISMATCH} <= set(information.names)
+    return single_field(scene.parts.skin, scene.parts.setup) is not None and {
+        COMMON,
+        MISMATCH,
+    } <= set(information.names)
 
 
 class SeriesPair(NamedTuple):
@@ -83,7 +86,7 @@ def series_pairs(
 
     values: of all parameters. names: of the unknown ones.
     """
-    if single_field(scene) is None or scene.skin.one_conductor:
+    if single_field(scene.parts.skin, scene.parts.setup) is None or scene.skin.one_conductor:
         return
     if {COMMON, MISMATCH} <= set(names):
         yield SeriesPair(COMMON, MISMATCH)

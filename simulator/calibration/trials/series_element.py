@@ -31,7 +31,7 @@ class WithSeriesElement(CenteredModel):
     def __init__(self, inner: CenteredModel, element: Element, loss: Loss) -> None:
         super().__init__(inner.model, inner.center, inner.uneven)
         self._element = element
-        frequency = inner.model.scene.frequencies
+        frequency = inner.model.setup.frequency
         self._s = laplace_variable(frequency, loss if element == "line" else LOSSLESS)
 
     def own(self, values: Mapping[str, float]) -> dict[str, float]:

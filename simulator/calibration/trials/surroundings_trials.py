@@ -66,7 +66,7 @@ def with_effects(scene: Scene, names: Sequence[str]) -> Scene:
         foam = scene.skin.foam.model_copy(update={"leak": 0.0})
         scene = scene.model_copy(update={"skin": scene.skin.model_copy(update={"foam": foam})})
     names = [name for name in names if name in EFFECTS]
-    missing = [name for name in names if name not in effects_of(scene)]
+    missing = [name for name in names if name not in effects_of(scene.parts.skin)]
     if not missing:
         return scene
     own = scene.surroundings or Surroundings()
@@ -78,7 +78,7 @@ def with_effects(scene: Scene, names: Sequence[str]) -> Scene:
         added["rim"] = Rim(mutual=RIM, top=RIM, bottom=RIM)
     found = scene.model_copy(update={"surroundings": own.model_copy(update=added)})
     for name in missing:
-        if name not in effects_of(found):
+        if name not in effects_of(found.parts.skin):
             raise InputError(f"{scene.name} cannot have {name}: {NEEDED[name]}")
     return found
 
@@ -92,7 +92,7 @@ def addable_effects(scene: Scene) -> list[str]:
         "rim": not solved,
         "finger": not (around and around.no_finger_reason),
     }
-    return [name for name in EFFECTS if can[name] and name not in effects_of(scene)]
+    return [name for name in EFFECTS if can[name] and name not in effects_of(scene.parts.skin)]
 
 
 def effect_text(scene: Scene, name: str, value: float) -> str:
@@ -189,7 +189,7 @@ class PlainEffects:
     ) -> dict[Press, Complex]:
         """Readings of the fitted skin in a scene, by press. values: of effects."""
         skin = fitted_scene(scene, {**self._fit.values, **values})
-        solver = Solver(skin, certificate_limit(self._fit.spec))
+        solver = Solver(skin.parts, certificate_limit(self._fit.spec))
         return {each: solver.solve(_with_finger(each, finger)).Z for each in self._presses}
 
 

@@ -26,7 +26,7 @@ def cell_presses(
     scene: Scene, touches: Integer, placed: Footprints, grid: tuple[int, int]
 ) -> PressBatch:
     """Presses rasterized on cells; by the deflection if a tension spreads the scene's presses."""
-    if not spreading(scene):
+    if not spreading(scene.parts.skin, scene.press):
         return rasterized(scene.parts.skin, touches, placed, grid)
     from ...models.mechanics.lattice.relaxed_presses import raised
 
@@ -37,7 +37,11 @@ def cell_presses(
 
 def written_strengths(scene: Scene, placed: Footprints) -> tuple[Real, str]:
     """Strengths of touches as written in their texts, and the unit."""
-    return written_strength(scene, placed.factor) if spreading(scene) else (placed.factor, "")
+    return (
+        written_strength(scene, placed.factor)
+        if spreading(scene.parts.skin, scene.press)
+        else (placed.factor, "")
+    )
 
 
 def lattice_for(scene: Scene, grid: tuple[int, int]) -> Lattice:
@@ -49,7 +53,7 @@ def lattice_for(scene: Scene, grid: tuple[int, int]) -> Lattice:
     smallest = min(length / pixels.columns, width / pixels.rows)
     if drawn.place == "anywhere":
         smallest = drawn.size.low
-    return lattice_of(scene, grid, float(smallest))
+    return lattice_of(scene.parts.skin, grid, float(smallest))
 
 
 def cell_presses_by_triangles(
@@ -60,7 +64,7 @@ def cell_presses_by_triangles(
 
     lattice = lattice_for(scene, grid)
     each = (applicators_of(scene, placed, k, count) for k, count in enumerate(touches.tolist()))
-    return PressBatch.of(traced(scene, lattice, own) for own in each)
+    return PressBatch.of(traced(scene.parts.skin, lattice, own) for own in each)
 
 
 def applicators_of(

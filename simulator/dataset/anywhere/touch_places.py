@@ -75,7 +75,7 @@ def _first_on_skin(scene: Scene, x: Real, y: Real, grid: tuple[int, int]) -> Int
     """
     if scene.skin.rectangular:
         return np.zeros(x.shape[1:], dtype=np.int64)
-    if spreading(scene):
+    if spreading(scene.parts.skin, scene.press):
         on_skin = covers(scene.skin, np.stack([x, y]))
     else:
         (rows, columns), (along, across) = grid, scene.skin.sides

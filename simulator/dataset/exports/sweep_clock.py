@@ -10,7 +10,7 @@ import numpy as np
 
 from ...arrays import Mask, Real
 from ...measure.creeping_sweeps import reading_moments, spans_of
-from ...scene.readout.meter import Timing
+from ...scene.parts import Meter
 from ...scene.scene_files import scene_of_sweeps
 from ...sweeps import InputError
 from ...sweeps.reading_subset import read_mask
@@ -107,9 +107,9 @@ def _schedule(sweeps: xr.Dataset, read: Mask) -> tuple[Real, float, float, str]:
         or [each.name for each in setup.interfaces] != list(map(str, sweeps["interface"].values))
         or not np.array_equal(setup.read, read)
     ):
-        starts, durations, whole = spans_of(frequency, read, Timing())
+        starts, durations, whole = spans_of(frequency, read, Meter())
         return starts + durations / 2, whole, whole, BY_RATE
-    moments, end = reading_moments(scene)
-    before = scene.experiment.timed.before
-    pause = scene.experiment.timed.pause if scene.skin.foam.in_time else 0.0
+    moments, end = reading_moments(scene.parts)
+    before = scene.parts.plan.before
+    pause = scene.parts.plan.pause if scene.skin.foam.in_time else 0.0
     return moments - before, end - before, end + pause, BY_SCENE

@@ -163,7 +163,7 @@ class Picker:
         if self._against_rest:
             return SessionPrecision()
         if scene.readout.uniform:
-            errors = errors_of(scene)
+            errors = errors_of(scene.parts.setup, scene.parts.meter)
         else:
             on = self._trained.readout(None, material_of(scene), self._pool)
             errors = on.errors(self.frequency, 0)

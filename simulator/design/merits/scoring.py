@@ -56,7 +56,7 @@ class AccuracyScorer:
         self._common = CommonDraws(
             scene,
             request.target,
-            own_presses(scene),
+            own_presses(scene.parts.skin, scene.press),
             seed=seed,
             draws=draws,
             against_rest=request.against_rest,

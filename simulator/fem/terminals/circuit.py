@@ -124,15 +124,17 @@ def two_fields(skin: Skin, setup: Setup) -> Circuit:
 
 def one_field(skin: Skin, setup: Setup) -> Circuit | None:
     """Circuit of the potential difference, or None where it would not be exact."""
-    if skin.around is not None:
-        return None
-    both = two_fields(skin, setup)
+    return None if skin.around is not None else paired(two_fields(skin, setup), skin)
+
+
+def paired(both: Circuit, skin: Skin) -> Circuit | None:
+    """Circuit of the potential difference of two fields without surroundings, see `one_field`."""
     tops = [index for index, terminal in enumerate(both.terminals) if terminal.field == 0]
     pairs = {top: _partner(top, both.terminals, skin) for top in tops}
     if None in pairs.values() or 2 * len(tops) != len(both.terminals):
         return None
-    paired = _over_earth if skin.one_conductor else _pair_excitation
-    excitations = [paired(excitation, tops, pairs) for excitation in both.excitations]
+    of_pairs = _over_earth if skin.one_conductor else _pair_excitation
+    excitations = [of_pairs(excitation, tops, pairs) for excitation in both.excitations]
     if any(excitation is None for excitation in excitations):
         return None
     return Circuit(

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Real
 from ...scene.maps.factor_maps import Grid
-from ...scene.scene import Scene
+from ...scene.parts import Skin
 from ..parameters import FOAM_MODES, HALF_WAVES, SHEET_MODES, mode_values
 
 MAX_AMPLITUDE = 0.3
@@ -45,22 +45,20 @@ def amplitudes(values: Mapping[str, float], names: Iterable[str]) -> Real:
     return np.array([1.0, *(values.get(name, 0.0) for name in names)])
 
 
-def fitted_map(scene: Scene, of_place: Callable[[NDArray], NDArray]) -> Grid:
+def fitted_map(skin: Skin, of_place: Callable[[NDArray], NDArray]) -> Grid:
     """Bilinear map that approximates a smooth function over both sides by least squares.
 
     of_place: maps positions in m, shape (2, ...), to values of that shape without its first axis.
     """
-    axes = [np.linspace(0.0, side, POINTS) for side in scene.skin.sides]
-    along, across = (
-        _onto_nodes(axis / side) for axis, side in zip(axes, scene.skin.sides, strict=True)
-    )
+    axes = [np.linspace(0.0, side, POINTS) for side in skin.sides]
+    along, across = (_onto_nodes(axis / side) for axis, side in zip(axes, skin.sides, strict=True))
     rows = across @ of_place(np.stack(np.meshgrid(*axes))) @ along.T
     return Grid(values=tuple(tuple(row) for row in rows.tolist()))
 
 
-def modes_at(scene: Scene, values: Mapping[str, float], names: Iterable[str], x: Real) -> Real:
+def modes_at(skin: Skin, values: Mapping[str, float], names: Iterable[str], x: Real) -> Real:
     """1 plus the modes among the values at positions x in m, shape (2, ...), over the mean."""
-    modes = mode_values(scene, x, len(HALF_WAVES))
+    modes = mode_values(skin, x, len(HALF_WAVES))
     return np.asarray(np.tensordot(amplitudes(values, names), modes, axes=1), dtype=np.float64)
 
 

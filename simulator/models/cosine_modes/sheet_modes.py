@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Complex, Real
 from ...scene.maps.factor_maps import Grid
+from ...scene.parts import Skin
 from ...scene.scene import Scene
 from ...scene.skin import Electrode
 from ...sweeps import InputError
@@ -67,22 +68,24 @@ def with_sheet_modes(scene: Scene, values: Mapping[str, float]) -> Scene:
     if not any(values.get(name) for name in SHEET_MODES):
         return scene
     sheets = {
-        name: scene.skin.sheet(name).model_copy(update={"map": map_of_sheet(scene, values, names)})
+        name: scene.skin.sheet(name).model_copy(
+            update={"map": map_of_sheet(scene.parts.skin, values, names)}
+        )
         for name, names in OF_SHEETS.items()
     }
     return scene.model_copy(update={"skin": scene.skin.model_copy(update=sheets)})
 
 
-def map_of_sheet(scene: Scene, values: Mapping[str, float], names: tuple[str, ...]) -> Grid:
+def map_of_sheet(skin: Skin, values: Mapping[str, float], names: tuple[str, ...]) -> Grid:
     """Modes of a sheet's conductance as a map of its resistance."""
-    return fitted_map(scene, lambda x: 1 / modes_at(scene, values, names, x))
+    return fitted_map(skin, lambda x: 1 / modes_at(skin, values, names, x))
 
 
-def check_uniform_sheets(scene: Scene) -> None:
+def check_uniform_sheets(skin: Skin) -> None:
     """Raise InputError if modes of a sheet cannot be identified because the sheet has a map."""
     for name in OF_SHEETS:
-        if scene.skin.sheet(name).map is not None:
+        if skin.sheet(name).map is not None:
             raise InputError(
-                f"{scene.name}: cosine modes of the sheets are fitted only to sheets without maps, "
+                f"{skin.name}: cosine modes of the sheets are fitted only to sheets without maps, "
                 f"got `skin.{name}.map`"
             )

@@ -51,7 +51,7 @@ class PressCoefficients:
 
     def conductance_of(self, electrode: Electrode, x: Real) -> Real:
         """Conductance of one sheet, with the components and shape of `conductance`."""
-        if not self.materials.scene.skin.sheet(electrode).piezoresistance:
+        if not self.materials.skin.sheet(electrode).piezoresistance:
             return self.materials.conductance(electrode, x)
         return self.materials.conductance(electrode, x, self.strain(x))
 
@@ -74,7 +74,7 @@ class PressCoefficients:
 
         Without mechanics a factor means compression at constant permittivity.
         """
-        materials, mechanics = self.materials, self.materials.scene.skin.foam.mechanics
+        materials, mechanics = self.materials, self.materials.skin.foam.mechanics
         thinned = 1 / self.factor(x) if mechanics is None else 1 - self.strain(x)
         return self.capacitance(x) / materials.area(x) * (materials.depth(x) * thinned) ** 2
 
@@ -82,7 +82,7 @@ class PressCoefficients:
     def thinned(self) -> Real:
         """Thickness of the foam under touches with sharp edges over the unpressed one, shape
         (cell,)."""
-        mechanics = self.materials.scene.skin.foam.mechanics
+        mechanics = self.materials.skin.foam.mechanics
         return 1 / self.factors if mechanics is None else 1 - mechanics.strain_at(self.factors)
 
     def factor(self, x: Real) -> Real:
@@ -97,7 +97,7 @@ class PressCoefficients:
         Where only a factor is given, it is the strain that causes this factor. Without mechanics
         the permittivity is constant.
         """
-        mechanics = self.materials.scene.skin.foam.mechanics
+        mechanics = self.materials.skin.foam.mechanics
         sharp = (mechanics.strain_at if mechanics else strain_of)(self.factors)[:, None]
         return np.maximum(sharp, self._spread_strain(x))
 
@@ -120,7 +120,7 @@ class PressCoefficients:
     @property
     def gauged(self) -> bool:
         """True if a press changes conductance."""
-        return gauged(self.materials.scene.skin)
+        return gauged(self.materials.skin)
 
     @property
     def _share(self) -> float:

@@ -58,5 +58,5 @@ def _resists(contact: Contact, mesh: Domain, conductance: float) -> bool:
 def _jumps_or_turns(field: int, coefficients: PressCoefficients) -> bool:
     """True if a sheet is piezoresistive and touched with sharp edges, or is anisotropic."""
     materials, electrode = coefficients.materials, ELECTRODES[field]
-    gauge = materials.scene.skin.sheet(electrode).piezoresistance
+    gauge = materials.skin.sheet(electrode).piezoresistance
     return bool(gauge and np.ptp(coefficients.factors) > 0) or materials.directed(electrode)

@@ -18,9 +18,9 @@ from ...mesh.refining.wedges import around, between
 from ...mesh.rings import RATIO
 from ...press.capacitance import Patch, patch
 from ...press.press import Press
+from ...scene.parts import Skin
 from ...scene.planar import distinct
 from ...scene.readings.contacts import Contact
-from ...scene.scene import Scene
 from ...scene.skin import Electrode
 from ..resolution import all_lines
 from .coefficients import ELECTRODES
@@ -44,9 +44,9 @@ def ringed_corners(
 ) -> tuple[Corner, ...]:
     """Corners whose error exceeds a share of the tolerance. press: of rectangles."""
     found = []
-    if not (gauged(materials.scene.skin) or any(map(materials.directed, ELECTRODES))):
+    if not (gauged(materials.skin) or any(map(materials.directed, ELECTRODES))):
         return ()
-    for place in _places(materials.scene, press):
+    for place in _places(materials.skin, press):
         power = power_at(materials, contacts, press, place)
         taken = STRENGTH * (1 - power) ** 2 / (SHARE * rtol)
         if taken > 1:
@@ -62,14 +62,12 @@ def power_at(
     It is 1 where the field is smooth; of both sheets the power farther from 1 counts. It may exceed
     1 where a foil meets the skin's corner alone: the field is weak there.
     """
-    scene, at = materials.scene, np.array(place)
-    away = BESIDE * np.array(scene.skin.sides)
+    skin, at = materials.skin, np.array(place)
+    away = BESIDE * np.array(skin.sides)
     around_corner = at[:, None] + away[:, None] * QUADRANTS
-    sides = np.array(scene.skin.sides)[:, None]
+    sides = np.array(skin.sides)[:, None]
     within: Mask = np.all((around_corner > 0) & (around_corner < sides), axis=0)
-    found = gauges(
-        scene.skin, _factors([patch(scene.parts.skin, t) for t in press.touches], around_corner)
-    )
+    found = gauges(skin, _factors([patch(skin, t) for t in press.touches], around_corner))
     powers = [1.0]
     for sheet, conductances in zip(ELECTRODES, found, strict=True):
         jumps = np.ptp(conductances[within]) > 0
@@ -84,7 +82,7 @@ def power_at(
         first = next(k for k in range(4) if within[k] and not within[k - 1])
         run = (first + np.arange(within.sum())) % 4
         ends = (at + away * TOWARDS[k] for k in (first, (run[-1] + 1) % 4))
-        begins, stops = (_foil_fixes_potential(contacts, sheet, end, scene) for end in ends)
+        begins, stops = (_foil_fixes_potential(contacts, sheet, end, skin) for end in ends)
         if len(run) > 1:
             wedges = list(zip(angles[run], conductances[run], strict=True))
             powers.append(min(between(wedges, begins, stops), 1.0))
@@ -93,12 +91,11 @@ def power_at(
     return max(powers, key=lambda power: abs(power - 1))
 
 
-def _places(scene: Scene, press: Press) -> list[tuple[float, float]]:
+def _places(skin: Skin, press: Press) -> list[tuple[float, float]]:
     """Corners of the skin and of touches, and intersections of their lines."""
-    lines = all_lines(press, scene)
+    lines = all_lines(press, skin)
     x, y = (
-        distinct([0.0, side, *each]).tolist()
-        for side, each in zip(scene.skin.sides, lines, strict=True)
+        distinct([0.0, side, *each]).tolist() for side, each in zip(skin.sides, lines, strict=True)
     )
     return [(a, b) for a in x for b in y]
 
@@ -113,16 +110,14 @@ def _factors(patches: Sequence[Patch], x: Real) -> Real:
 
 
 def _foil_fixes_potential(
-    contacts: Sequence[Contact], sheet: Electrode, place: Real, scene: Scene
+    contacts: Sequence[Contact], sheet: Electrode, place: Real, skin: Skin
 ) -> bool:
     """True if a foil without contact resistance fixes that sheet's potential at a position of the
     edge, m."""
     ends = [
-        np.array(each.ends(scene.skin))
-        for each in contacts
-        if each.electrode == sheet and each.ideal
+        np.array(each.ends(skin)) for each in contacts if each.electrode == sheet and each.ideal
     ]
-    same = BESIDE * max(scene.skin.sides) / 10
+    same = BESIDE * max(skin.sides) / 10
     return any(
         bool((place > each.min(0) - same).all() and (place < each.max(0) + same).all())
         for each in ends

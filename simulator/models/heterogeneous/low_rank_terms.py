@@ -20,10 +20,10 @@ from .materials import Materials
 
 def low_rank_charges(elements: Elements, materials: Materials, unknowns: Unknowns) -> Real | None:
     """F of `LowRankMass`, shape (unknown, rank); None if surroundings are not solved."""
-    around = materials.scene.surroundings
+    around = materials.skin.around
     if around is None or not around.solved:
         return None
-    found, surface = surroundings_matrix(materials.scene.parts.skin), elements.surface
+    found, surface = surroundings_matrix(materials.skin), elements.surface
     b = found.basis.at(surface.x).reshape(found.basis.count, -1)
     weights = (surface.area * elements.rule.weights).ravel()
     gram = (b * weights) @ b.T
@@ -40,7 +40,7 @@ def low_rank_charges(elements: Elements, materials: Materials, unknowns: Unknown
 
 def describe_accuracy(materials: Materials) -> str:
     """Accuracy of solved surroundings as words for the model's description; else empty."""
-    around = materials.scene.surroundings
+    around = materials.skin.around
     if around is None or not around.solved:
         return ""
-    return f", surroundings solved to {surroundings_matrix(materials.scene.parts.skin).error:.0e}"
+    return f", surroundings solved to {surroundings_matrix(materials.skin).error:.0e}"

@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike
 from ...arrays import Real
 from ...scene.foam.foam_mechanics import strain_of
 from ...scene.form.shape import Stretch
+from ...scene.parts import Skin
 from ...scene.planar import SAME_EDGE, Lines, distinct
-from ...scene.scene import Scene
 from ...scene.skin import Electrode, Sheet, SheetsAndFoam
 
 
@@ -30,28 +30,27 @@ class Metric:
     area: Real
 
 
-def position(scene: Scene, x: Real) -> Real:
+def position(skin: Skin, x: Real) -> Real:
     """Position in space, m, of points x in m of the flat, unstretched skin, shape (2, ...) to (3,
     ...)."""
-    skin = scene.skin
     stretched = _ratios(skin, x) * np.asarray(x)
     if skin.shape is None:
         return np.stack([*stretched, np.zeros(np.shape(x)[1:])])
     return skin.shape.position(stretched, skin.stretched_sides)
 
 
-def tangents(scene: Scene, x: Real) -> Real:
+def tangents(skin: Skin, x: Real) -> Real:
     """Derivative of `position` by x, shape (3, 2, ...)."""
-    skin, ratios = scene.skin, _ratios(scene.skin, x)
+    skin, ratios = skin, _ratios(skin, x)
     if skin.shape is None:
         flat = np.eye(3, 2).reshape((3, 2) + (1,) * (np.ndim(x) - 1))
         return np.broadcast_to(flat * ratios, (3, 2, *np.shape(x)[1:]))
     return skin.shape.tangents(ratios * np.asarray(x), skin.stretched_sides) * ratios
 
 
-def metric(scene: Scene, x: Real) -> Metric:
+def metric(skin: Skin, x: Real) -> Metric:
     """Metric at points x in m of the flat, unstretched skin, shape (2, ...)."""
-    F = tangents(scene, x)
+    F = tangents(skin, x)
     xx, yy, xy = (
         np.einsum("i...,i...->...", F[:, i], F[:, j]) for i, j in ((0, 0), (1, 1), (0, 1))
     )
@@ -131,45 +130,45 @@ def gauge_slopes(skin: SheetsAndFoam, factors: Real) -> Real:
 class Materials:
     """Conductances and capacitance of a scene's skin at any points x, flat and in m."""
 
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-        self._isometric = isometric(scene.skin)
-        self._sheet_power, self._foam_power = (scene.skin.stretch or Stretch()).thinning
+    def __init__(self, skin: Skin) -> None:
+        self.skin = skin
+        self._isometric = isometric(skin)
+        self._sheet_power, self._foam_power = (skin.stretch or Stretch()).thinning
 
     def conductance(self, electrode: Electrode, x: Real, strain: ArrayLike = 0.0) -> Real:
         """Conductance of an electrode as (xx, yy, xy) in S, shape (3, ...), at x of shape (2, ...).
 
         strain: compressive strain of the foam there, which broadcasts with (...), see `strain_of`.
         """
-        sheet = self.scene.skin.sheet(electrode)
+        sheet = self.skin.sheet(electrode)
         R = self._resistance(sheet, x) * (1 + sheet.piezoresistance * np.asarray(strain))
         own = sheet.anisotropy
         A = directed(own.ratio, own.angle) if own else ISOTROPIC
         A = A.reshape(3, *(1,) * np.ndim(R))
         if self._isometric:
             return A / R
-        found = metric(self.scene, x)
+        found = metric(self.skin, x)
         J = found.area
         B = adjugate(root(found.G, J))
         return between(B, A) / (R * J ** (1 + self._sheet_power))
 
     def directed(self, electrode: Electrode) -> bool:
         """True if an electrode may conduct better along one direction than along another."""
-        return not self._isometric or self.scene.skin.sheet(electrode).anisotropy is not None
+        return not self._isometric or self.skin.sheet(electrode).anisotropy is not None
 
     def capacitance(self, x: Real) -> Real:
         """c of the unpressed foam in F per flat m², shape (...), at x of shape (2, ...)."""
-        foam = self.scene.skin.foam
+        foam = self.skin.foam
         c = foam.unpressed_capacitance_per_area * self._factors(foam.map, x)
         if self._isometric:
             return c
-        return c * metric(self.scene, x).area ** (1 + self._foam_power)
+        return c * metric(self.skin, x).area ** (1 + self._foam_power)
 
     def area(self, x: Real) -> Real:
         """Area over that of the flat, unstretched skin at x of shape (2, ...), shape (...)."""
         if self._isometric:
             return np.ones(np.shape(x)[1:])
-        return metric(self.scene, x).area
+        return metric(self.skin, x).area
 
     def flattened(self, x: Real) -> Real:
         """J G^-1 as (xx, yy, xy), shape (3, ...), at x of shape (2, ...).
@@ -178,7 +177,7 @@ class Materials:
         """
         if self._isometric:
             return ISOTROPIC.reshape(3, *(1,) * (np.ndim(x) - 1)) * np.ones(np.shape(x)[1:])
-        found = metric(self.scene, x)
+        found = metric(self.skin, x)
         return adjugate(found.G) / found.area
 
     def depth(self, x: Real) -> Real:
@@ -186,7 +185,7 @@ class Materials:
 
         Maps and stretch make it thinner at constant permittivity.
         """
-        foam = self.scene.skin.foam
+        foam = self.skin.foam
         return (
             foam.thickness_or_assumed
             / self._factors(foam.map, x)
@@ -202,12 +201,12 @@ class Materials:
         along = np.asarray(direction) / np.hypot(*direction)
         if self._isometric:
             return np.ones(np.broadcast_shapes(np.shape(x)[1:], np.shape(along)[1:]))
-        return np.sqrt(np.sum(np.sum(tangents(self.scene, x) * along, axis=1) ** 2, axis=0))
+        return np.sqrt(np.sum(np.sum(tangents(self.skin, x) * along, axis=1) ** 2, axis=0))
 
     @property
     def same_sheets(self) -> bool:
         """True if both sheets' conductances are in one ratio everywhere, pressed or not."""
-        top, bottom = self.scene.skin.top, self.scene.skin.bottom
+        top, bottom = self.skin.top, self.skin.bottom
         same_maps = top.map == bottom.map or None not in (_uniform(top), _uniform(bottom))
         return (
             same_maps
@@ -218,7 +217,7 @@ class Materials:
     @cached_property
     def lines(self) -> Lines:
         """Lines in m across x, and across y, at which a map's slope jumps; ascending."""
-        sides, maps = self.scene.skin.sides, self.scene.skin.maps.values()
+        sides, maps = self.skin.sides, self.skin.maps.values()
         kinks = [of_place.kinks(sides) for of_place in maps]
         found = []
         for axis, side in enumerate(sides):
@@ -229,8 +228,8 @@ class Materials:
     @property
     def shortest(self) -> float:
         """Shortest length in m over which a map varies; inf without maps."""
-        maps = self.scene.skin.maps.values()
-        return min((each.shortest(self.scene.skin.sides) for each in maps), default=np.inf)
+        maps = self.skin.maps.values()
+        return min((each.shortest(self.skin.sides) for each in maps), default=np.inf)
 
     def _resistance(self, sheet: Sheet, x: Real) -> Real:
         """Resistance of the unpressed sheet, ohm/sq."""
@@ -239,7 +238,7 @@ class Materials:
     def _factors(self, of_place, x: Real) -> Real:
         if of_place is None:
             return np.ones(np.shape(x)[1:])
-        return of_place.factors(np.asarray(x, dtype=np.float64), self.scene.skin.sides)
+        return of_place.factors(np.asarray(x, dtype=np.float64), self.skin.sides)
 
 
 def _uniform(sheet: Sheet) -> float | None:

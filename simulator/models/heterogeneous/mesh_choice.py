@@ -10,9 +10,10 @@ from ...fem.system import check_grid_fits
 from ...fem.terminals.circuit import Circuit, one_field, two_fields
 from ...press.press import Press
 from ...progress import ProgressCallback, silent
-from ...scene.scene import Scene
+from ...scene.parts import Skin
+from ...scene.pixel_grid import Pressing
+from ...scene.readings.setup import Setup
 from ...sweeps import ToleranceError
-from ..uniform import equivalent_scene
 from .deflection_error import raised_by_deflection
 from .discretised import Discretised
 from .materials import Materials
@@ -85,7 +86,7 @@ class DeflectedTriangles:
 
 
 def deformed(
-    scene: Scene,
+    skin: Skin,
     press: Press,
     rtol: float,
     progress: ProgressCallback = silent,
@@ -103,7 +104,7 @@ def deformed(
     from ..mechanics.indentation import deformation
 
     found = deformation(
-        scene,
+        skin,
         press,
         min(COARSEST_FACTOR, FACTOR_SHARE * rtol),
         progress,
@@ -113,7 +114,9 @@ def deformed(
 
 
 def meshes(
-    scene: Scene,
+    skin: Skin,
+    setup: Setup,
+    pressing: Pressing,
     press: Press,
     pressed: Deformation | None,
     rtol: float,
@@ -124,38 +127,34 @@ def meshes(
     press, pressed: see `deformed`. place: cache of the pressed place, with the triangles of the
     last press there. Raises InputError for surroundings that elements cannot represent.
     """
-    check_surroundings(scene)
+    check_surroundings(skin)
     if pressed is not None and place and place.triangles:
         return DeflectedTriangles(place, place.triangles.for_other_depths(pressed), pressed, rtol)
-    circuit, rectangular = circuit_of(scene), scene.skin.outline is None and scene.skin.mesh is None
+    circuit, rectangular = (
+        circuit_of(skin, setup),
+        skin.outline is None and skin.mesh is None,
+    )
     if pressed is not None:
-        first = Triangles(scene, circuit, press, rtol, pressed)
+        first = Triangles(skin, circuit, press, rtol, pressed)
         return DeflectedTriangles(place or PressPlace(), first, pressed, rtol)
     if rectangular:
-        check_grid_fits(scene.parts.skin, circuit)
-    triangles = Triangles(scene, circuit, press, rtol)
+        check_grid_fits(skin, circuit)
+    triangles = Triangles(skin, circuit, press, rtol)
     if rectangular and press.boxes:
-        return SquaresThenTriangles(Squares(scene, circuit, press, rtol), triangles)
+        return SquaresThenTriangles(Squares(skin, pressing, circuit, press, rtol), triangles)
     return triangles
 
 
-def circuit_of(scene: Scene, same_sheets: bool = True) -> Circuit:
+def circuit_of(skin: Skin, setup: Setup, same_sheets: bool = True) -> Circuit:
     """Circuit with one field if both sheets and their foils vary in the same way, else with two.
 
     same_sheets: True if they vary in the same way on all skins that share the model.
     """
-    uniform = equivalent_scene(scene)
-    return (_single(scene, uniform) if same_sheets else None) or two_fields(
-        uniform.parts.skin, uniform.parts.setup
+    return (single_field(skin, setup) if same_sheets else None) or two_fields(
+        skin.electrical, setup
     )
 
 
-def single_field(scene: Scene) -> Circuit | None:
+def single_field(skin: Skin, setup: Setup) -> Circuit | None:
     """Circuit of the potential difference; None where it would not be exact."""
-    return _single(scene, equivalent_scene(scene))
-
-
-def _single(scene: Scene, uniform: Scene) -> Circuit | None:
-    return (
-        one_field(uniform.parts.skin, uniform.parts.setup) if Materials(scene).same_sheets else None
-    )
+    return one_field(skin.electrical, setup) if Materials(skin).same_sheets else None

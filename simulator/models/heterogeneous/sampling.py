@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Integer, Real
 from ...fem.matrices.quadrature import interpolated, rule_at
-from ...scene.scene import Scene
+from ...scene.parts import Skin
 from .discretised import Discretised
 from .materials import position
 
@@ -27,12 +27,12 @@ class Sampler:
     or 4, part).
     """
 
-    def __init__(self, scene: Scene, discretised: Discretised) -> None:
+    def __init__(self, skin: Skin, discretised: Discretised) -> None:
         self._discretised, self._elements = discretised, discretised.fine.elements
         sides = len(np.asarray(self._elements.element.refdom.p).T)
         cut = round((FEW_CELLS / self._elements.cells) ** 0.5)
         corners, parts = lattice(sides, min(max(cut, 1), MAX_SAMPLING_PARTS))
-        self._scene = scene
+        self._skin = skin
         middle = corners.mean(axis=1, keepdims=True)
         within = corners + INWARD * (middle - corners)
         self._at, self._within = (
@@ -47,7 +47,7 @@ class Sampler:
     def position(self) -> Real:
         """Positions of the corners in space, m, shape (3, cell, corner)."""
         if self._elements.in_space is None:
-            return position(self._scene, self.surface.x)
+            return position(self._skin, self.surface.x)
         origin, along, across = self._elements.in_space
         a, b = self._at.points
         return origin + a * along + b * across

@@ -14,8 +14,9 @@ from ...mesh.quadrilaterals import Resolution, pixel_mesh, tile_lines
 from ...press.capacitance import patch, tile_map
 from ...press.pixels import pixel_lines
 from ...press.press import Press
+from ...scene.parts import Skin
+from ...scene.pixel_grid import Pressing
 from ...scene.planar import NO_LINES, SAME_EDGE, Lines
-from ...scene.scene import Scene
 from ...sweeps import ToleranceError
 from ..resolution import ONE_CELL, ResolutionHierarchy
 from .boundary_layers import jumping, layered, with_foil_sides
@@ -44,12 +45,14 @@ class Squares:
     If they do not suffice, the field is singular somewhere; triangles are then refined there.
     """
 
-    def __init__(self, scene: Scene, circuit: Circuit, press: Press, rtol: float) -> None:
-        self.scene, self.circuit, self.press = scene, circuit, press
-        self.materials = Materials(scene)
+    def __init__(
+        self, skin: Skin, pressing: Pressing, circuit: Circuit, press: Press, rtol: float
+    ) -> None:
+        self.skin, self.pressing, self.circuit, self.press = skin, pressing, circuit, press
+        self.materials = Materials(skin)
         self.rtol = rtol
         self._history = ErrorHistory()
-        self._hierarchy = ResolutionHierarchy(scene, circuit, own=rtol)
+        self._hierarchy = ResolutionHierarchy(skin, pressing, circuit, own=rtol)
         self._level = self.first
 
     def finer(self, frequency: Real) -> Discretised:
@@ -75,17 +78,17 @@ class Squares:
     def resolution(self, level: int, highest: float) -> Resolution:
         """Resolution of a level, up to a frequency in Hz; its order is one more than that of the
         answer."""
-        like = jumping(self.press, self.scene)
+        like = jumping(self.press, self.skin)
         found = self._hierarchy.resolution(level, like, highest)
         return self._following_maps(layered(self._hierarchy, found, like, highest))
 
     def _discretised(self, resolution: Resolution) -> Discretised:
-        scene, circuit = self.scene, self.circuit
-        pixels = pixel_mesh(scene.parts.skin, circuit.contacts, resolution)
-        x, y = (tile_lines(scene.parts.skin, axis, resolution) for axis in (0, 1))
-        factors = tile_map(scene.parts.skin, scene.press, self.press, x, y).ravel()[pixels.pixel]
+        circuit = self.circuit
+        pixels = pixel_mesh(self.skin, circuit.contacts, resolution)
+        x, y = (tile_lines(self.skin, axis, resolution) for axis in (0, 1))
+        factors = tile_map(self.skin, self.pressing, self.press, x, y).ravel()[pixels.pixel]
         shares = [
-            (touch.finger, patch(scene.parts.skin, touch).share(x, y).ravel()[pixels.pixel])
+            (touch.finger, patch(self.skin, touch).share(x, y).ravel()[pixels.pixel])
             for touch in self.press.touches
             if touch.finger
         ]
@@ -101,7 +104,7 @@ class Squares:
         answered = replace(resolution, order=resolution.order - 1)
         return Discretised(
             circuit,
-            scene.skin.foam.loss,
+            self.skin.foam.loss,
             coefficients,
             coarse,
             fine,
@@ -113,16 +116,14 @@ class Squares:
     def _following_maps(self, resolution: Resolution) -> Resolution:
         """Resolution with lines where maps have kinks, and cells that follow the shortest of
         them."""
-        kinks = with_foil_sides(self.scene, self.materials.lines)
+        kinks = with_foil_sides(self.skin, self.materials.lines)
         lines = (self._with(0, resolution.lines, kinks), self._with(1, resolution.lines, kinks))
         finer = replace(resolution, lines=lines)
-        widest = max(
-            np.diff(tile_lines(self.scene.parts.skin, axis, finer)).max() for axis in (0, 1)
-        )
+        widest = max(np.diff(tile_lines(self.skin, axis, finer)).max() for axis in (0, 1))
         needed = CELLS_TO_A_LENGTH * widest / self.materials.shortest / resolution.order
         corners = ringed_corners(self.materials, self.circuit.contacts, self.press, self.rtol)
         cells = max(resolution.cells, math.ceil(needed))
-        unknowns = cells**2 * math.prod(self.scene.pixels.shape) * resolution.order**2
+        unknowns = cells**2 * math.prod(self.skin.pixels.shape) * resolution.order**2
         if cells > resolution.cells and unknowns > MAX_MAP_UNKNOWNS:
             raise ToleranceError(f"{cells} x {cells} cells in each pixel are too many")
         return self._towards_foils(replace(finer, cells=cells, corners=corners))
@@ -130,7 +131,7 @@ class Squares:
     def _towards_foils(self, resolution: Resolution) -> Resolution:
         """Resolution with cells that narrow towards foils that have a width, as they do at
         edges."""
-        inner = with_foil_sides(self.scene)
+        inner = with_foil_sides(self.skin)
         if inner == NO_LINES:
             return resolution
         touched = (resolution.touched[0] + inner[0], resolution.touched[1] + inner[1])
@@ -140,7 +141,7 @@ class Squares:
     def _with(self, axis: int, lines: Lines, kinks: Lines) -> tuple[float, ...]:
         """Lines across an axis, and those kinks that are separate from them and from pixels'
         lines."""
-        known = np.array([*pixel_lines(self.scene.parts.skin, axis), *lines[axis]])
-        least = SAME_EDGE * self.scene.skin.sides[axis]
+        known = np.array([*pixel_lines(self.skin, axis), *lines[axis]])
+        least = SAME_EDGE * self.skin.sides[axis]
         separate = [kink for kink in kinks[axis] if np.abs(known - kink).min() > least]
         return tuple(sorted([*lines[axis], *separate]))

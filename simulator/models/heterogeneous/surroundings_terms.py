@@ -23,7 +23,7 @@ from ...arrays import Integer, Mask, Real
 from ...fem.terminals.circuit import Circuit
 from ...fem.unknowns import Unknowns
 from ...press.walls import step_capacitance
-from ...scene.scene import Scene
+from ...scene.parts import Skin
 from ...scene.surroundings import Body, Surroundings
 from ...surroundings.rim import RimDensities, rim_densities
 from ...surroundings.surroundings_matrix import surroundings_matrix
@@ -38,35 +38,35 @@ ALONG = np.array([[1 / 3, 1 / 6], [1 / 6, 1 / 3]])
 BETWEEN = np.array([[1.0, -1.0], [-1.0, 1.0]])
 
 
-def check_surroundings(scene: Scene) -> None:
+def check_surroundings(skin: Skin) -> None:
     """Raise InputError for surroundings, or foils with a width, that elements cannot represent."""
-    around = scene.surroundings
-    for number, contact in enumerate(scene.contacts):
-        if contact.width and not scene.skin.rectangular:
+    around = skin.around
+    for number, contact in enumerate(skin.contacts):
+        if contact.width and not skin.rectangular:
             raise InputError(
-                f"{scene.name}: `contact[{number + 1}].width` needs a rectangle; elsewhere "
+                f"{skin.name}: `contact[{number + 1}].width` needs a rectangle; elsewhere "
                 "leave it out and draw the skin without the covered strip"
             )
     if around is not None and around.solved:
-        surroundings_matrix(scene.parts.skin)
+        surroundings_matrix(skin)
     if around is not None:
-        _check_rim(scene, around)
+        _check_rim(skin, around)
 
 
-def _check_rim(scene: Scene, around: Surroundings) -> None:
+def _check_rim(skin: Skin, around: Surroundings) -> None:
     """Raise InputError if the rim is to be computed towards a body that is not earth."""
     for body in around.body if around.rim is True else ():
         if not around.at_earth(body):
             raise InputError(
-                f"{scene.name}: `surroundings.rim = true` is computed towards a body at earth, got "
+                f"{skin.name}: `surroundings.rim = true` is computed towards a body at earth, got "
                 f"`potential` = {body.potential!r}; give the rim in F/m"
             )
-    rim_densities(scene.parts.skin)
+    rim_densities(skin)
 
 
 def energy_to_earth(coefficients: PressCoefficients, x: Real, u: Real) -> Real | float:
     """c_e u² of earthed bodies in J/m² for sheets at u in V, shape (field, ...), at x, (2, ...)."""
-    around, materials = coefficients.materials.scene.surroundings, coefficients.materials
+    around, materials = coefficients.materials.skin.around, coefficients.materials
     earthed = [body for body in around.body if around.at_earth(body)] if around else []
     return sum(b.per_area * materials.area(x) * u[ELECTRODES.index(b.side)] ** 2 for b in earthed)
 
@@ -80,7 +80,7 @@ def add_in_air(
 ) -> None:
     """Add bodies, fingers and the rim under one press to the values of the pattern."""
     materials = coefficients.materials
-    around = materials.scene.surroundings
+    around = materials.skin.around
     if around is None:
         return
     where = elements, unknowns, materials
@@ -90,7 +90,7 @@ def add_in_air(
     for farads, share in coefficients.fingers:
         add_finger(values, circuit.field_alone(touched), farads, share, *where)
     if around.rim is not False:
-        add_rim(values, rim_densities(materials.scene.parts.skin), *where)
+        add_rim(values, rim_densities(materials.skin), *where)
 
 
 def add_within_foam(
@@ -101,7 +101,7 @@ def add_within_foam(
 ) -> None:
     """Add thickness and edges under one press to the values of the pattern."""
     materials = coefficients.materials
-    around, where = materials.scene.surroundings, (elements, unknowns, materials)
+    around, where = materials.skin.around, (elements, unknowns, materials)
     if around is None:
         return
     if around.thickness or around.solved:

@@ -18,7 +18,7 @@ from ...mesh.refining.inverted_triangles import finer
 from ...mesh.skin_mesh import domain
 from ...press.press import Press
 from ...press.touch import Disc
-from ...scene.scene import Scene
+from ...scene.parts import Skin
 from ...sweeps import ToleranceError
 from ..resolution import depth_of
 from ..time_estimate import cells_needed, check_within_reach
@@ -66,16 +66,16 @@ class Triangles:
 
     def __init__(
         self,
-        scene: Scene,
+        skin: Skin,
         circuit: Circuit,
         press: Press,
         rtol: float,
         pressed: Deformation | None = None,
     ) -> None:
         """pressed: deformation by the touches without a factor."""
-        self.scene, self.circuit, self.press = scene, circuit, press.on_patches
+        self.skin, self.circuit, self.press = skin, circuit, press.on_patches
         self.pressed, self.rtol = pressed, rtol
-        self.materials = Materials(scene)
+        self.materials = Materials(skin)
         orders = ORDERS if pressed is None else ORDERS_OF_SPREAD
         self.order = next(order for least, order in orders if rtol >= least)
         self._before: Discretised | None = None
@@ -108,7 +108,7 @@ class Triangles:
             found = self._first(ends)
         else:
             parts = indicators(self._before, ends)
-            interfaces = len(self.scene.parts.setup.solved)
+            interfaces = len(self.circuit.combination.weights)
             needed = cells_needed(parts.mean(axis=0) / interfaces, self.order, self.rtol)
             check_within_reach(needed, MAX_TRIANGLES, self.order, "triangles")
             found = self._halved(self._domain, parts, ends)
@@ -179,26 +179,26 @@ class Triangles:
         between: True if it conforms to all pixels, not only to pressed ones. Raises ToleranceError
         for a skin so narrow that no mesh could be any finer.
         """
-        scene, skin = self.scene, self.scene.skin
+        skin = self.skin
         creases = self.pressed.kinks if self.pressed else []
-        pixel = max(side / n for side, n in zip(skin.sides, scene.pixels.shape[::-1], strict=True))
+        pixel = max(side / n for side, n in zip(skin.sides, skin.pixels.shape[::-1], strict=True))
         size = min(pixel, self.order * self.materials.shortest)
         if skin.rectangular:
             _check_width(*skin.sides, size)
-        found = domain(scene.parts.skin, self.press, size, [*creases, *self._kinks()], between)
-        return _fine_at_foils(found, DEPTHS_PER_ORDER * self.order * depth_of(scene, frequency))
+        found = domain(skin, self.press, size, [*creases, *self._kinks()], between)
+        return _fine_at_foils(found, DEPTHS_PER_ORDER * self.order * depth_of(skin, frequency))
 
     def _left_out(self, mesh: Domain, frequency: float) -> float:
         """Relative error of Rs and Cp by touches and outlines that the mesh only approximates."""
         radii = [touch.radius for touch in self.press.touches if isinstance(touch, Disc)]
-        depths = max(radii, default=0.0) / depth_of(self.scene, frequency)
+        depths = max(radii, default=0.0) / depth_of(self.skin, frequency)
         by_foam = self.pressed.out_of_round if self.pressed else 0.0
         return by_foam + mesh.out_of_round * (1 + FALLS * depths) * bool(radii)
 
     def _kinks(self) -> list[Real]:
         """Lines at which maps have kinks, m, each of shape (2, 2)."""
         x, y = self.materials.lines
-        length, width = self.scene.skin.sides
+        length, width = self.skin.sides
         across = [np.array([[line, 0.0], [line, width]]) for line in x]
         return [*across, *(np.array([[0.0, line], [length, line]]) for line in y)]
 
@@ -217,7 +217,7 @@ class Triangles:
             coarse, fine = (self._solved(mesh, self.order + more, coefficients) for more in (0, 1))
         return Discretised(
             self.circuit,
-            self.scene.skin.foam.loss,
+            self.skin.foam.loss,
             coefficients,
             coarse,
             fine,
@@ -228,7 +228,7 @@ class Triangles:
         )
 
     def _coefficients(self, mesh: Domain) -> PressCoefficients:
-        columns = self.scene.pixels.columns
+        columns = self.skin.pixels.columns
         factors = sharp_factors(self.press, mesh, columns)
         fingers = tuple(
             (touch.finger, within.astype(float))
@@ -240,7 +240,7 @@ class Triangles:
         )
 
     def _solved(self, mesh: Domain, order: int, coefficients: PressCoefficients) -> SolvedLevel:
-        elements = triangles(mesh, order, self.scene.skin)
+        elements = triangles(mesh, order, self.skin)
         system = pressed_system(self.circuit, elements, coefficients)
         return SolvedLevel(Galerkin(system, self.circuit, order), system, elements)
 

@@ -17,8 +17,8 @@ from ...mesh.skin_mesh import domain
 from ...press.press import Press
 from ...press.touch import Disc, Place, Touch
 from ...scene.form.outline import Curve
+from ...scene.parts import Skin
 from ...scene.planar import Circle, regular
-from ...scene.scene import Scene
 from ...sweeps import InputError
 from .deformation import check_plane
 
@@ -70,50 +70,47 @@ class ContactMesh:
 
 
 def contact_mesh(
-    scene: Scene, places: Sequence[Place], named: Sequence[Place] | None = None
+    skin: Skin, places: Sequence[Place], named: Sequence[Place] | None = None
 ) -> ContactMesh:
     """Mesh of a scene's skin under applicators of the shapes of `places`.
 
     named: places whose names messages use, by default `places`. Raises InputError if the skin is no
     plane, or a place lies outside it.
     """
-    check_plane(scene.skin)
-    size = max(scene.skin.length, scene.skin.width) / COARSEST
+    check_plane(skin)
+    size = max(skin.length, skin.width) / COARSEST
     drawn = tuple(place for place in places if not isinstance(place, Touch))
-    found = domain(scene.parts.skin, Press(drawn), size)
-    columns = scene.pixels.columns
+    found = domain(skin, Press(drawn), size)
+    columns = skin.pixels.columns
     pixel = [(p.row - 1) * columns + p.column - 1 if isinstance(p, Touch) else -1 for p in places]
-    shapes = [shape_of(scene.parts.skin, place) for place in places]
+    shapes = [shape_of(skin, place) for place in places]
     angular = [shape for shape in shapes if not isinstance(shape, Circle)]
     sharp = np.concatenate([np.zeros((0, 2)), *angular]).T
     meshed = ContactMesh(found, np.array(pixel), sharp, sum(map(_around, shapes)))
     for place, covered in zip(named or places, meshed.covered, strict=True):
         if not covered.any():
-            raise InputError(f"press {place.where}: must touch the skin of {scene.name}")
+            raise InputError(f"press {place.where}: must touch the skin of {skin.name}")
     return meshed
 
 
-def straight_contact_mesh(scene: Scene, places: Sequence[Place], sides: int) -> ContactMesh:
+def straight_contact_mesh(skin: Skin, places: Sequence[Place], sides: int) -> ContactMesh:
     """Mesh of straight triangles: a disc becomes a polygon of that many sides and of the same area.
 
     Its corners are so blunt that they count as none.
     """
-    meshed = contact_mesh(_angular(scene), [polygonal(place, sides) for place in places], places)
-    angular = [
-        polygon_of(scene.parts.skin, place) for place in places if not isinstance(place, Disc)
-    ]
+    meshed = contact_mesh(_angular(skin), [polygonal(place, sides) for place in places], places)
+    angular = [polygon_of(skin, place) for place in places if not isinstance(place, Disc)]
     return replace(meshed, sharp=np.concatenate([np.zeros((0, 2)), *angular]).T)
 
 
-def _angular(scene: Scene) -> Scene:
-    """Scene with polygons for the circles of its outline."""
-    outline = scene.skin.outline
+def _angular(skin: Skin) -> Skin:
+    """Skin with polygons for the circles of its outline."""
+    outline = skin.outline
     if outline is None:
-        return scene
+        return skin
     holes = tuple(Curve(points=_sides(hole)) for hole in outline.holes)
     changed = {"points": _sides(outline), "circle": None, "holes": holes}
-    skin = scene.skin.model_copy(update={"outline": outline.model_copy(update=changed)})
-    return scene.model_copy(update={"skin": skin})
+    return replace(skin, outline=outline.model_copy(update=changed))
 
 
 def _sides(curve: Curve) -> tuple[tuple[float, float], ...] | None:

@@ -12,7 +12,7 @@ from ...chebyshev import barycentric, extrema
 from ...press.press import Press
 from ...press.touch import Depth, Indentation, Touch
 from ...scene.foam.foam_mechanics import Elastic, Mechanics
-from ...scene.scene import Scene
+from ...scene.parts import Skin
 from ...sweeps import ToleranceError
 from .adaptive import adaptive_deflection, deflection_uncertainty
 from .contact import ApplicatorLoads, equilibrium
@@ -117,7 +117,7 @@ class DepthSeries:
 
 
 def depth_series(
-    scene: Scene, pixel: Touch, deepest: float, factor_rtol: float, rtol: float
+    skin: Skin, pixel: Touch, deepest: float, factor_rtol: float, rtol: float
 ) -> DepthSeries:
     """Depth series of a pixel's applicator, down to `deepest` in m.
 
@@ -125,10 +125,10 @@ def depth_series(
     between depths. Raises what `adaptive_deflection` raises, and ToleranceError if interpolation
     does not reach rtol.
     """
-    mechanics, thickness = scene.skin.foam.mechanics, scene.skin.foam.thickness
+    mechanics, thickness = skin.foam.mechanics, skin.foam.thickness
     assert mechanics is not None and thickness is not None
     press = Press((Indentation(pixel, Depth(deepest)),))
-    contact = straight_contact_mesh(scene, [pixel], 0)
+    contact = straight_contact_mesh(skin, [pixel], 0)
     first = adaptive_deflection(press, contact, mechanics, thickness, factor_rtol)
     known = {deepest: (first.solution.w, float(first.solution.force[0]))}
     known[0.0] = np.zeros_like(first.solution.w), 0.0
@@ -184,8 +184,8 @@ def interpolated_error(series: DepthSeries, mechanics: Mechanics, thickness: flo
     return INTERPOLATION_SAFETY * float(np.abs(expected / between - 1).max())
 
 
-def spread(scene: Scene) -> float:
+def spread(skin: Skin) -> float:
     """Length over which a deflection falls off next to an applicator, m."""
-    mechanics, thickness = scene.skin.foam.mechanics, scene.skin.foam.thickness
+    mechanics, thickness = skin.foam.mechanics, skin.foam.thickness
     assert mechanics is not None and thickness is not None
     return math.sqrt(mechanics.tension * thickness / mechanics.young)

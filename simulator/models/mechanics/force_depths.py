@@ -12,6 +12,7 @@ import numpy as np
 from ...press.pixels import pixels_with_skin
 from ...press.press import Press
 from ...press.touch import Depth, Force, Indentation, Touch
+from ...scene.parts import Skin
 from ...scene.scene import Scene
 from ...scene.skin import Sheet
 from ...sweeps.press_text import displayed_press
@@ -39,36 +40,34 @@ def forces_as_depths(scene: Scene) -> Scene:
     """
     if scene.press.force is None:
         return scene
-    pressing = scene.press.model_copy(update={"force": None, "depth": _median(_bare(scene))})  # pyright: ignore[reportArgumentType]
+    pressing = scene.press.model_copy(
+        update={"force": None, "depth": _median(_bare(scene.parts.skin), scene.press.force)}
+    )
     return scene.model_copy(update={"press": pressing})
 
 
-def _bare(scene: Scene) -> Scene:
-    """Scene with equal sheets, which do not change depths."""
-    skin = scene.skin
-    return scene.model_copy(update={"skin": skin.model_copy(update={"bottom": ANY, "top": ANY})})
+def _bare(skin: Skin) -> Skin:
+    """Skin with equal sheets, which do not change depths."""
+    return replace(skin, bottom=ANY, top=ANY)
 
 
 @lru_cache(maxsize=16)
-def _median(scene: Scene) -> float:
-    """Median of the depths of pixels under the scene's force, m."""
+def _median(skin: Skin, force: float) -> float:
+    """Median of the depths of pixels under a force, m."""
     from .indentation import deformation
 
-    force = scene.press.force
-    presses = _some(_in_pixels(scene), SAMPLE)
-    depths = [deformation(scene, press, FACTOR_RTOL).depth[0] for press in presses]
+    presses = _some(_in_pixels(skin, force), SAMPLE)
+    depths = [deformation(skin, press, FACTOR_RTOL).depth[0] for press in presses]
     median = float(np.median(depths))
     shown = _range(depths)
     to_all = f"; all are pressed by the median, {1e3 * median:.3g} mm" if " to " in shown else ""
-    LOG.info(f"{scene.name}: {force:g} N press pixels {shown}{to_all}")
+    LOG.info(f"{skin.name}: {force:g} N press pixels {shown}{to_all}")
     return median
 
 
-def _in_pixels(scene: Scene) -> list[Press]:
-    """Presses of each pixel by the scene's force."""
-    force = scene.press.force
-    assert force is not None
-    touches = [Touch(i, j, 1.0) for i, j in pixels_with_skin(scene.parts.skin)]
+def _in_pixels(skin: Skin, force: float) -> list[Press]:
+    """Presses of each pixel by a force."""
+    touches = [Touch(i, j, 1.0) for i, j in pixels_with_skin(skin)]
     return [Press((Indentation(touch, Force(force)),)) for touch in touches]
 
 
@@ -78,16 +77,16 @@ def _some(presses: list[Press], count: int) -> list[Press]:
     return [presses[k] for k in np.unique(chosen)]
 
 
-def depths_of_pixels(scene: Scene) -> str:
-    """Depths under the scene's force in a corner and in the middle, in words.
+def depths_of_pixels(skin: Skin, force: float) -> str:
+    """Depths under a force in a corner and in the middle, in words.
 
     Raises InputError if the foam cannot be compressed so far.
     """
-    presses = _some(_in_pixels(scene), 3)
-    return _range([depth for press in presses for depth in _reached(scene, press)])
+    presses = _some(_in_pixels(skin, force), 3)
+    return _range([depth for press in presses for depth in _reached(skin, press)])
 
 
-def depths_in_words(scene: Scene, presses: Iterable[Press]) -> list[str]:
+def depths_in_words(skin: Skin, presses: Iterable[Press]) -> list[str]:
     """A line for each press by a force with its depths, or one line for more than SAMPLE of them.
 
     Raises what `deformation` raises.
@@ -95,21 +94,21 @@ def depths_in_words(scene: Scene, presses: Iterable[Press]) -> list[str]:
     by_force = [press for press in dict.fromkeys(presses) if _forced(press)]
     some = _some(by_force, SAMPLE) if by_force else []
     if len(some) < len(by_force):
-        depths = _range([depth for press in some for depth in _reached(scene, press)])
+        depths = _range([depth for press in some for depth in _reached(skin, press)])
         return [f"{len(by_force)} presses by force are {depths} (sample of {len(some)})"]
     return [
-        f"press {displayed_press(str(press))}: {_and(_reached(scene, press))} mm deep"
+        f"press {displayed_press(str(press))}: {_and(_reached(skin, press))} mm deep"
         for press in some
     ]
 
 
-def _reached(scene: Scene, press: Press) -> tuple[float, ...]:
+def _reached(skin: Skin, press: Press) -> tuple[float, ...]:
     """Depths in m of the touches that have a depth or a force."""
-    return _reached_in(_bare(scene), press)  # pyright: ignore[reportArgumentType]
+    return _reached_in(_bare(skin), press)
 
 
 @lru_cache(maxsize=64)
-def _reached_in(bare: Scene, press: Press) -> tuple[float, ...]:
+def _reached_in(bare: Skin, press: Press) -> tuple[float, ...]:
     from .indentation import deformation
 
     return deformation(bare, press, SHOWN_RTOL).depth
@@ -129,7 +128,7 @@ def _and(depths: tuple[float, ...]) -> str:
     return " and ".join(f"{1e3 * depth:.3g}" for depth in depths)
 
 
-def press_by_depths(scene: Scene, press: Press) -> Press:
+def press_by_depths(skin: Skin, press: Press) -> Press:
     """Press with its forces replaced by the depths that they press to.
 
     Raises what `deformation` raises.
@@ -138,7 +137,7 @@ def press_by_depths(scene: Scene, press: Press) -> Press:
 
     if not _forced(press):
         return press
-    depths = deformation(scene, press, FACTOR_RTOL).depth
+    depths = deformation(skin, press, FACTOR_RTOL).depth
     by_depth = [
         replace(touch, by=Depth(depth)) for touch, depth in zip(press.indented, depths, strict=True)
     ]

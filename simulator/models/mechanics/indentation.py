@@ -18,8 +18,8 @@ from ...press.press import Press, check_press
 from ...press.touch import Disc
 from ...progress import ProgressCallback, silent
 from ...scene.foam.foam_mechanics import Mechanics
+from ...scene.parts import Skin
 from ...scene.planar import ring
-from ...scene.scene import Scene
 from .deformation import Deformation, check_depths
 from .no_tension import deformation_without_tension
 
@@ -36,7 +36,7 @@ __all__ = ["Deformation", "deformation"]
 
 
 def deformation(
-    scene: Scene,
+    skin: Skin,
     press: Press,
     rtol: float,
     progress: ProgressCallback = silent,
@@ -51,17 +51,17 @@ def deformation(
     touches = press.indented
     if not touches:
         return Deformation(None, 1.0, _flat, (), (), 0.0, (), press)
-    check_press(press, scene.parts.skin)
-    mechanics, thickness = scene.skin.foam.mechanics, scene.skin.foam.thickness
+    check_press(press, skin)
+    mechanics, thickness = skin.foam.mechanics, skin.foam.thickness
     assert mechanics is not None and thickness is not None
     check_depths(press, mechanics, thickness)
     if not mechanics.tension:
-        return deformation_without_tension(scene, press, mechanics, thickness)
-    return _spread(scene, press, mechanics, thickness, rtol, progress, again)
+        return deformation_without_tension(skin, press, mechanics, thickness)
+    return _spread(skin, press, mechanics, thickness, rtol, progress, again)
 
 
 def _spread(
-    scene: Scene,
+    skin: Skin,
     press: Press,
     mechanics: Mechanics,
     thickness: float,
@@ -75,10 +75,8 @@ def _spread(
 
     again = again or DeflectionCache()
     places = [touch.place for touch in press.indented]
-    kinks = tuple(
-        ring(polygon_of(scene.parts.skin, polygonal(each, DISC_SIDES))) for each in places
-    )
-    contact = again.contact or straight_contact_mesh(scene, places, DISC_SIDES)
+    kinks = tuple(ring(polygon_of(skin, polygonal(each, DISC_SIDES))) for each in places)
+    contact = again.contact or straight_contact_mesh(skin, places, DISC_SIDES)
     found = adaptive_deflection(press, contact, mechanics, thickness, rtol, progress, again)
     depth, force = tuple(found.solution.depth.tolist()), tuple(found.solution.force.tolist())
     return Deformation(
@@ -91,7 +89,7 @@ def _spread(
         kinks,
         None,
         out_of_round=OUT_OF_ROUND * any(isinstance(each, Disc) for each in places),
-        within_error=partial(deformation, scene, press, again=again),
+        within_error=partial(deformation, skin, press, again=again),
         uncertainty=found.surface.in_triangles(found.uncertainty),
     )
 

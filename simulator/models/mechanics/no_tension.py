@@ -14,8 +14,8 @@ from ...press.capacitance import touched_box
 from ...press.press import Press, order
 from ...press.touch import Box, Depth, Place, Touch, touch_at
 from ...scene.foam.foam_mechanics import Elastic, Mechanics
+from ...scene.parts import Skin
 from ...scene.planar import SAME_EDGE, Circle, area, inside, ring
-from ...scene.scene import Scene
 from ...sweeps import InputError
 from .contact_mesh import contact_mesh
 from .deformation import Deformation, check_reached
@@ -26,20 +26,20 @@ Shapes = tuple[Circle | Real, ...]
 
 
 def deformation_without_tension(
-    scene: Scene, press: Press, mechanics: Mechanics, thickness: float
+    skin: Skin, press: Press, mechanics: Mechanics, thickness: float
 ) -> Deformation:
     """Deformation if each touch presses only the area that it covers.
 
     Raises what `deformation` raises.
     """
     places = [touch.place for touch in press.indented]
-    shapes = tuple(shape_of(scene.parts.skin, place) for place in places)
-    boxes = [_box(scene, place) for place in places]
+    shapes = tuple(shape_of(skin, place) for place in places)
+    boxes = [_box(skin, place) for place in places]
     separated = not any(meet(one, other) for one, other in combinations(boxes, 2))
     by_depth = all(isinstance(touch.by, Depth) for touch in press.indented)
     if not separated and not by_depth:
         raise InputError(f"press {press}: a touch of given force must not meet another touch")
-    area = _areas(scene, press, shapes, separated)
+    area = _areas(skin, press, shapes, separated)
     strain = np.array(
         [
             touch.by.value / thickness
@@ -91,20 +91,20 @@ def meet(one: Box, other: Box) -> bool:
     return bool((high - low > SAME_EDGE * np.abs(high)).all())
 
 
-def _box(scene: Scene, place: Place) -> Box:
-    return touched_box(scene.parts.skin, place) if isinstance(place, Touch) else place.box
+def _box(skin: Skin, place: Place) -> Box:
+    return touched_box(skin, place) if isinstance(place, Touch) else place.box
 
 
-def _areas(scene: Scene, press: Press, shapes: Shapes, separated: bool) -> Real:
+def _areas(skin: Skin, press: Press, shapes: Shapes, separated: bool) -> Real:
     """Area of the skin under each applicator, m²; where they overlap it counts for the deepest."""
-    if separated and scene.skin.outline is None and scene.skin.mesh is None:
+    if separated and skin.outline is None and skin.mesh is None:
         return np.array(
             [
                 np.pi * each.radius**2 if isinstance(each, Circle) else abs(area(each))
                 for each in shapes
             ]
         )
-    under = contact_mesh(scene, [touch.place for touch in press.indented])
+    under = contact_mesh(skin, [touch.place for touch in press.indented])
     depth = [touch.by.value if isinstance(touch.by, Depth) else 1.0 for touch in press.indented]
     holds = np.where(under.covered, np.array(depth)[:, None], 0.0).argmax(axis=0)
     alone = under.covered & (holds == np.arange(len(depth))[:, None])

@@ -34,7 +34,7 @@ class NetworkSkin:
         Raises InputError for sheets that touches change: their skins are solved interface by
         interface.
         """
-        if gauged(skin.reduced.scene.skin):
+        if gauged(skin.reduced.parts.skin):
             raise InputError(
                 "a network of terminals cannot have sheets whose resistance a touch changes"
             )

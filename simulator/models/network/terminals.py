@@ -14,9 +14,11 @@ from typing import TypedDict, TypeVar
 
 from ...arrays import Real
 from ...progress import ProgressCallback, silent
+from ...scene.parts import SceneParts, Skin
+from ...scene.pixel_grid import Pressing
 from ...scene.readings.contacts import Contact, Interface
+from ...scene.readings.setup import Setup
 from ...scene.readings.wiring_checks import check_wiring, conductor_groups
-from ...scene.scene import Scene
 from ...sweeps import InputError
 from ..heterogeneous.mesh_choice import single_field
 from ..reduced.cases import Draw
@@ -37,7 +39,7 @@ class ReductionOptions(TypedDict):
 
 
 def trained(
-    scene: Scene,
+    parts: SceneParts,
     rtol: float = 1e-5,
     draw: Draw | None = None,
     *,
@@ -51,22 +53,22 @@ def trained(
     rtol, draw, modes, progress, frequency: see `reduce`, which also lists the errors raised;
     InputError, too, if a tension spreads presses.
     """
-    require_no_spread(scene)
+    require_no_spread(parts.skin, parts.plan.press)
     more = ReductionOptions(modes=modes, progress=progress, frequency=frequency)
-    return reduce(scene, rtol, draw, same_sheets=False, readings=chain(scene), **more)
+    return reduce(parts, rtol, draw, same_sheets=False, readings=chain(parts.skin), **more)
 
 
-def require_no_spread(scene: Scene) -> None:
+def require_no_spread(skin: Skin, pressing: Pressing) -> None:
     """Raise InputError if a tension spreads presses on pixels."""
-    if spreading(scene):
+    if spreading(skin, pressing):
         raise InputError(
-            f"{scene.name}: any interfaces are available for presses by a factor only; give "
+            f"{skin.name}: any interfaces are available for presses by a factor only; give "
             "`press.capacitance_factor` in place of `press.depth` or `press.force`"
         )
 
 
 def reduced_for(
-    scene: Scene,
+    parts: SceneParts,
     rtol: float = 1e-5,
     draw: Draw | None = None,
     *,
@@ -80,19 +82,21 @@ def reduced_for(
     rtol, draw, modes, same_sheets, progress, frequency: see `reduce`.
     """
     more = ReductionOptions(modes=modes, progress=progress, frequency=frequency)
-    if not needs_all_terminals(scene, same_sheets):
-        return reduce(scene, rtol, draw, same_sheets=same_sheets, **more)
-    return read(trained(scene, rtol, draw, **more), scene.interfaces)
+    if not needs_all_terminals(parts.skin, parts.setup, parts.plan.press, same_sheets):
+        return reduce(parts, rtol, draw, same_sheets=same_sheets, **more)
+    return read(trained(parts, rtol, draw, **more), parts.setup.interfaces)
 
 
-def needs_all_terminals(scene: Scene, same_sheets: bool = True) -> bool:
+def needs_all_terminals(
+    skin: Skin, setup: Setup, pressing: Pressing, same_sheets: bool = True
+) -> bool:
     """True if a scene of two fields, pressed by factors, has more interfaces than a chain.
 
     same_sheets: see `reduce`.
     """
-    if spreading(scene) or (same_sheets and single_field(scene) is not None):
+    if spreading(skin, pressing) or (same_sheets and single_field(skin, setup) is not None):
         return False
-    return len(scene.parts.setup.solved) > len(chain(scene))
+    return len(setup.solved) > len(chain(skin))
 
 
 def read(reduced: Model, readings: Sequence[Interface]) -> Model:
@@ -100,23 +104,23 @@ def read(reduced: Model, readings: Sequence[Interface]) -> Model:
 
     Raises InputError for unknown contacts, shorts, and a model of one field.
     """
-    scene = reduced.scene
+    skin = reduced.parts.skin
     if reduced.circuit.fields != 2:
-        raise InputError(f"{scene.name}: a model of one field has no other interfaces than its own")
+        raise InputError(f"{skin.name}: a model of one field has no other interfaces than its own")
     try:
-        check_wiring(scene.contacts, readings, scene.skin)
+        check_wiring(skin.contacts, readings, skin)
     except ValueError as error:
-        raise InputError(f"{scene.name}: {error}") from error
+        raise InputError(f"{skin.name}: {error}") from error
     return replace(reduced, circuit=reduced.circuit.read(readings))
 
 
-def chain(scene: Scene) -> list[Interface]:
+def chain(skin: Skin) -> list[Interface]:
     """Interfaces that excite all terminals, one fewer than those: each shares one with the next.
 
     Pairs of one terminal of each sheet, those of the same number first; if one sheet has none,
     pairs of the first terminal and each other.
     """
-    leaders = _leaders(scene)
+    leaders = _leaders(skin)
     top, bottom = ([c for c in leaders if c.electrode == name] for name in ("top", "bottom"))
     if not (top and bottom):
         first, *others = top or bottom
@@ -129,9 +133,9 @@ def chain(scene: Scene) -> list[Interface]:
     return [_between(top[i], bottom[j]) for i, j in pairs]
 
 
-def _leaders(scene: Scene) -> list[Contact]:
+def _leaders(skin: Skin) -> list[Contact]:
     """First contact of each terminal."""
-    return [scene.contacts[k] for k in sorted(set(conductor_groups(scene.contacts, scene.skin)))]
+    return [skin.contacts[k] for k in sorted(set(conductor_groups(skin.contacts, skin)))]
 
 
 def _between(high: Contact, low: Contact) -> Interface:

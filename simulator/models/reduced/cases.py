@@ -13,7 +13,7 @@ from ...press.parts import foam_parts, parts_of
 from ...press.pixels import pixels_with_skin
 from ...press.press import Press
 from ...press.touch import Touch
-from ...scene.scene import Scene
+from ...scene.parts import Plan, Skin
 from ..heterogeneous.materials import gauged
 from ..parameters import Variation
 
@@ -32,14 +32,14 @@ class Case:
     cells: Integer
     rises: Real
 
-    def map_on(self, scene: Scene) -> Real:
+    def map_on(self, skin: Skin) -> Real:
         """Amount of each part of M over the scene's own, shape (part,), see `Parts`."""
-        pressed = parts_of(scene.parts.skin).pressed(self.cells, self.rises)
-        return pressed if self.variation is None else pressed * self.variation.factors(scene)
+        pressed = parts_of(skin).pressed(self.cells, self.rises)
+        return pressed if self.variation is None else pressed * self.variation.factors(skin)
 
-    def press_on(self, scene: Scene) -> Press:
+    def press_on(self, skin: Skin) -> Press:
         """Press of the case's pixels by capacitance factors, with the fingers on them."""
-        columns, parts = scene.pixels.columns, parts_of(scene.parts.skin)
+        columns, parts = skin.pixels.columns, parts_of(skin)
         of = dict(zip(self.cells.tolist(), self.rises.tolist(), strict=True))
         pixels = dict.fromkeys(k if k < parts.foam else k - parts.foam for k in of)
         return Press(
@@ -55,9 +55,9 @@ class Case:
         )
 
 
-def touched(scene: Scene, cells: Integer, rises: Real) -> Real:
+def touched(skin: Skin, cells: Integer, rises: Real) -> Real:
     """Factors on c by touches, shape (part,), see `foam_parts`."""
-    factors = np.ones(foam_parts(scene.parts.skin))
+    factors = np.ones(foam_parts(skin))
     on_foam = cells < len(factors)
     np.add.at(factors, cells[on_foam], rises[on_foam])
     return factors
@@ -81,13 +81,13 @@ AT_ENDS = 0.25
 The same share of touches does not press. So some draws are fingers at an end that only touch."""
 
 
-def pixel_touches(scene: Scene, factor: tuple[float, float] = (1.0, 3.0)) -> Draw:
+def pixel_touches(skin: Skin, plan: Plan, factor: tuple[float, float] = (1.0, 3.0)) -> Draw:
     """Draw of one or several random pixels on the scene's own skin, with factors in a range.
 
     If the scene has an earth, fingers of any capacitance up to `strongest_finger` press them.
     """
-    pixels, parts = scene.pixels.rows * scene.pixels.columns, parts_of(scene.parts.skin)
-    strongest = strongest_finger(scene) if parts.fingers else 0.0
+    pixels, parts = skin.pixels.rows * skin.pixels.columns, parts_of(skin)
+    strongest = strongest_finger(skin, plan) if parts.fingers else 0.0
 
     def draw(random: np.random.Generator) -> Case:
         touches = random.integers(1, min(MAX_PIXELS_AT_ONCE, pixels), endpoint=True)
@@ -104,16 +104,16 @@ def pixel_touches(scene: Scene, factor: tuple[float, float] = (1.0, 3.0)) -> Dra
     return draw
 
 
-def strongest_finger(scene: Scene) -> float:
+def strongest_finger(skin: Skin, plan: Plan) -> float:
     """Capacitance of the strongest finger in the training, F.
 
     It is LARGEST_FINGER, or BEYOND_NAMED times the strongest finger of the scene if that is more.
     """
-    drawn = scene.dataset.press.finger
-    pixels = (Touch(row, column, 1.0) for row, column in pixels_with_skin(scene.parts.skin))
+    drawn = plan.draws.press.finger
+    pixels = (Touch(row, column, 1.0) for row, column in pixels_with_skin(skin))
     named = [
         0.0 if drawn is None else drawn.high,
-        *(finger_of(p, None, scene.press.finger, scene.parts.skin) for p in pixels),
+        *(finger_of(p, None, plan.press.finger, skin) for p in pixels),
     ]
     return max(LARGEST_FINGER, BEYOND_NAMED * max(named))
 
@@ -146,9 +146,9 @@ def sharing_skins(cases: list[Case], presses: int) -> list[Case]:
     ]
 
 
-def by_skin(cases: list[Case], scene: Scene) -> list[list[int]]:
+def by_skin(cases: list[Case], skin: Skin) -> list[list[int]]:
     """Indices of the cases, grouped by skin. If presses change the sheets, a group is one case."""
-    if gauged(scene.skin):
+    if gauged(skin):
         return [[k] for k in range(len(cases))]
     found: dict[int, list[int]] = {}
     for k, case in enumerate(cases):

@@ -25,7 +25,7 @@ def compressed(reduced: Reduced, cases: list[Case]) -> Reduced:
     share = COMPRESSED_SHARE * reduced.rtol
     while True:
         factors = compressed_factors(
-            reduced.factors, typical(reduced), share, parts_of(reduced.scene.parts.skin)
+            reduced.factors, typical(reduced), share, parts_of(reduced.parts.skin)
         )
         candidate = replace(reduced, factors=factors)
         change = relative_difference(_impedances(candidate, cases), exact)

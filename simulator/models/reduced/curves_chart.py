@@ -25,7 +25,7 @@ def curves_chart(reduced: Reduced) -> SmallChart:
 
 
 def _draw(figure: Figure, reduced: Reduced) -> None:
-    scene = reduced.scene
+    scene = reduced.parts.scene
     f, pixels = scene.frequencies, pixels_with_skin(scene.parts.skin)
     chosen = dict.fromkeys([pixels[0], pixels[len(pixels) // 2], pixels[-1]])
     presses = [UNPRESSED, *("{},{}".format(*pixel) for pixel in chosen)]

@@ -8,7 +8,7 @@ from ...arrays import Integer, Real
 from ...press.capacitance import touched_cells
 from ...press.press import Press
 from ...press.touch import AnyTouch, Touch
-from ...scene.scene import Scene
+from ...scene.parts import Plan, SceneParts, Skin
 from ...sweeps import InputError
 from ..solution import ModelResult
 from .cases import pixel_touches, strongest_finger
@@ -25,18 +25,18 @@ class FactorPressModel:
     rtol: tolerance of Rs and Cp. frequency: Hz, ascending.
     """
 
-    def __init__(self, scene: Scene, rtol: float, frequency: Real) -> None:
-        self.scene, self.rtol, self.frequency = scene, rtol, frequency
+    def __init__(self, parts: SceneParts, rtol: float, frequency: Real) -> None:
+        self.parts, self.rtol, self.frequency = parts, rtol, frequency
 
     def result(self, press: Press, frequency: Real) -> ModelResult:
         """Result at frequencies in Hz within those of the model, with its error.
 
         Raises InputError for touches that the model is not trained on.
         """
-        _check_trained(press, self.scene)
+        _check_trained(press, self.parts.skin, self.parts.plan)
         skin, (cells, rises) = (
             self._skin,
-            touched_cells(self.scene.parts.skin, self.scene.press, press),
+            touched_cells(self.parts.skin, self.parts.plan.press, press),
         )
         if not skin.reduced.on_skin[skin.parts.pixels(cells[None])[0]].all():
             raise InputError(f"press {press}: there is no skin at that place")
@@ -44,8 +44,8 @@ class FactorPressModel:
 
     @cached_property
     def _skin(self) -> ReducedSkin:
-        draw = pixel_touches(self.scene, TRAINED)
-        return reduce(self.scene, self.rtol, draw, frequency=self.frequency).skin(None)
+        draw = pixel_touches(self.parts.skin, self.parts.plan, TRAINED)
+        return reduce(self.parts, self.rtol, draw, frequency=self.frequency).skin(None)
 
 
 def certified_result(
@@ -60,18 +60,18 @@ def certified_result(
     )
 
 
-def _check_trained(press: Press, scene: Scene) -> None:
+def _check_trained(press: Press, skin: Skin, plan: Plan) -> None:
     if not all(isinstance(touch, Touch) for touch in press.touches):
         raise InputError(f"the model takes touches of whole pixels only, got {press}")
     low, high = TRAINED
     for touch in press.touches:
         if not low <= touch.factor <= high:
             raise InputError(f"the model is trained on factors from {low} to {high}, got {touch}")
-        check_finger(touch, scene)
+        check_finger(touch, skin, plan)
 
 
-def check_finger(touch: AnyTouch, scene: Scene) -> None:
+def check_finger(touch: AnyTouch, skin: Skin, plan: Plan) -> None:
     """Raises InputError for a finger stronger than those that the scene's models are trained on."""
-    if touch.finger and touch.finger > strongest_finger(scene):
-        strongest = f"{strongest_finger(scene):g} F"
+    if touch.finger and touch.finger > strongest_finger(skin, plan):
+        strongest = f"{strongest_finger(skin, plan):g} F"
         raise InputError(f"the model is trained on fingers up to {strongest}, got {touch}")

@@ -16,7 +16,7 @@ from ...press.parts import Parts, parts_of
 from ...press.press import Press
 from ...progress import ProgressCallback, silent
 from ...scene.frequency import laplace_variable, slopes_of_s
-from ...scene.scene import Scene
+from ...scene.parts import SceneParts
 from ..cosine_modes.amplitudes import amplitudes
 from ..cosine_modes.sheet_modes import StiffnessTerms
 from ..heterogeneous.materials import gauge_slopes, gauged, gauges
@@ -47,7 +47,7 @@ class Forward:
 
     def __init__(
         self,
-        scene: Scene,
+        parts: SceneParts,
         cells_per_pixel: int = 1,
         rtol: float = 1e-4,
         progress: ProgressCallback = silent,
@@ -60,18 +60,19 @@ class Forward:
         progress: see `ProgressCallback`. train: makes the model as `reduce` does. modes: number of
         modes of each sheet's conductance: all that SHEET_MODES name, or the mean alone.
         """
-        self.scene, self.rtol, self.modes = scene, rtol, modes
+        self.parts, self.skin, self.setup = parts, parts.skin, parts.setup
+        self.rtol, self.modes = rtol, modes
         self.cells_per_pixel = cells_per_pixel
         if cells_per_pixel != 1:
-            require_whole_pixels(scene, "a touch on cells of pixels")
-        self.divided = scene.divided(cells_per_pixel)
+            require_whole_pixels(parts.skin, parts.plan.press, "a touch on cells of pixels")
+        self.divided = parts.divided(cells_per_pixel)
         self._progress, self._train = progress, train
         self._kept: tuple[Mapping[str, float], ReducedSkin] | None = None
 
     def cells(self, press: Press) -> TouchedCells:
         """Cells that a press touches, row by row from 0, and the rises of c there over unpressed
         c."""
-        return touched_cells(self.divided.parts.skin, self.divided.press, press)
+        return touched_cells(self.divided.skin, self.divided.plan.press, press)
 
     def respond(
         self,
@@ -86,9 +87,9 @@ class Forward:
         `sensitivity`. Raises InputError for an unknown name, ToleranceError if the scene does not
         reduce.
         """
-        values = all_values(self.scene, given)
+        values = all_values(self.skin, self.setup, given)
         cells, rises = self._with_finger(cells, rises, values)
-        f, skin = self.scene.frequencies, self._skin(values).under(cells, rises)
+        f, skin = self.setup.frequency, self._skin(values).under(cells, rises)
         further = [np.empty((0, *skin.stiffness.shape)) if further_terms is None else further_terms]
         if _has_foam_modes(values):
             further.append(
@@ -97,10 +98,10 @@ class Forward:
         with one_blas_thread():
             found = sensitivity(skin, cells, rises, f, np.concatenate(further))
         by_gauge: Complex | float = 0.0
-        if gauged(self.scene.skin):
+        if gauged(self.skin):
             assert skin.weights is not None
             own = found.by_weight[..., : len(self.reduced.stiffness)] * skin.weights
-            by_gauge = self._by_gauge(own, touched(self.divided, cells, rises))
+            by_gauge = self._by_gauge(own, touched(self.divided.skin, cells, rises))
         return self._at_meter(found, skin, values, len(further[0]), by_gauge)
 
     def allows_batches(self, given: Mapping[str, float] | None = None) -> bool:
@@ -109,7 +110,7 @@ class Forward:
         given: see `respond`.
         """
         uniform = not _has_foam_modes(given or {})
-        return uniform and type(self.reduced) is Reduced and not gauged(self.scene.skin)
+        return uniform and type(self.reduced) is Reduced and not gauged(self.skin)
 
     def respond_together(
         self, cells: Integer, rises: Real, given: Mapping[str, float] | None = None
@@ -120,10 +121,13 @@ class Forward:
         alone, shape (press, interface, frequency, touch). `allows_batches` must be True. given: see
         `respond`.
         """
-        values, count = all_values(self.scene, given), cells.shape[1]
+        values, count = (
+            all_values(self.skin, self.setup, given),
+            cells.shape[1],
+        )
         skin, touched = self._skin(values), self._with_finger(cells, rises, values)
         with one_blas_thread():
-            found = sensitivities(skin, *touched, self.scene.frequencies)
+            found = sensitivities(skin, *touched, self.setup.frequency)
         if touched[0].shape[1] > count:
             found = replace(found, by_cell=found.by_cell[..., :count])
         return self._at_meter(found, skin, values)
@@ -139,7 +143,7 @@ class Forward:
         """further: number of further terms that K does not have."""
         ends = np.cumsum([len(self.reduced.stiffness), further])
         by_weight, by_term, by_mode = np.split(found.by_weight, ends, axis=-1)
-        of_s = slopes_of_s(self.scene.frequencies, loss_of(values))
+        of_s = slopes_of_s(self.setup.frequency, loss_of(values))
         by_name = {name: found.of_foam * slope for name, slope in of_s.items()}
         by_name |= self._by_surroundings(found, skin, values)
         assert skin.variation is not None and skin.weights is not None
@@ -148,32 +152,32 @@ class Forward:
         of_modes = np.moveaxis(self._s(values)[:, None] * by_mode, -1, 0)
         named = zip(FOAM_MODES, of_modes, strict=False)
         by_name |= {name: slope for name, slope in named if name in values}
-        reading = reading_of(self.scene, values)
+        reading = reading_of(self.setup, values)
         return at_meter(1 / found.Y, by_name, reading, found.by_cell, by_term, by_gauge)
 
     def impedances(self, batch: PressBatch, given: Mapping[str, float] | None = None) -> Complex:
         """Readings of many presses, in ohm or gains, shape (press, interface, frequency)."""
-        values = all_values(self.scene, given)
+        values = all_values(self.skin, self.setup, given)
         if values.get("finger"):
             batch = PressBatch.of(self._with_finger(*own, values) for own in batch.each())
-        Z = self._skin(values).sweeps(batch, self.scene.frequencies)
-        return reading_of(self.scene, values).at_meter(Z)
+        Z = self._skin(values).sweeps(batch, self.setup.frequency)
+        return reading_of(self.setup, values).at_meter(Z)
 
     def certificate(
         self, cells: Integer, rises: Real, given: Mapping[str, float] | None = None
     ) -> float:
         """Largest bound on the relative error of Rs and Cp of one press at the skin, mesh
         included."""
-        values = all_values(self.scene, given)
+        values = all_values(self.skin, self.setup, given)
         touched = self._with_finger(cells, rises, values)
-        bound = self._skin(values).certificate(*touched, self.scene.frequencies)
+        bound = self._skin(values).certificate(*touched, self.setup.frequency)
         return float(bound.max()) + self.reduced.mesh_error
 
     @cached_property
     def free(self) -> tuple[str, ...]:
         """Names of the parameters that the impedance of the scene depends on."""
         idle = set() if self._resistive else {"contact_resistance"}
-        return tuple(name for name in own_values(self.scene) if name not in idle)
+        return tuple(name for name in own_values(self.skin, self.setup) if name not in idle)
 
     @cached_property
     def reduced(self) -> Reduced:
@@ -182,20 +186,20 @@ class Forward:
         return self._train(
             self.divided,
             self.rtol,
-            training_draw(self.scene, self.cells_per_pixel, self.modes, varied),
+            training_draw(self.parts, self.cells_per_pixel, self.modes, varied),
             modes=self.modes,
             same_sheets=not self._two_fields,
             progress=self._progress,
-            frequency=training_band(self.scene),
+            frequency=training_band(self.setup),
         )
 
     @cached_property
     def _two_fields(self) -> bool:
-        return self.modes > 1 or single_field(self.scene) is None
+        return self.modes > 1 or single_field(self.skin, self.setup) is None
 
     @cached_property
     def _resistive(self) -> bool:
-        return any(not contact.ideal for contact in self.scene.contacts)
+        return any(not contact.ideal for contact in self.skin.contacts)
 
     def _skin(self, values: Mapping[str, float]) -> ReducedSkin:
         """Skin of these parameters; the last one is cached, as many presses of one skin follow."""
@@ -206,12 +210,12 @@ class Forward:
         return self._kept[1]
 
     def _s(self, values: Mapping[str, float]) -> Complex:
-        return laplace_variable(self.scene.frequencies, loss_of(values))
+        return laplace_variable(self.setup.frequency, loss_of(values))
 
     def _by_weights(self, weighed: Complex, variation: Variation) -> dict[str, Complex]:
         """Derivatives of Y by the logarithms of the resistances that weigh the terms of K."""
         sheets, films = self._terms.split(weighed)
-        top, bottom = self.scene.skin.sheet_resistances
+        top, bottom = self.skin.sheet_resistances
         energy = np.moveaxis(sheets.sum(axis=(-2, -1)), -1, 0)
         of_sheets = by_sheets(energy, top / variation.top[0], bottom / variation.bottom[0])
         return of_sheets | {"contact_resistance": -films.sum(axis=-1)}
@@ -246,7 +250,7 @@ class Forward:
 
     @cached_property
     def _parts(self) -> Parts:
-        return parts_of(self.divided.parts.skin)
+        return parts_of(self.divided.skin)
 
     @cached_property
     def _foam_mode_terms(self) -> FoamModeTerms:
@@ -254,18 +258,18 @@ class Forward:
 
     def _variation(self, values: Mapping[str, float]) -> Variation:
         """Variation of these parameters without the foam's cosine modes."""
-        return uniform_variation(self.divided, values, self.modes)
+        return uniform_variation(self.divided.skin, values, self.modes)
 
     def unpressed_factors(self, values: Mapping[str, float]) -> Real:
         """Units of the rises of each cell over the scene's own, shape (cell,).
 
         They are the unpressed c without the foam's cosine modes, and 1 for a finger.
         """
-        return self._variation(all_values(self.scene, values)).factors(self.divided)
+        return self._variation(all_values(self.skin, self.setup, values)).factors(self.divided.skin)
 
     @cached_property
     def _terms(self) -> StiffnessTerms:
-        parts = foam_parts(self.divided.parts.skin) if gauged(self.scene.skin) else 1
+        parts = foam_parts(self.divided.skin) if gauged(self.skin) else 1
         return StiffnessTerms(self.reduced.circuit.fields, self.modes, parts)
 
     def _by_gauge(self, weighed: Complex, pressed: Real) -> Complex:
@@ -273,7 +277,7 @@ class Forward:
 
         Shape (interface, s, cell).
         """
-        sheets, skin = self._terms.split(weighed)[0].sum(axis=-2), self.scene.skin
+        sheets, skin = self._terms.split(weighed)[0].sum(axis=-2), self.skin
         relative = gauge_slopes(skin, pressed) / gauges(skin, pressed)
         return (sheets * relative[: self.reduced.circuit.fields]).sum(axis=-2)
 

@@ -13,8 +13,9 @@ from ...press.capacitance import touched_cells
 from ...press.parts import parts_of
 from ...press.press import Press
 from ...press.random_presses import random_presses
+from ...scene.parts import Plan, SceneParts, Skin
+from ...scene.readings.setup import Setup
 from ...scene.readout.meter import FrequencyGrid
-from ...scene.scene import Scene
 from ..cosine_modes.sheet_modes import random_amplitudes, variation_with_modes
 from ..parameters import Variation, own_values, variation_of
 from .cases import Case, Draw, pixel_touches, strongest_finger
@@ -25,28 +26,31 @@ PIXEL_FACTORS = (0.5, 3.0)
 BAND_POINTS = 20
 
 
-def training_band(scene: Scene) -> Real:
+def training_band(setup: Setup) -> Real:
     """Frequencies from the lowest of a scene over REACH to the highest times REACH, Hz."""
-    low, high = scene.frequencies[0], scene.frequencies[-1]
+    low, high = setup.frequency[0], setup.frequency[-1]
     return np.array(
         FrequencyGrid(start=low / REACH, stop=high * REACH, points=BAND_POINTS).values()
     )
 
 
-def uniform_variation(divided: Scene, values: Mapping[str, float], modes: int) -> Variation:
+def uniform_variation(skin: Skin, values: Mapping[str, float], modes: int) -> Variation:
     """Variation of these parameters, with modes of the sheets but not of the foam."""
-    return variation_with_modes(variation_of(divided, values), values, modes)
+    return variation_with_modes(variation_of(skin, values), values, modes)
 
 
-def training_draw(scene: Scene, cells_per_pixel: int, modes: int, varied: bool) -> Draw:
+def training_draw(parts: SceneParts, cells_per_pixel: int, modes: int, varied: bool) -> Draw:
     """Draw of presses on skins of any parameters.
 
     Presses are on pixels, or anywhere if pixels are divided into several cells. modes: of each
     sheet's conductance. varied: False if the model needs the scene's own skin only.
     """
-    divided = scene.divided(cells_per_pixel)
-    on_pixels, own = pixel_touches(divided, PIXEL_FACTORS), own_values(scene)
-    fixed = [name for name in dict.fromkeys(parts_of(divided.parts.skin).fixed) if name in own]
+    skin, divided = parts.skin, parts.divided(cells_per_pixel).skin
+    on_pixels, own = (
+        pixel_touches(divided, parts.plan, PIXEL_FACTORS),
+        own_values(skin, parts.setup),
+    )
+    fixed = [name for name in dict.fromkeys(parts_of(divided).fixed) if name in own]
 
     def draw(random: np.random.Generator) -> Case:
         mismatch, film = random.uniform(-1, 1, 2) * math.log(REACH)
@@ -57,22 +61,24 @@ def training_draw(scene: Scene, cells_per_pixel: int, modes: int, varied: bool) 
         variation = uniform_variation(divided, drawn, modes) if varied else None
         if cells_per_pixel == 1:
             return replace(on_pixels(random), variation=variation)
-        press = random_presses(divided.parts.skin, random, 2)[int(random.integers(2))]
+        press = random_presses(divided, random, 2)[int(random.integers(2))]
         return Case(
             variation,
             *touched_cells(
-                divided.parts.skin, divided.press, _by_fingers(scene, divided, press, random)
+                divided, parts.plan.press, _by_fingers(skin, divided, parts.plan, press, random)
             ),
         )
 
     return draw
 
 
-def _by_fingers(scene: Scene, divided: Scene, press: Press, random: np.random.Generator) -> Press:
+def _by_fingers(
+    skin: Skin, divided: Skin, plan: Plan, press: Press, random: np.random.Generator
+) -> Press:
     """Press with the same touches by fingers, if the scene has an earth that they reach."""
-    if not parts_of(divided.parts.skin).fingers:
+    if not parts_of(divided).fingers:
         return press
-    strongest = strongest_finger(scene)
+    strongest = strongest_finger(skin, plan)
     fingers = random.uniform(0.0, strongest, len(press.touches)).tolist()
     touches = zip(press.touches, fingers, strict=True)
     return Press(tuple(replace(touch, finger=finger) for touch, finger in touches))

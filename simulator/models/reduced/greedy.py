@@ -26,12 +26,11 @@ from ...fem.system import check_grid_fits
 from ...press.parts import parts_of
 from ...progress import ProgressCallback, silent
 from ...scene.frequency import laplace_variable
+from ...scene.parts import SceneParts
 from ...scene.readings.contacts import Interface
-from ...scene.scene import Scene
 from ...sweeps import ToleranceError
 from ..heterogeneous.mesh_choice import circuit_of
 from ..heterogeneous.surroundings_terms import check_surroundings
-from ..uniform import equivalent_scene
 from .cases import Case, Draw, by_skin, covering, pixel_touches, sharing_skins, touched
 from .compressing import COMPRESSED_SHARE, compressed, sizes
 from .families.family import Family
@@ -76,7 +75,7 @@ shape (k, snapshot)."""
 
 
 def reduce(
-    scene: Scene,
+    parts: SceneParts,
     rtol: float = 1e-5,
     draw: Draw | None = None,
     *,
@@ -98,33 +97,47 @@ def reduce(
     as the scene presses them. Raises ToleranceError if the mesh or the basis does not reach rtol,
     InputError if the pixels do not fit in memory.
     """
-    check_surroundings(scene)
-    applied = spreading(scene, by_depth)
-    scene = scene if applied else equivalent_scene(scene)
+    check_surroundings(parts.skin)
+    applied = spreading(parts.skin, parts.plan.press, by_depth)
+    parts = parts if applied else parts.evened
+    skin, setup = parts.skin, parts.setup
     draw = (
-        separated_draws(draw or pixel_touches(scene), scene)
+        separated_draws(draw or pixel_touches(skin, parts.plan), skin)
         if applied
-        else draw or pixel_touches(scene)
+        else draw or pixel_touches(skin, parts.plan)
     )
-    circuit = circuit_of(scene, same_sheets)
+    circuit = circuit_of(skin, setup, same_sheets)
     circuit = circuit if readings is None else circuit.read(readings)
-    check_grid_fits(scene.parts.skin, circuit)
-    random, f = np.random.default_rng(seed), scene.frequencies if frequency is None else frequency
+    check_grid_fits(skin, circuit)
+    random, f = np.random.default_rng(seed), setup.frequency if frequency is None else frequency
     progress(TRAINING, 0.0)
     with one_blas_thread():
         cases = [draw(random) for _ in range(MESH_DRAWS)]
-        resolve = resolved_under_applicators if applied else resolved
-        family, mesh_error = resolve(scene, circuit, modes, rtol, cases, f, progress)
-        return GreedyBasis(family, rtol, mesh_error, f).grow(draw, random, progress)
+        known = circuit, modes, rtol, cases, f, progress
+        family, mesh_error = (
+            resolved_under_applicators(skin, *known)
+            if applied
+            else resolved(skin, parts.plan.press, *known)
+        )
+        return GreedyBasis(parts, family, rtol, mesh_error, f).grow(draw, random, progress)
 
 
 class GreedyBasis:
     """Growing basis of a family's space, orthonormal in K."""
 
-    def __init__(self, family: Family, rtol: float, mesh_error: float, frequency: Real) -> None:
-        """frequency: Hz, ascending; the basis serves all between the first and the last."""
-        self.family, self.rtol, self.mesh_error = family, rtol, mesh_error
-        self.frequency, loss = frequency, family.scene.skin.foam.loss
+    def __init__(
+        self,
+        parts: SceneParts,
+        family: Family,
+        rtol: float,
+        mesh_error: float,
+        frequency: Real,
+    ) -> None:
+        """parts: with the skin of the family. frequency: Hz, ascending; the basis serves all from
+        the first to the last.
+        """
+        self.parts, self.family, self.rtol, self.mesh_error = parts, family, rtol, mesh_error
+        self.frequency, loss = frequency, family.skin.foam.loss
         self.vectors: Real = np.zeros((family.space.inner, 0))
         low, high = float(frequency[0]), float(frequency[-1])
         decades = max(4, math.ceil(math.log10(high / low)) + 1)
@@ -144,7 +157,7 @@ class GreedyBasis:
         The tolerance of the basis is what the mesh leaves of rtol. most: number of fresh draws that
         is always enough.
         """
-        pixels, left = self.family.scene.pixels, self.rtol - self.mesh_error
+        pixels, left = self.family.skin.pixels, self.rtol - self.mesh_error
         limit, cells = CERTIFIED_SHARE * left, pixels.rows * pixels.columns
         first = sharing_skins(covering(draw, random, cells, IDLE_DRAWS), PRESSES_ON_SKIN)
         for start in range(0, len(first), AT_ONCE):
@@ -193,8 +206,8 @@ class GreedyBasis:
 
         They are deviations from the lifted terminals' potentials.
         """
-        for group in by_skin(cases, self.family.scene):
-            space = self.family.skin(weights_of_case(self.family, cases[group[0]]))
+        for group in by_skin(cases, self.family.skin):
+            space = self.family.space_of(weights_of_case(self.family, cases[group[0]]))
             for start in range(0, len(group), PRESSES_ON_SKIN):
                 some = [cases[k] for k in group[start : start + PRESSES_ON_SKIN]]
                 yield self._essence(self._at_shifts(space, some))
@@ -245,7 +258,7 @@ class GreedyBasis:
         """Reduced model in the present basis."""
         family = self.family
         reduced = Reduced(
-            scene=family.scene,
+            parts=self.parts,
             circuit=family.circuit,
             mesh=family.mesh,
             modes=family.modes,
@@ -264,7 +277,7 @@ class GreedyBasis:
         terms += [family.space.film_energy(W, term) for term in family.film_terms]
         size = sizes(len(family.space.conductance), self.vectors.shape[1], self._most)
         parts, share = (
-            parts_of(family.scene.parts.skin),
+            parts_of(family.skin),
             TRAINED_SHARE * COMPRESSED_SHARE * self.rtol,
         )
         factors = family.masses.factors(W, size, share, parts)
@@ -283,11 +296,11 @@ def bounds(reduced: Reduced, cases: list[Case], frequency: Real) -> Real:
     frequency: Hz.
     """
     found = np.empty(len(cases))
-    for group in by_skin(cases, reduced.scene):
+    for group in by_skin(cases, reduced.parts.skin):
         own = [cases[k] for k in group]
         presses = [(case.cells, case.rises) for case in own]
         foams = [reduced.family.foam_of(case) for case in own]
-        skin = reduced.skin(own[0].variation, touched(reduced.scene, *presses[0]))
+        skin = reduced.skin(own[0].variation, touched(reduced.parts.skin, *presses[0]))
         found[group] = skin.certificates(presses, foams, frequency).max(axis=(0, 2, 3))
     return found
 

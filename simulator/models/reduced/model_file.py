@@ -14,7 +14,7 @@ from ...fem.terminals.excitation import Excitation
 from ...mesh.arcs import Arcs
 from ...mesh.domain import Domain
 from ...mesh.quadrilaterals import Resolution
-from ...scene.scene_files import parse_scene, scene_text
+from ...scene.scene_files import parse_scene
 from ...sweeps import InputError, kept_file
 from ...sweeps.array_files import read_arrays, write_arrays
 from ..heterogeneous.mesh_choice import circuit_of
@@ -35,7 +35,7 @@ def save(reduced: Reduced, path: Path) -> None:
     """Writes a model. Equal models give equal bytes of arrays."""
     mesh, of_mesh = _mesh_description(reduced.mesh)
     description = {
-        "scene": scene_text(reduced.scene),
+        "scene": reduced.parts.text,
         "fields": reduced.circuit.fields,
         "drives": [drive.stored() for drive in reduced.circuit.excitations],
         **mesh,
@@ -70,17 +70,17 @@ def _model(path: Path, description: dict[str, Any], stored: dict[str, NDArray]) 
     arrays |= {FIXED: stored[FIXED]} if FIXED in stored else {}
     frequency, applied = stored.get("frequency"), arrays_from(stored)
     mesh = _mesh(description, stored)
-    scene = parse_scene(description["scene"], str(path))
-    circuit = circuit_of(scene, description["fields"] == 1)
+    parts = parse_scene(description["scene"], str(path)).parts
+    circuit = circuit_of(parts.skin, parts.setup, description["fields"] == 1)
     if circuit.fields != description["fields"]:
         raise InputError(f"{path}: one field cannot represent the interfaces of its scene")
     if "drives" in description:
         drives = tuple(Excitation.read(own) for own in description["drives"])
         circuit = replace(circuit, excitations=drives)
-    arrays["frequency"] = scene.frequencies if frequency is None else frequency
+    arrays["frequency"] = parts.setup.frequency if frequency is None else frequency
     _check_sizes(arrays, max(terminal.field for terminal in circuit.terminals) + 1)
     model = Reduced(
-        scene=scene,
+        parts=parts,
         circuit=circuit,
         mesh=mesh,
         modes=description["modes"],

@@ -20,7 +20,7 @@ import numpy as np
 
 from ...arrays import Integer, Mask, Real
 from ...fem.terminals.circuit import Circuit
-from ...scene.scene import Scene
+from ...scene.parts import SceneParts
 from .families.family import Family, Mesh
 from .families.family_meshes import family_on
 
@@ -38,7 +38,7 @@ class Projection:
     + n). The parts are numbered as in `Parts`.
     """
 
-    scene: Scene
+    parts: SceneParts
     circuit: Circuit
     mesh: Mesh
     modes: int
@@ -61,7 +61,7 @@ class Projection:
     @property
     def grid(self) -> tuple[int, int]:
         """Rows and columns of the pixels on which maps of capacitance are given."""
-        return self.scene.pixels.rows, self.scene.pixels.columns
+        return self.parts.skin.pixels.rows, self.parts.skin.pixels.columns
 
     @cached_property
     def on_skin(self) -> Mask:
@@ -72,7 +72,7 @@ class Projection:
     @cached_property
     def family(self) -> Family:
         """Full model; it is built again if it is not at hand."""
-        return self.built or family_on(self.scene, self.circuit, self.mesh, self.modes)
+        return self.built or family_on(self.parts.skin, self.circuit, self.mesh, self.modes)
 
     @cached_property
     def coordinates(self) -> Real:

@@ -25,19 +25,19 @@ class Reduced(Projection, Tabular):
         a text that is no press on the scene.
         """
         pressed = (
-            press_on(self.scene.parts.skin, self.scene.press, press)
+            press_on(self.parts.skin, self.parts.plan.press, press)
             if isinstance(press, str)
             else press
         )
         return self.skin(None).sweep(
-            *touched_cells(self.scene.parts.skin, self.scene.press, pressed), frequency
+            *touched_cells(self.parts.skin, self.parts.plan.press, pressed), frequency
         )
 
     def _table(self) -> tuple[str, list[tuple[str, ...]]]:
         rows, columns = self.grid
         numbers = f"{self.size}", f"{rows} x {columns}", f"{self.rtol:g}", f"{self.mesh_error:.1e}"
         header = "size of the basis", "pixels", "rtol", "estimated error of the mesh"
-        return f"Reduced model of {self.scene.name}", [header, numbers]
+        return f"Reduced model of {self.parts.skin.name}", [header, numbers]
 
     def _chart(self) -> SmallChart:
         from .curves_chart import curves_chart

@@ -60,14 +60,14 @@ class ReducedSkin:
     ) -> None:
         """pressed: factors on c by touches, shape (part,); only piezoresistive sheets use them."""
         self.reduced, self.variation, self._pressed = reduced, variation, pressed
-        factors = np.ones(foam_parts(reduced.scene.parts.skin)) if pressed is None else pressed
-        given = reduced.scene, reduced.circuit, reduced.modes
+        factors = np.ones(foam_parts(reduced.parts.skin)) if pressed is None else pressed
+        given = reduced.parts.skin, reduced.circuit, reduced.modes
         self.weights = weights_under(variation, *given, factors)
-        own = nominal(reduced.scene, reduced.modes) if variation is None else variation
+        own = nominal(reduced.parts.skin, reduced.modes) if variation is None else variation
         self.loss = own.loss
         self.unpressed_factors, self.parts = (
-            own.factors(reduced.scene),
-            parts_of(reduced.scene.parts.skin),
+            own.factors(reduced.parts.skin),
+            parts_of(reduced.parts.skin),
         )
         self.s = laplace_variable(reduced.frequency, own.loss)
         K = self.stiffness
@@ -155,21 +155,23 @@ class ReducedSkin:
 
     @cached_method(MAX_SKINS)
     def _with_air_of(self, factor: float) -> ReducedSkin:
-        own = self.variation or nominal(self.reduced.scene, self.reduced.modes)
+        own = self.variation or nominal(self.reduced.parts.skin, self.reduced.modes)
         return type(self)(self.reduced, replace(own, air=factor), self._pressed)
 
     def _at_own_air(self, batch: PressBatch, s: Complex, precision: float) -> Complex:
         """Sweeps with one s for all capacitance. precision: share of the tolerance of Lanczos'
         method."""
-        if gauged(self.reduced.scene.skin):
+        if gauged(self.reduced.parts.skin):
             return self._one_by_one(batch, s, precision)
         return self._swept(batch, s, precision)
 
     def under(self, cells: Integer, rises: Real) -> ReducedSkin:
         """Skin whose sheets are those under these touches; itself if touches change no sheet."""
-        if not gauged(self.reduced.scene.skin):
+        if not gauged(self.reduced.parts.skin):
             return self
-        return type(self)(self.reduced, self.variation, touched(self.reduced.scene, cells, rises))
+        return type(self)(
+            self.reduced, self.variation, touched(self.reduced.parts.skin, cells, rises)
+        )
 
     def _one_by_one(self, batch: PressBatch, s: Complex, precision: float) -> Complex:
         """Sweeps with a K of its own for each press, see `sweeps`."""
@@ -270,7 +272,7 @@ class ReducedSkin:
     def by_mesh(self, cells: Integer, rises: Real) -> float:
         """Estimated relative error of Rs and Cp of one press by the mesh; 0 for uniform scenes."""
         reduced = self.reduced
-        if reduced.scene.uniform:
+        if reduced.parts.skin.uniform:
             return 0.0
         pressed = self.under(cells, rises).weights, self.loss, self.map_of(cells, rises)
         with one_blas_thread():
@@ -281,7 +283,7 @@ class ReducedSkin:
     def min_conductance(self) -> float:
         """Lower bound of the factor on K anywhere. Raises InputError unless it is above zero."""
         reduced = self.reduced
-        parts = foam_parts(reduced.scene.parts.skin) if gauged(reduced.scene.skin) else 1
+        parts = foam_parts(reduced.parts.skin) if gauged(reduced.parts.skin) else 1
         return min_conductance_factor(self.weights, reduced.circuit, reduced.modes, parts)
 
     def exact(self, cells: Integer, rises: Real) -> Complex:
@@ -307,9 +309,9 @@ class ReducedSkin:
         """Family that was reduced, then families on finer and finer meshes for this press."""
         reduced = self.reduced
         yield reduced.family
-        given = reduced.scene, reduced.circuit, reduced.modes, reduced.rtol
-        press = Case(None, cells, rises).press_on(reduced.scene)
-        yield from finer_families(*given, [press], reduced.frequency)
+        parts, known = reduced.parts, (reduced.circuit, reduced.modes, reduced.rtol)
+        press = Case(None, cells, rises).press_on(reduced.parts.skin)
+        yield from finer_families(parts.skin, parts.plan.press, *known, [press], reduced.frequency)
 
     def map_of(self, cells: Integer, rises: Real) -> Real:
         """Amount of each part of M over the scene's own, shape (part,), see `Parts`."""
@@ -362,5 +364,5 @@ class ReducedSkin:
     def stiffness(self) -> Real:
         """K in the model's coordinates, S, shape (N + n, N + n)."""
         reduced = self.reduced
-        change = changes(self.weights, reduced.scene, reduced.circuit, reduced.modes)
+        change = changes(self.weights, reduced.parts.skin, reduced.circuit, reduced.modes)
         return with_terms(reduced.conductance, reduced.stiffness, *change)

@@ -8,18 +8,9 @@ import numpy as np
 
 from ...arrays import Mask, Real
 from ..readout.meter import Sweep
-from ..scene import Scene, checked_interface, interface_names
+from ..scene import Scene
 from .contacts import Interface
 from .readers import with_sources
-
-
-def checked_interfaces(names: Sequence[str] | None, scene: Scene) -> tuple[str, ...]:
-    """Names of interfaces without duplicates; all of the scene if none is given.
-
-    Raises InputError for an unknown name.
-    """
-    chosen = dict.fromkeys(names or interface_names(scene))
-    return tuple(checked_interface(each, scene) for each in chosen)
 
 
 def with_frequencies(scene: Scene, frequency: Sequence[float], taken: Mask | None = None) -> Scene:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from ...arrays import Complex, Mask, Real
+from ...sweeps import InputError
 from ...sweeps.reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, ReadingKind
 from ..part import Part
 from ..readout.meter import Leads
@@ -73,6 +74,24 @@ class Setup(Part):
     def behind(self, leads: Leads) -> Setup:
         """The readings behind other leads."""
         return replace(self, leads=leads)
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the interfaces."""
+        return [interface.name for interface in self.interfaces]
+
+    def checked_name(self, name: str | None) -> str:
+        """A name of an interface, the first one for None; InputError for an unknown name."""
+        if name is not None and name not in self.names:
+            raise InputError(f"`interface` must be one of {', '.join(self.names)}, got {name!r}")
+        return name or self.names[0]
+
+    def checked_names(self, names: Sequence[str] | None) -> tuple[str, ...]:
+        """Names of interfaces without duplicates; all if none is given.
+
+        Raises InputError for an unknown name.
+        """
+        return tuple(self.checked_name(each) for each in dict.fromkeys(names or self.names))
 
     @property
     def kind(self) -> ReadingKind:
@@ -164,7 +183,7 @@ class Setup(Part):
 
     def frequency_at(self, interface: str) -> Real:
         """Frequencies at which the interface of that name is read, Hz, ascending."""
-        number = [each.name for each in self.interfaces].index(interface)
+        number = self.names.index(interface)
         return self.frequency[self.read[number]]
 
     @property

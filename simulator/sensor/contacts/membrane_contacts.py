@@ -127,7 +127,7 @@ class ContactMembrane:
         assert mechanics is not None
         spread = np.sqrt(mechanics.tension * self.foam.thickness / mechanics.young)
         size = np.clip(smallest, FINEST * spread, min(self.scene.skin.sides))
-        return lattice_of(self.scene, self.grid, float(2.0 ** np.floor(np.log2(size))))
+        return lattice_of(self.scene.parts.skin, self.grid, float(2.0 ** np.floor(np.log2(size))))
 
     def _applied(self, own: Real, radius: Real, depth: Real) -> LatticeApplicators:
         wide = np.where(radius > 0, radius, own[:, WIDTH] / 2)

@@ -80,7 +80,7 @@ class ContactRasterizer:
         grid = grid or scene.pixels.shape
         foam, cells = foam_tables(scene.skin.foam, highest), grid_cells(scene, grid)
         refused, spread = refusals(scene), None
-        if spreads(scene) and "force" not in refused:
+        if spreads(scene.parts.skin) and "force" not in refused:
             from .membrane_contacts import ContactMembrane
 
             spread = SpreadPoints(ContactMembrane(scene, grid, foam, cells))

@@ -34,7 +34,7 @@ def model(tmp_path_factory):
     """A model of the strip's columns against rest."""
     scene, random = load_scene(SCENE), np.random.default_rng(0)
     presses = ["none"] * 3 + [f"1,{j}:{f}" for j in (1, 2, 3) for f in (1.8, 2.0, 2.2)]
-    exact = simulate(Solver(scene), [parse_press(press, 2.0) for press in presses])
+    exact = simulate(Solver(scene.parts), [parse_press(press, 2.0) for press in presses])
     sweeps = concatenate([read_out(exact, scene.readout, random, k) for k in range(4)])
     path = tmp_path_factory.mktemp("model") / "strip.npz"
     save(path, train(sweeps, "column", quantities=("dlnZ", "dphase")))

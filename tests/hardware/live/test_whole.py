@@ -32,7 +32,7 @@ def sessions():
     """Four of simulated sweeps of the strip, at rest and pressed at each column."""
     scene, random = load_scene(SCENE), np.random.default_rng(0)
     presses = [*NOTHING, *(f"1,{j}:{f}" for j in (1, 2, 3) for f in (1.8, 2.0, 2.2))]
-    exact = simulate(Solver(scene), [parse_press(press, 2.0) for press in presses])
+    exact = simulate(Solver(scene.parts), [parse_press(press, 2.0) for press in presses])
     return concatenate([read_out(exact, scene.readout, random, k) for k in range(4)])
 
 
@@ -89,7 +89,7 @@ def test_two_fingers_are_no_column_to_a_model_of_the_papers_readings(tmp_path, s
 def test_touches_are_followed_by_few_frequencies_where_a_model_inverts_the_simulator(model, serve):
     scene, random = load_scene(SCENE), np.random.default_rng(0)
     presses = [*NOTHING, *(f"1,{j}:{f}" for j in (1, 2, 3) for f in (1.8, 2.2))]
-    exact = simulate(Solver(scene), [parse_press(press, 2.0) for press in presses])
+    exact = simulate(Solver(scene.parts), [parse_press(press, 2.0) for press in presses])
     sweeps = concatenate([read_out(exact, scene.readout, random, k) for k in range(3)])
     inverting = model.with_name("inverting.npz")
     made = train(sweeps, "column", "model-based", quantities=("dlnZ", "dphase"))
@@ -112,7 +112,7 @@ def test_two_interfaces_are_read_by_choice_and_shown_on_a_page(tmp_path, serve):
     scene = scene.model_copy(update={"pixels": Pixels(rows=2, columns=2), "sweep": sweep})
     pixels = [f"{i},{j}" for i in (1, 2) for j in (1, 2)]
     presses = [*NOTHING, *(f"{pixel}:{f}" for pixel in pixels for f in (1.8, 2.2))]
-    exact = simulate(Solver(scene), [parse_press(press, 2.0) for press in presses])
+    exact = simulate(Solver(scene.parts), [parse_press(press, 2.0) for press in presses])
     random = np.random.default_rng(0)
     sweeps = concatenate([read_out(exact, scene.readout, random, k) for k in range(2)])
     path = tmp_path / "pixels.npz"
@@ -140,7 +140,7 @@ def test_interfaces_with_frequencies_of_their_own_are_read_and_logged_at_these(t
     pixels = Pixels(rows=2, columns=2)
     scene = scene.model_copy(update={"pixels": pixels, "sweep": sweep, "interfaces": own})
     presses = [*NOTHING, *(f"{i},{j}:{f}" for i in (1, 2) for j in (1, 2) for f in (1.8, 2, 2.2))]
-    exact = simulate(Solver(scene), [parse_press(press, 2.0) for press in presses])
+    exact = simulate(Solver(scene.parts), [parse_press(press, 2.0) for press in presses])
     random = np.random.default_rng(0)
     sweeps = concatenate([read_out(exact, scene.readout, random, k) for k in range(4)])
     save(tmp_path / "own.npz", train(sweeps, "pixel", quantities=("dlnZ", "dphase")))

@@ -40,7 +40,7 @@ def creeping():
 def clocked(creeping):
     """A meter at the left of a strip that creeps, and a control of it."""
     meter = Clocked(
-        MeasurementSetup(Specimen(creeping, "left"), exact_readout, read_table()), pace=0.0
+        MeasurementSetup(Specimen(creeping.parts, "left"), exact_readout, read_table()), pace=0.0
     )
     yield meter, ControlPort(meter)
     meter.worker.shutdown()
@@ -48,7 +48,7 @@ def clocked(creeping):
 
 def read(scene, press):
     """(Rs, X) in ohm, by the solver alone."""
-    Z = Solver(scene).solve(press_on(scene.parts.skin, scene.press, press), 1105.0).Z[0, 0]
+    Z = Solver(scene.parts).solve(press_on(scene.parts.skin, scene.press, press), 1105.0).Z[0, 0]
     return pytest.approx([Z.real, Z.imag], rel=1e-5)
 
 
@@ -112,7 +112,7 @@ def test_a_script_goes_on_after_a_press_that_creeps_too_far(clocked):
 def test_both_interfaces_know_what_pressed_the_skin(creeping):
     foils = {"name": "back", "high": ["bottom-left"], "low": ["top-left"]}
     scene = creeping.with_({"interface": [*creeping.model_dump()["interfaces"], foils]})
-    one = Specimen(scene, "left")
+    one = Specimen(scene.parts, "left")
     other = one.at("back")
     one.hold("1,2:2.0", 5.0)
     other.hold("none", 8.0)

@@ -24,7 +24,7 @@ def exact():
     """The strip at rest and pressed at each column, without noise."""
     scene = load_scene("strip-1x3")
     presses = ["none", *(f"1,{k}:{f}" for k in (1, 2, 3) for f in (1.8, 2.0, 2.2))]
-    return simulate(Solver(scene), [parse_press(each, 2.0) for each in presses])
+    return simulate(Solver(scene.parts), [parse_press(each, 2.0) for each in presses])
 
 
 @pytest.fixture(scope="module")

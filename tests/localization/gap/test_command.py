@@ -31,7 +31,7 @@ def gap(run):
 def recorded(scene, seed, factor=1.0):
     """The scene's experiment with sheets of a factor on their resistance, read by its meter."""
     skin = scene_with(scene, {"sheet_resistance": np.log(factor)})
-    presses = planned_presses(scene, np.random.default_rng(seed))
+    presses = planned_presses(scene.parts.skin, scene.parts.plan, np.random.default_rng(seed))
     exact = simulate(Solver(skin), presses)
     return read_out(exact, scene.readout, np.random.default_rng(seed + 1))
 
@@ -87,7 +87,7 @@ def test_sweeps_without_noise_or_scene_are_served_by_the_scene_named(
     monkeypatch.setattr("rcskin.localization.gap.report.html_report.charts_of", lambda *given: [])
     bare = tmp_path / "bare.nc"
     exact = simulate(
-        Solver(load_scene("strip-1x3")),
+        Solver(load_scene("strip-1x3").parts),
         every_press(load_scene("strip-1x3").parts.skin, load_scene("strip-1x3").press),
     )
     write(exact.isel(frequency=slice(None, None, 2)).assign_attrs(scene=""), bare)

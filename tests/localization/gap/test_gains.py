@@ -31,14 +31,14 @@ def yarn(magnitude_only, sheet_resistance=13.889e3):
 
 def simulated(magnitude_only):
     scene = yarn(magnitude_only)
-    return simulate(Solver(scene), every_press(scene.parts.skin, scene.press))
+    return simulate(Solver(scene.parts), every_press(scene.parts.skin, scene.press))
 
 
 def recorded(magnitude_only):
     """Sweeps of a yarn with a tenth more of resistance, as its reader reads them."""
     scene = yarn(magnitude_only, 1.1 * 13.889e3)
-    presses = planned_presses(scene, np.random.default_rng(1))
-    return read_out(simulate(Solver(scene), presses), scene.readout, np.random.default_rng(2))
+    presses = planned_presses(scene.parts.skin, scene.parts.plan, np.random.default_rng(1))
+    return read_out(simulate(Solver(scene.parts), presses), scene.readout, np.random.default_rng(2))
 
 
 @pytest.mark.usefixtures("linear_intervals", "unpainted")

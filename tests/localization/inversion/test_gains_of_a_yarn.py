@@ -19,7 +19,7 @@ def yarn():
 def test_the_key_of_a_touch_follows_from_magnitudes_at_both_ends(yarn):
     def logarithms(text):
         return np.log(
-            np.abs(Solver(yarn).solve(press_on(yarn.parts.skin, yarn.press, text)).Z)
+            np.abs(Solver(yarn.parts).solve(press_on(yarn.parts.skin, yarn.press, text)).Z)
         ).ravel()
 
     untouched = logarithms("none")

@@ -40,7 +40,7 @@ def own(shared):
 def sweeps(shared, own):
     """Of all readings, and of those taken."""
     rest, *pressed = every_press(shared.parts.skin, shared.press)
-    exact = simulate(Solver(shared, 1e-4), [rest] * 9 + pressed * 4)
+    exact = simulate(Solver(shared.parts, 1e-4), [rest] * 9 + pressed * 4)
     random = np.random.default_rng(4)
     whole = concatenate([read_out(exact, shared.readout, random, session=k) for k in range(3)])
     part = restricted(whole, own.taken)
@@ -102,7 +102,7 @@ def test_sweeps_read_otherwise_than_their_scene_says_are_refused(sweeps, own, sh
         with pytest.raises(
             InputError, match="takes each interface at its `frequencies` of the scene"
         ):
-            trained(each.assign_attrs(scene=scene_text(scene)), "model-based")
+            trained(each.assign_attrs(scene=scene_text(scene)).parts, "model-based")
 
 
 @pytest.mark.slow

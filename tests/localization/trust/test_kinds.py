@@ -20,7 +20,7 @@ PIXELS = [f"{row},{column}" for row in range(1, 6) for column in range(1, 6)]
 @pytest.fixture(scope="module")
 def press():
     """A function that presses pixels, joined by '+', in one session, as the scene's meter reads."""
-    solver, random = Solver(SCENE, 1e-2), np.random.default_rng(0)
+    solver, random = Solver(SCENE.parts, 1e-2), np.random.default_rng(0)
 
     def press(pixels, session):
         strong = [

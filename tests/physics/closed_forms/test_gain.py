@@ -55,7 +55,7 @@ def test_a_line_behind_a_resistor(make_scene):
     scene = reading(make_scene(frequencies=FREQUENCIES), load=LOAD)
     top, bottom, C = line_of(scene)
     expected = closed(coth(top + bottom, C, scene.frequencies), scene.frequencies)
-    np.testing.assert_allclose(Solver(scene).solve(Press()).Z[0], expected, rtol=1e-11)
+    np.testing.assert_allclose(Solver(scene.parts).solve(Press()).Z[0], expected, rtol=1e-11)
 
 
 def test_leads_lie_between_the_node_and_the_skin(make_scene):
@@ -64,20 +64,20 @@ def test_leads_lie_between_the_node_and_the_skin(make_scene):
     top, bottom, C = line_of(scene)
     behind = LEADS.at_meter(coth(top + bottom, C, scene.frequencies), scene.frequencies)
     expected = closed(behind, scene.frequencies)
-    np.testing.assert_allclose(Solver(led).solve(Press()).Z[0], expected, rtol=1e-11)
+    np.testing.assert_allclose(Solver(led.parts).solve(Press()).Z[0], expected, rtol=1e-11)
 
 
 def test_a_skin_at_low_frequency_is_one_r_and_one_c_behind_the_resistor(make_scene):
     scene = reading(make_scene({"top-left": {}, "bottom-bottom": {}}, frequencies=(1e-2, 1e-1)))
     _, _, C = line_of(scene)
     expected = 1 / (1 + 2j * np.pi * scene.frequencies * R * C)
-    np.testing.assert_allclose(Solver(scene).solve(Press()).Z[0], expected, rtol=1e-5)
+    np.testing.assert_allclose(Solver(scene.parts).solve(Press()).Z[0], expected, rtol=1e-5)
 
 
 def test_a_load_of_large_resistance_is_no_load(make_scene):
     scene = make_scene(frequencies=FREQUENCIES)
     open_input, large = reading(scene), reading(scene, load={"resistance": 1e15})
-    one, other = (Solver(each).solve(Press()).Z for each in (open_input, large))
+    one, other = (Solver(each.parts).solve(Press()).Z for each in (open_input, large))
     np.testing.assert_allclose(one, other, rtol=1e-8)
 
 
@@ -85,13 +85,13 @@ def test_two_symmetric_driven_ends_are_one_end_of_half_the_line(make_scene):
     scene = at_both_ends(make_scene)
     top, _, C = line_of(scene)
     expected = closed(coth(top / 2, C / 2, scene.frequencies), scene.frequencies)
-    answer = Solver(scene).solve(Press())
+    answer = Solver(scene.parts).solve(Press())
     for each in answer.Z:
         np.testing.assert_allclose(each, expected, rtol=2e-5)
 
 
 def test_a_press_at_one_end_is_the_mirror_of_that_at_the_other(make_scene):
-    solver = Solver(at_both_ends(make_scene))
+    solver = Solver(at_both_ends(make_scene).parts)
     one, other = (solver.solve(parse_press(f"1,{k}", 3.0)).Z for k in (1, 4))
     np.testing.assert_allclose(one, other[::-1], rtol=1e-5)
     assert (np.abs(one / other - 1) > 1e-4).any()
@@ -113,13 +113,13 @@ def test_the_far_source_is_seen_as_by_superposition(make_scene):
         columns=4,
         frequencies=FREQUENCIES,
     )
-    a, b, between = Solver(free, 1e-7).solve(press).Z
+    a, b, between = Solver(free.parts, 1e-7).solve(press).Z
     mutual = (a + b - between) / 2
     Z = np.moveaxis(np.array([[a, mutual], [mutual, b]]), -1, 0)
     inputs = 1 / R + 1 / LOAD["resistance"] + 2j * np.pi * scene.frequencies * LOAD["capacitance"]
     nodes = np.linalg.inv(Z) + inputs[:, None, None] * np.eye(2)
     V = np.linalg.solve(nodes, np.full((len(inputs), 2, 1), 1 / R))[..., 0].T
-    np.testing.assert_allclose(Solver(scene, 1e-7).solve(press).Z, V, rtol=1e-6)
+    np.testing.assert_allclose(Solver(scene.parts, 1e-7).solve(press).Z, V, rtol=1e-6)
 
 
 @pytest.mark.parametrize("together", [False, True])
@@ -152,7 +152,7 @@ def test_slopes_are_those_of_differences(make_scene, together):
 def test_the_estimated_error_covers_that_against_a_tighter_solve(make_scene, rtol):
     scene = at_both_ends(make_scene).model_copy(update={"leads": LEADS})
     press = parse_press("1,2", 2.0)
-    answer, truth = (Solver(scene, each).solve(press) for each in (rtol, 1e-8))
+    answer, truth = (Solver(scene.parts, each).solve(press) for each in (rtol, 1e-8))
     (estimated,) = answer.relative_errors
     assert (np.abs(answer.Z / truth.Z - 1) <= estimated).all()
     assert (estimated <= rtol).all()
@@ -162,9 +162,11 @@ def test_a_body_at_earth_loads_the_node_although_a_virtual_earth_would_not_read_
     """The current of a node into earth passes the series resistor: |G| falls."""
     scene = make_scene(frequencies=FREQUENCIES)
     near = scene.with_({"surroundings": {"body": {"side": "top", "distance": 1e-3}}})
-    alone, loaded = (np.abs(Solver(reading(each)).solve(Press()).Z[0]) for each in (scene, near))
+    alone, loaded = (
+        np.abs(Solver(reading(each).parts).solve(Press()).Z[0]) for each in (scene, near)
+    )
     assert (loaded < alone).all()
     C = line_of(scene)[2] + 8.8541878128e-12 / 1e-3 * scene.skin.length * scene.skin.width
     slow = reading(near).with_({"sweep.frequencies": [1e-1]})
     expected = 1 / (1 + 2j * np.pi * 1e-1 * R * C)
-    np.testing.assert_allclose(Solver(slow).solve(Press()).Z[0, 0], expected, rtol=1e-5)
+    np.testing.assert_allclose(Solver(slow.parts).solve(Press()).Z[0, 0], expected, rtol=1e-5)

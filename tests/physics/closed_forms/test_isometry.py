@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.models.heterogeneous.materials import Materials, metric, position
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.uniform import equivalent_press, equivalent_scene
+from rcskin.simulator.models.uniform import equivalent_press
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Polygon, Rectangle, Touch
 from rcskin.simulator.scene.scene import Scene
@@ -23,10 +23,12 @@ def skin_with(scene, **tables):
 def test_bending_to_a_mug_keeps_every_length(make_scene, axis):
     """G = F'F is the identity: to rounding by the tangents, and by distances along the skin."""
     bent = skin_with(make_scene(), shape={"kind": "cylinder", "radius": 0.03, "axis": axis})
-    G = metric(bent, X).G
+    G = metric(bent.parts.skin, X).G
     np.testing.assert_allclose(G, np.array([1.0, 1.0, 0.0])[:, None] + 0 * G, atol=4e-16)
     close = X + 1e-5 * np.random.default_rng(4).normal(size=X.shape)
-    in_space = np.sqrt(np.sum((position(bent, X) - position(bent, close)) ** 2, axis=0))
+    in_space = np.sqrt(
+        np.sum((position(bent.parts.skin, X) - position(bent.parts.skin, close)) ** 2, axis=0)
+    )
     np.testing.assert_allclose(in_space, np.hypot(*(X - close)), rtol=1e-6)
 
 
@@ -35,16 +37,16 @@ def test_bending_to_a_mug_changes_no_bit_of_the_problem(make_scene):
         {"top-left": {}, "bottom-bottom": {"span": (0.2, 0.7)}}, rows=2, columns=2, factor=2.5
     )
     bent = skin_with(flat, shape={"kind": "cylinder", "radius": 0.04})
-    of_flat, of_bent = Materials(flat), Materials(bent)
+    of_flat, of_bent = Materials(flat.parts.skin), Materials(bent.parts.skin)
     for electrode in ("top", "bottom"):
         np.testing.assert_array_equal(
             of_bent.conductance(electrode, X), of_flat.conductance(electrode, X)
         )
     np.testing.assert_array_equal(of_bent.capacitance(X), of_flat.capacitance(X))
-    assert equivalent_scene(bent) == flat
+    assert bent.parts.skin.electrical == flat.parts.skin
     press = Press((Touch(1, 2, 2.5),))
-    assert equivalent_press(bent, press) == press
-    Z = [Solver(equivalent_scene(scene), 1e-3).solve(press).Z for scene in (flat, bent)]
+    assert equivalent_press(bent.parts.skin, press) == press
+    Z = [Solver(scene.parts.evened, 1e-3).solve(press).Z for scene in (flat, bent)]
     np.testing.assert_array_equal(*Z)
 
 
@@ -65,7 +67,7 @@ def test_a_strip_pulled_by_a_fifth_follows_its_line(make_scene, film):
     C = 5e-9 * 0.1 * 0.02 * 1.2 ** (5 / 7)
     q = np.sqrt(2j * np.pi * scene.frequencies * R * C)
     expected = R / np.tanh(q) / q + 1.6 * film / 0.02 * 1.2**0.5
-    folded = equivalent_scene(scene)
+    folded = scene.parts.evened
     Z = Solver(folded).solve(Press()).Z[0]
     np.testing.assert_allclose(Z, expected, rtol=1e-11)
     by_elements = Solver(folded, 1e-6, model="sheet").solve(Press()).Z[0]
@@ -79,7 +81,7 @@ def test_uniform_coefficients_are_those_of_the_plain_scene(make_scene, ratios):
     if ratios[1] is not None:
         stretch["y"] = ratios[1]
     scene = skin_with(make_scene(), stretch=stretch)
-    plain, materials = Materials(equivalent_scene(scene)), Materials(scene)
+    plain, materials = Materials(scene.parts.skin.electrical), Materials(scene.parts.skin)
     along, across = scene.skin.stretch.ratios
     J, L = along * across, np.array([along**2, across**2, along * across])[:, None]
     moved = X * np.array([along, across])[:, None]
@@ -96,7 +98,7 @@ def test_turned_fibres_stretch_as_their_directions_do(make_scene):
     pulled = {"x": 1.2, "y": 1.0}
     tables = {"sheet_resistance": 50e3, "anisotropy": {"ratio": 4.0}}
     scene = skin_with(make_scene(), top=tables, stretch=pulled)
-    S = Materials(scene).conductance("top", X)[:, 0]
+    S = Materials(scene.parts.skin).conductance("top", X)[:, 0]
     np.testing.assert_allclose(S[:2] * 50e3, [2 / 1.2**2, 0.5], rtol=1e-13)
 
 
@@ -108,10 +110,10 @@ def test_elements_with_a_metric_find_what_the_stretched_rectangle_has(make_scene
     """A map that varies by nothing keeps the stretch from being folded in."""
     scene = make_scene(CROSSED, rows=2, columns=2)
     press = Press((Touch(1, 2, 2.0), Rectangle(0.03, 0.03, 0.02, 0.03, 1.5)))
-    folded = Solver(skin_with(scene, stretch=UNEVENLY), 1e-4).solve(press)
+    folded = Solver(skin_with(scene, stretch=UNEVENLY).parts, 1e-4).solve(press)
     nothing = {"kind": "gradient", "x": 1e-14}
     top = {"sheet_resistance": 50e3, "map": nothing}
-    by_metric = Solver(skin_with(scene, stretch=UNEVENLY, top=top), 1e-4).solve(press)
+    by_metric = Solver(skin_with(scene, stretch=UNEVENLY, top=top).parts, 1e-4).solve(press)
     assert folded.model != by_metric.model
     np.testing.assert_allclose(by_metric.Z, folded.Z, rtol=2e-4)
 
@@ -122,6 +124,6 @@ def test_a_place_pressed_moves_with_the_stretched_skin(make_scene):
     corners = np.array([[0.02, 0.02], [0.07, 0.03], [0.04, 0.06]])
     at_rest = Polygon(tuple(map(tuple, corners.tolist())), 2.5)
     moved = Polygon(tuple(map(tuple, (corners * [1.2, 0.9]).tolist())), 2.5)
-    one = Solver(scene, 1e-4).solve(Press((at_rest,))).Z
-    other = Solver(equivalent_scene(scene), 1e-4).solve(Press((moved,))).Z
+    one = Solver(scene.parts, 1e-4).solve(Press((at_rest,))).Z
+    other = Solver(scene.parts.evened, 1e-4).solve(Press((moved,))).Z
     np.testing.assert_allclose(one, other, rtol=2e-4)

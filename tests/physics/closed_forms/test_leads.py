@@ -29,7 +29,7 @@ def test_the_coth_law_of_a_constant_phase_line_behind_leads(make_scene, exponent
     omega = 2j * np.pi * f
     stray = 1 / (1 / line + omega * LEADS.stray_capacitance)
     expected = LEADS.resistance + omega * LEADS.inductance + stray
-    np.testing.assert_allclose(Solver(scene).solve(Press()).Z[0], expected, rtol=1e-10)
+    np.testing.assert_allclose(Solver(scene.parts).solve(Press()).Z[0], expected, rtol=1e-10)
 
 
 @pytest.mark.parametrize("exponent", [0.8, 1.0])
@@ -38,7 +38,7 @@ def test_the_tolerance_is_kept_behind_leads(make_scene, exponent, rtol):
     crossed = make_scene({"top-left": {}, "bottom-bottom": {}}, rows=2, columns=2, c=2e-8)
     scene = behind(crossed, phase_exponent=exponent)
     press = parse_press("1,2", 2.0)
-    answer, truth = (Solver(scene, each).solve(press) for each in (rtol, 1e-8))
+    answer, truth = (Solver(scene.parts, each).solve(press) for each in (rtol, 1e-8))
     off = relative_difference(answer.Z, truth.Z).reshape(2, -1)
     told = np.stack(answer.relative_errors).reshape(2, -1)
     assert (off <= told).all()
@@ -48,7 +48,7 @@ def test_the_tolerance_is_kept_behind_leads(make_scene, exponent, rtol):
 def test_ideal_leads_change_no_bit(make_scene):
     scene = make_scene(rows=1, columns=2)
     press = parse_press("1,2", 2.0)
-    plain, led = Solver(scene).solve(press), Solver(behind(scene, Leads())).solve(press)
+    plain, led = Solver(scene.parts).solve(press), Solver(behind(scene, Leads()).parts).solve(press)
     np.testing.assert_array_equal(plain.Z, led.Z)
     np.testing.assert_array_equal(plain.Rs_error, led.Rs_error)
 
@@ -60,10 +60,12 @@ def test_a_guard_keeps_its_part_of_the_stray_capacitance_from_the_meter(make_sce
     guarded = behind(scene, LEADS.model_copy(update={"guard": guard}))
     left = LEADS.model_copy(update={"stray_capacitance": (1 - guard) * LEADS.stray_capacitance})
     press = parse_press("1,2", 2.0)
-    one, other = (Solver(each).solve(press) for each in (guarded, behind(scene, left)))
+    one, other = (Solver(each.parts).solve(press) for each in (guarded, behind(scene, left)))
     np.testing.assert_allclose(one.Z, other.Z, rtol=1e-14)
     np.testing.assert_allclose(one.Cp_error, other.Cp_error, rtol=1e-9)
-    assert leads_of(own_values(guarded)).unguarded == pytest.approx(left.stray_capacitance)
+    assert leads_of(own_values(guarded.parts.skin, guarded.parts.setup)).unguarded == pytest.approx(
+        left.stray_capacitance
+    )
     assert scene_with(guarded, {}).leads.unguarded == pytest.approx(left.stray_capacitance)
 
 

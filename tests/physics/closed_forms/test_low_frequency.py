@@ -32,9 +32,12 @@ def models(scene):
         two_fields(scene.parts.skin, scene.parts.setup),
     )
     return [
-        Line(scene),
-        *(SheetModel(scene, circuit, COARSE) for circuit in (one, two)),
-        *(Lumped(SheetModel(scene, circuit, COARSE)) for circuit in (one, two)),
+        Line(scene.parts.skin, scene.parts.setup, scene.press),
+        *(SheetModel(scene.parts.skin, scene.press, circuit, COARSE) for circuit in (one, two)),
+        *(
+            Lumped(SheetModel(scene.parts.skin, scene.press, circuit, COARSE))
+            for circuit in (one, two)
+        ),
     ]
 
 
@@ -72,7 +75,9 @@ def test_crossed_feed(make_scene, size):
     scene = make_scene({"top-left": {}, "bottom-bottom": {}}, length=L, width=W)
     skin = scene.skin
     expected = skin.top.sheet_resistance * L / (3 * W) + skin.bottom.sheet_resistance * W / (3 * L)
-    sheet = SheetModel(scene, two_fields(scene.parts.skin, scene.parts.setup), COARSE)
+    sheet = SheetModel(
+        scene.parts.skin, scene.press, two_fields(scene.parts.skin, scene.parts.setup), COARSE
+    )
     for model in (sheet, Lumped(sheet)):
         Z = model.impedance(Press(), MILLIHERTZ)
         assert Z.real == pytest.approx(expected, rel=1e-12)
@@ -85,7 +90,10 @@ def test_floating_foils_on_the_next_edge_lower_Rs(name, Rs):
     """Two sheets of 50 kohm/sq; the second scene has foils on the bottom edge too."""
     scene = load_scene(name)
     sheet = SheetModel(
-        scene, one_field(scene.parts.skin, scene.parts.setup), Resolution(order=4, layers=6)
+        scene.parts.skin,
+        scene.press,
+        one_field(scene.parts.skin, scene.parts.setup),
+        Resolution(order=4, layers=6),
     )
     left = Lumped(sheet).series(Press())[0]
     assert round(left.R, -2) == Rs
@@ -96,6 +104,11 @@ def test_Cp_is_the_total_capacitance_on_any_skin(random, data):
     scene = data.draw(random.between())
     press, skin = data.draw(random.presses(scene)), scene.skin
     total = capacitance_map(scene.parts.skin, scene.press, press).mean() * skin.length * skin.width
-    sheet = SheetModel(scene, two_fields(scene.parts.skin, scene.parts.setup), Resolution(order=2))
+    sheet = SheetModel(
+        scene.parts.skin,
+        scene.press,
+        two_fields(scene.parts.skin, scene.parts.setup),
+        Resolution(order=2),
+    )
     Cp = parallel_capacitance(sheet.impedance(press, MILLIHERTZ), MILLIHERTZ)
     assert Cp == pytest.approx(total, rel=1e-12)

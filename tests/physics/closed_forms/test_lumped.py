@@ -30,8 +30,15 @@ def test_bounds_against_the_line(make_scene, random, frequency_at, data, loss_ta
     press = data.draw(random.presses(scene))
     frequency = frequency_at(scene, data.draw(random.logarithmic(1e-6, 1e4)))
     assert_bounded(
-        Lumped(SheetModel(scene, one_field(scene.parts.skin, scene.parts.setup), ON_LINES)),
-        Line(scene),
+        Lumped(
+            SheetModel(
+                scene.parts.skin,
+                scene.press,
+                one_field(scene.parts.skin, scene.parts.setup),
+                ON_LINES,
+            )
+        ),
+        Line(scene.parts.skin, scene.parts.setup, scene.press),
         press,
         frequency,
     )
@@ -44,15 +51,22 @@ def test_bounds_against_the_sheet_of_the_same_mesh(random, frequency_at, data):
     press = data.draw(random.presses(scene))
     frequency = frequency_at(scene, data.draw(random.logarithmic(1e-6, 1e4)))
     circuit, resolution = two_fields(scene.parts.skin, scene.parts.setup), Resolution(order=3)
-    sheet = SheetModel(scene, circuit, resolution)
+    sheet = SheetModel(scene.parts.skin, scene.press, circuit, resolution)
     assert_bounded(Lumped(sheet), sheet, press, frequency)
 
 
 def test_bounds_are_sharp_at_low_frequency(make_scene, frequency_at):
     scene = make_scene()
-    lumped = Lumped(SheetModel(scene, one_field(scene.parts.skin, scene.parts.setup), ON_LINES))
+    lumped = Lumped(
+        SheetModel(
+            scene.parts.skin, scene.press, one_field(scene.parts.skin, scene.parts.setup), ON_LINES
+        )
+    )
     frequency = frequency_at(scene, 1e-2)
-    Z, true_Z = (model.impedance(Press(), frequency) for model in (lumped, Line(scene)))
+    Z, true_Z = (
+        model.impedance(Press(), frequency)
+        for model in (lumped, Line(scene.parts.skin, scene.parts.setup, scene.press))
+    )
     Rs_bound, Cp_bound = lumped.bounds(Press(), frequency)
     Cp, true_Cp = (parallel_capacitance(each, frequency) for each in (Z, true_Z))
     np.testing.assert_allclose(Z.real - true_Z.real, Rs_bound, rtol=1e-4)
@@ -62,6 +76,11 @@ def test_bounds_are_sharp_at_low_frequency(make_scene, frequency_at):
 def test_a_resistor_is_no_capacitor(make_scene):
     scene = make_scene({"top-left": {}, "top-right": {}})
     with pytest.raises(InputError, match="both driven"):
-        Lumped(SheetModel(scene, two_fields(scene.parts.skin, scene.parts.setup), ON_LINES)).series(
-            Press()
-        )
+        Lumped(
+            SheetModel(
+                scene.parts.skin,
+                scene.press,
+                two_fields(scene.parts.skin, scene.parts.setup),
+                ON_LINES,
+            )
+        ).series(Press())

@@ -41,7 +41,7 @@ def with_point_touch(s, x, touch):
 
 
 def solved(scene, text):
-    return Solver(scene, 1e-6).solve(press_on(scene.parts.skin, scene.press, text)).Z
+    return Solver(scene.parts, 1e-6).solve(press_on(scene.parts.skin, scene.press, text)).Z
 
 
 @pytest.mark.parametrize("x", [0.1, 0.5, 0.83])
@@ -57,7 +57,7 @@ def test_line_agrees_with_elements(yarn, press):
     for scene in (yarn, resistive):
         frequency = scene.frequencies[:3]
         line, sheet = (
-            Solver(scene, 1e-6, model)
+            Solver(scene.parts, 1e-6, model)
             .solve(press_on(scene.parts.skin, scene.press, press), frequency)
             .Z
             for model in ("line", "sheet")
@@ -102,8 +102,14 @@ def test_conductor_over_earth_is_a_sheet_over_a_perfect_conductor(yarn):
     short = yarn.with_({"skin.length": LENGTH / 12, "pixels.columns": 3})
     uneven = short.with_({"skin.top.map": {"kind": "gradient", "x": 1e-9}})
     for press in (Press(), press_on(short.parts.skin, short.press, "1,2:35pF")):
-        two = Solver(uneven, 1e-5).solve(press, yarn.frequencies[1:3]).Z
-        np.testing.assert_allclose(two, Line(short).impedance(press, yarn.frequencies[1:3]), 1e-4)
+        two = Solver(uneven.parts, 1e-5).solve(press, yarn.frequencies[1:3]).Z
+        np.testing.assert_allclose(
+            two,
+            Line(short.parts.skin, short.parts.setup, short.press).impedance(
+                press, yarn.frequencies[1:3]
+            ),
+            1e-4,
+        )
 
 
 def test_segments_of_a_network_may_be_joined_in_any_order(yarn):

@@ -30,7 +30,7 @@ def both(edge, **more):
 
 
 def solved(scene, rtol, press=None):
-    return Solver(scene, rtol).solve(press or Press())
+    return Solver(scene.parts, rtol).solve(press or Press())
 
 
 def assert_kept(answer, Z, rtol, off):
@@ -156,7 +156,9 @@ def test_terminals_of_any_outline_are_reciprocal(varied):
     skin = {"outline.points": L_SHAPE, "top.anisotropy": {"ratio": 5.0, "angle": 0.4}}
     foils = {"top-outline.6": {}, "bottom-outline.1": {}, "top-outline.2": {"resistance": 9.0}}
     scene = varied(skin, foils, **SHEETS, **SIDE)
-    found = Triangles(scene, circuit_of(scene), Press(), 1e-2).finer(scene.frequencies)
+    found = Triangles(
+        scene.parts.skin, circuit_of(scene.parts.skin, scene.parts.setup), Press(), 1e-2
+    ).finer(scene.frequencies)
     s = 2j * np.pi * scene.frequencies
     network = found.coarse.space.network(found.coarse.system.mass, s)
     Y = network.conductance + network.dynamic

@@ -36,13 +36,23 @@ def test_line_is_the_product_of_its_segments(make_scene, random, frequency_at, d
         for c in from_feed:
             M = M @ chain(2j * np.pi * f, R, c * length * width / count)
         expected.append(M[0, 0] / M[1, 0])
-    np.testing.assert_allclose(Line(scene).impedance(press, frequency)[0], expected, rtol=1e-12)
+    np.testing.assert_allclose(
+        Line(scene.parts.skin, scene.parts.setup, scene.press).impedance(press, frequency)[0],
+        expected,
+        rtol=1e-12,
+    )
 
 
 @given(data=st.data())
 def test_a_uniform_line_may_be_cut_anywhere(make_scene, frequency_at, data):
     """Segments with the same c act as one."""
     frequency = frequency_at(make_scene(), np.geomspace(1e-6, 1e6, 13))
-    whole = Line(make_scene()).impedance(Press(), frequency)
-    parts = Line(make_scene(columns=data.draw(st.integers(2, 50)))).impedance(Press(), frequency)
+    whole = Line(make_scene().parts.skin, make_scene().parts.setup, make_scene().press).impedance(
+        Press(), frequency
+    )
+    parts = Line(
+        make_scene(columns=data.draw(st.integers(2, 50))).parts.skin,
+        make_scene(columns=data.draw(st.integers(2, 50))).parts.setup,
+        make_scene(columns=data.draw(st.integers(2, 50))).press,
+    ).impedance(Press(), frequency)
     np.testing.assert_allclose(parts.view(float), whole.view(float), rtol=1e-12)

@@ -28,7 +28,7 @@ def coth_over_q(z):
 
 @pytest.fixture(scope="module")
 def line(make_scene):
-    return Line(make_scene())
+    return Line(make_scene().parts.skin, make_scene().parts.setup, make_scene().press)
 
 
 def at(model, frequency_at, u):
@@ -50,7 +50,10 @@ def test_line_is_the_coth_law_in_both_parts(line, frequency_at):
 def test_sheet_is_the_coth_law_in_both_parts(make_scene, frequency_at):
     scene = make_scene()
     sheet = SheetModel(
-        scene, one_field(scene.parts.skin, scene.parts.setup), Resolution(order=8, cells=4)
+        scene.parts.skin,
+        scene.press,
+        one_field(scene.parts.skin, scene.parts.setup),
+        Resolution(order=8, cells=4),
     )
     u = np.geomspace(1e-9, 1e2, 12)
     expected = R * coth_over_q(1j * u)

@@ -54,7 +54,7 @@ def test_piezoresistive_sheets_are_a_chain_of_other_resistance_under_the_press(s
     pressed = TOP * (1 + 0.6 * of_top) + BOTTOM * (1 + 0.6 * of_bottom)
     segments = [(LOOP / 4, TOTAL / 4)] * 4
     segments[1] = (LOOP / 4 * pressed / (TOP + BOTTOM), 2.5 * TOTAL / 4)
-    Z = Solver(scene, 1e-4).solve(Press((Touch(1, 2, 2.5),))).Z[0]
+    Z = Solver(scene.parts, 1e-4).solve(Press((Touch(1, 2, 2.5),))).Z[0]
     np.testing.assert_allclose(Z, chained(segments, scene.frequencies), rtol=2e-4)
 
 
@@ -65,7 +65,7 @@ def test_sheets_that_differ_in_their_grain_add_up_along_it(strip):
         bottom={"anisotropy": {"ratio": 4.0, "angle": np.pi / 2}},
     )
     R = (TOP / 2 + BOTTOM * 2) * LENGTH / WIDTH
-    Z = Solver(scene, 1e-4).solve(Press()).Z[0]
+    Z = Solver(scene.parts, 1e-4).solve(Press()).Z[0]
     np.testing.assert_allclose(Z, chained([(R, TOTAL)], scene.frequencies), rtol=2e-4)
 
 
@@ -83,7 +83,7 @@ def test_low_frequency_resistance_is_the_integral_of_r_by_the_charge_beyond(stri
     beyond = charge(1.0) - charge
     r = (BOTTOM + TOP * (1 + slope * (u - 0.5))) * LENGTH / WIDTH
     lost = (r * beyond**2).integ()
-    Z = Solver(scene, 1e-6).solve(Press()).Z[0]
+    Z = Solver(scene.parts, 1e-6).solve(Press()).Z[0]
     np.testing.assert_allclose(Z.real, lost(1.0), rtol=2e-6)
     Cp = (1 / Z).imag / (2 * np.pi * scene.frequencies)
     np.testing.assert_allclose(Cp, TOTAL, rtol=1e-6)
@@ -95,7 +95,7 @@ def test_a_grid_of_two_values_is_a_gradient(strip):
         strip(top={"map": each})
         for each in ({"kind": "grid", "values": values}, {"kind": "gradient", "x": 0.8})
     )
-    Z = [Solver(scene, 1e-4).solve(Press()).Z for scene in (one, other)]
+    Z = [Solver(scene.parts, 1e-4).solve(Press()).Z for scene in (one, other)]
     np.testing.assert_allclose(*Z, rtol=2e-4)
 
 
@@ -103,8 +103,8 @@ def test_sheets_of_one_random_map_act_as_one_and_of_two_as_two(strip):
     """Both circuits agree where the second sheet differs by nothing to speak of."""
     drawn = {"kind": "random", "deviation": 0.4, "correlation_length": 0.03, "seed": 2}
     nearly = {**drawn, "deviation": 0.4 * (1 + 1e-13)}
-    one = Solver(strip(top={"map": drawn}, bottom={"map": drawn}), 1e-4).solve(Press())
-    two = Solver(strip(top={"map": drawn}, bottom={"map": nearly}), 1e-4).solve(Press())
+    one = Solver(strip(top={"map": drawn}, bottom={"map": drawn}).parts, 1e-4).solve(Press())
+    two = Solver(strip(top={"map": drawn}, bottom={"map": nearly}).parts, 1e-4).solve(Press())
     assert "one field" in one.model
     assert "two fields" in two.model
     np.testing.assert_allclose(two.Z, one.Z, rtol=2e-4)

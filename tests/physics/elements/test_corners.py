@@ -134,7 +134,7 @@ def test_corners_and_holes_against_scikit_fem(varied, off, case):
         return np.where((abs(x[0] - 0.06) < 0.02) & (x[1] < 0.04), 2.0, 1.0)
 
     Y = np.array([quadratic(lines, kept, under, 2j * np.pi * each, factor, near) for each in f])
-    answer = Solver(scene, 1e-4).solve(parse_press("1,2:2", 2.0))
+    answer = Solver(scene.parts, 1e-4).solve(parse_press("1,2:2", 2.0))
     estimated, true = np.stack(answer.relative_errors), off(answer.Z, 1 / Y)
     assert max(estimated.max(), true.max()) <= 1e-4 * (1 + 1e-9)
     assert (true <= estimated + 1e-9).all()

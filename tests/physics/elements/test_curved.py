@@ -72,7 +72,7 @@ def test_a_disc_draped_over_a_sphere(varied, off, angle, ratios):
     scene = varied(skin, RIM, frequencies=f, top=TOP, bottom=BOTTOM, c=C, **size)
     powers = (ratio / (1 - ratio) for ratio in ratios)
     Z = fed_at_its_rim_at_all(angle, f, *powers)
-    answer = Solver(scene, 1e-4).solve(Press())
+    answer = Solver(scene.parts, 1e-4).solve(Press())
     assert off(answer.Z[0], Z).max() < 1e-4
     assert np.all(np.abs(answer.Z[0].real - Z.real) <= answer.Rs_error[0])
 
@@ -112,7 +112,7 @@ def test_a_cap_of_triangles_in_space(varied, off, tmp_path, angle):
         scene = varied(
             {"mesh": str(path)}, foils, frequencies=f, top=TOP, bottom=BOTTOM, c=C, **size
         )
-        errors.append(off(Solver(scene, 1e-4).solve(Press()).Z[0], Z).max())
+        errors.append(off(Solver(scene.parts, 1e-4).solve(Press()).Z[0], Z).max())
     assert errors[2] < 3e-3
     np.testing.assert_allclose(np.log2(np.divide(errors[:-1], errors[1:])), 2, atol=0.3)
 
@@ -136,7 +136,7 @@ def test_a_strip_stretched_by_a_fifth_by_elements(varied, off, kind):
     area = length * stretch * width * narrower
     q = np.sqrt(2j * np.pi * f * R * C * J ** (0.3 / 0.7) * area)
     Z = R / np.tanh(q) / q
-    found = kind(scene, circuit_of(scene), Press(), 1e-6)
+    found = kind(scene, circuit_of(scene.parts.skin, scene.parts.setup), Press(), 1e-6)
     rung = found.finer(f).result(f, 1e-6)
     while rung.error.max() > 1e-6:
         rung = found.finer(f).result(f, 1e-6)

@@ -181,7 +181,10 @@ def test_against_complex_solves(random, frequency_at, data):
     press = data.draw(random.presses(scene))
     frequency = frequency_at(scene, np.geomspace(1e-4, 1e4, 5))
     sheet = SheetModel(
-        scene, two_fields(scene.parts.skin, scene.parts.setup), Resolution(order=3, layers=2)
+        scene.parts.skin,
+        scene.press,
+        two_fields(scene.parts.skin, scene.parts.setup),
+        Resolution(order=3, layers=2),
     )
     ((Z, change),) = sheet.sweep(press, frequency, 1e-9)
     difference = relative_difference(Z, complex_solves(sheet, press, frequency))
@@ -198,12 +201,13 @@ def test_no_digits_are_lost_far_above_cut_off(make_scene, frequency_at, resistan
     scene = make_scene({"top-left": {"resistance": resistance}, "bottom-left": bottom})
     frequency = frequency_at(scene, np.geomspace(1e-6, 1e4, 6))
     sheet = SheetModel(
-        scene,
+        scene.parts.skin,
+        scene.press,
         two_fields(scene.parts.skin, scene.parts.setup),
         Resolution(order=12, cells=2, edge_cell=1e-3),
     )
     ((Z, _),) = sheet.sweep(Press(), frequency, 1e-11)
-    exact = Line(scene).impedance(Press(), frequency)
+    exact = Line(scene.parts.skin, scene.parts.setup, scene.press).impedance(Press(), frequency)
     assert relative_difference(Z, exact).max() <= 1e-8
 
 
@@ -212,7 +216,12 @@ def test_against_complex_solves_where_direct_current_may_flow(random, frequency_
     """Cp may then be nothing but rounding: Z as a whole is compared."""
     scene = data.draw(random.across())
     frequency = frequency_at(scene, np.geomspace(1e-3, 1e2, 5))
-    sheet = SheetModel(scene, two_fields(scene.parts.skin, scene.parts.setup), Resolution(order=3))
+    sheet = SheetModel(
+        scene.parts.skin,
+        scene.press,
+        two_fields(scene.parts.skin, scene.parts.setup),
+        Resolution(order=3),
+    )
     ((Z, _),) = sheet.sweep(Press(), frequency, 1e-9)
     np.testing.assert_allclose(Z, sheet.impedance(Press(), frequency), rtol=1e-7)
 
@@ -226,7 +235,10 @@ def test_lower_orders_are_nested_in_higher_ones(random, frequency_at, data):
     circuit = one_field(scene.parts.skin, scene.parts.setup) or two_fields(
         scene.parts.skin, scene.parts.setup
     )
-    high, low = (SheetModel(scene, circuit, Resolution(order, layers=2)) for order in (5, 4))
+    high, low = (
+        SheetModel(scene.parts.skin, scene.press, circuit, Resolution(order, layers=2))
+        for order in (5, 4)
+    )
     ((Z, _),) = high.sweep(press, frequency, 1e-9, high.nested)
     np.testing.assert_allclose(Z, low.impedance(press, frequency), rtol=1e-8)
 
@@ -239,7 +251,7 @@ def test_any_step_is_passive_and_no_step_loses_capacitance(random, frequency_at,
         data.draw(random.presses(scene)),
         two_fields(scene.parts.skin, scene.parts.setup),
     )
-    sheet = SheetModel(scene, circuit, Resolution(order=2))
+    sheet = SheetModel(scene.parts.skin, scene.press, circuit, Resolution(order=2))
     frequency = frequency_at(scene, np.geomspace(1e-2, 1e4, 30))
     pencil = sheet.space.pencil(sheet.mass(press), circuit.excitations[0], 0.0)
     Y, _ = respond(pencil, 2j * np.pi * frequency, 1e-300, most_steps=steps)

@@ -28,9 +28,9 @@ def test_a_pressed_corner_of_a_gauge(varied, factor):
     R = 1 / (1 + 3.0 * (1 - 1 / factor))
     power = 2 / np.pi * np.arccos((1 - R) / (2 * (1 + R)))
     for place in ((0.03, 0.03), (0.06, 0.06)):
-        told = power_at(Materials(scene), scene.contacts, press, place)
+        told = power_at(Materials(scene.parts.skin), scene.contacts, press, place)
         assert told == pytest.approx(power, abs=GRID)
-    assert power_at(Materials(scene), scene.contacts, press, (0.0, 0.03)) == 1.0
+    assert power_at(Materials(scene.parts.skin), scene.contacts, press, (0.0, 0.03)) == 1.0
 
 
 @pytest.mark.parametrize("angle", [0.5, 2.0])
@@ -38,20 +38,28 @@ def test_a_foil_at_the_corner_of_an_oblique_sheet(varied, angle):
     """Stretched to conduct alike, the corners at both ends of a foil have angles that add to pi."""
     oblique = {"top.anisotropy": {"ratio": 3.0, "angle": angle}}
     scene = varied(oblique, FOILS, **SHEETS)
-    low, high = (power_at(Materials(scene), scene.contacts, Press(), (0.0, y)) for y in (0.0, SIDE))
+    low, high = (
+        power_at(Materials(scene.parts.skin), scene.contacts, Press(), (0.0, y))
+        for y in (0.0, SIDE)
+    )
     assert 1 / low + 1 / high == pytest.approx(2)
     assert (low < 1) == (angle < np.pi / 2)
     for y in (0.0, SIDE):
-        assert power_at(Materials(scene), scene.contacts, Press(), (SIDE, y)) == 1.0
+        assert power_at(Materials(scene.parts.skin), scene.contacts, Press(), (SIDE, y)) == 1.0
 
 
 def test_even_sheets_have_no_such_corners_and_loose_tolerances_need_no_rings(varied):
     press = parse_press("2,2:3", 2.0)
     even = varied({"foam.map": {"kind": "gradient", "x": 0.5, "y": 0.0}}, FOILS, **SHEETS)
-    assert ringed_corners(Materials(even), even.contacts, press, 1e-6) == ()
+    assert ringed_corners(Materials(even.parts.skin), even.contacts, press, 1e-6) == ()
     scene = varied(DIRECTED, FOILS, rows=5, columns=5, **SHEETS)
     counts = [
-        sum(rings for *_, rings in ringed_corners(Materials(scene), scene.contacts, press, rtol))
+        sum(
+            rings
+            for *_, rings in ringed_corners(
+                Materials(scene.parts.skin), scene.contacts, press, rtol
+            )
+        )
         for rtol in (1e-1, 1e-2, 1e-3, 1e-4, 1e-5)
     ]
     assert counts == sorted(counts) and counts[0] == 0 < counts[-1]
@@ -77,11 +85,13 @@ def test_squares_serve_a_directed_piezoresistive_sheet_to_five_digits(varied, of
     f = np.array([1e3, 1e5])
     scene = varied(DIRECTED, FOILS, rows=5, columns=5, frequencies=f, **SHEETS)
     press = parse_press("2,2", 2.0)
-    finer = Triangles(scene, circuit_of(scene), press, 2e-6)
+    finer = Triangles(
+        scene.parts.skin, circuit_of(scene.parts.skin, scene.parts.setup), press, 2e-6
+    )
     while (known := finer.finer(f).result(f, 2e-6)).error.max() > 2e-6:
         pass
     for rtol in (1e-2, 1e-3, 1e-4, 1e-5):
-        answer = Solver(scene, rtol).solve(press)
+        answer = Solver(scene.parts, rtol).solve(press)
         told, true = np.stack(answer.relative_errors), off(answer.Z, known.Z)
         assert "triangles" not in answer.model and len(answer.rejected) <= 1
         assert (true - known.error <= told).all()
@@ -90,7 +100,9 @@ def test_squares_serve_a_directed_piezoresistive_sheet_to_five_digits(varied, of
 
 def of_triangles(scene, press):
     """Of each place that is no smooth one, the power told of triangles there."""
-    meshes = Triangles(scene, circuit_of(scene), press, 1e-3)
+    meshes = Triangles(
+        scene.parts.skin, circuit_of(scene.parts.skin, scene.parts.setup), press, 1e-3
+    )
     mesh = meshes.coarsest(float(scene.frequencies[-1]), between=False)
     own = sheets(meshes.circuit, mesh, meshes.discretised(mesh).coefficients)
     powers = corner_exponents(mesh, own)
@@ -115,7 +127,7 @@ def test_triangles_and_squares_give_the_same_powers(varied, keys, press):
         for y in np.linspace(0, SIDE, 5):
             if (x, y) == (0.0, SIDE / 2):
                 continue
-            power = power_at(Materials(scene), scene.contacts, found, (x, y))
+            power = power_at(Materials(scene.parts.skin), scene.contacts, found, (x, y))
             known = told.pop((round(x, 9), round(y, 9)), 1.0)
             assert min(known, 1.0) == pytest.approx(min(power, 1.0), abs=WHOLE)
     assert list(told) == [(0.0, SIDE / 2)]
@@ -162,7 +174,9 @@ def test_towards_ends_of_foils_on_pressed_gauges_few_meshes_do(varied, off, pres
     f, touched = scene.frequencies, parse_press(press, 2.0)
 
     def answers(asked):
-        finer = Triangles(scene, circuit_of(scene), touched, asked)
+        finer = Triangles(
+            scene.parts.skin, circuit_of(scene.parts.skin, scene.parts.setup), touched, asked
+        )
         found = [finer.finer(f).result(f, asked)]
         while found[-1].error.max() > asked:
             found.append(finer.finer(f).result(f, asked))

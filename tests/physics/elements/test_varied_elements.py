@@ -90,7 +90,10 @@ def discretised(varied):
 def test_matrices_are_those_of_scikit_fem(discretised, kind, order):
     """Of foils with contact resistance: all unknowns of each field are those of the basis."""
     scene, mesh, elements, factors = discretised(kind, order)
-    circuit, materials = two_fields(scene.parts.skin, scene.parts.setup), Materials(scene)
+    circuit, materials = (
+        two_fields(scene.parts.skin, scene.parts.setup),
+        Materials(scene.parts.skin),
+    )
     system = pressed_system(circuit, elements, PressCoefficients(materials, factors, None, 2))
     rule = elements.rule
     basis = Basis(mesh, elements.element, quadrature=(rule.points, rule.weights))
@@ -134,7 +137,7 @@ def test_films_on_a_sphere_are_integrals_along_the_stretched_edge(varied, kind):
         elements = squares(pixels, 4)
     else:
         elements = triangles(domain(scene.parts.skin, Press(), 0.02), 4)
-    coefficients = PressCoefficients(Materials(scene), np.ones(elements.cells), None, 2)
+    coefficients = PressCoefficients(Materials(scene.parts.skin), np.ones(elements.cells), None, 2)
     system = pressed_system(two_fields(scene.parts.skin, scene.parts.setup), elements, coefficients)
     one = np.append(system.unknowns.one[:, 0], [0, 0])
     x, width = scene.skin.length / 2, scene.skin.width
@@ -150,7 +153,10 @@ def test_films_on_a_sphere_are_integrals_along_the_stretched_edge(varied, kind):
 @pytest.mark.parametrize("kind", ["squares", "triangles"])
 def test_a_volt_between_the_sheets_charges_the_whole_capacitance(discretised, kind):
     scene, _, elements, factors = discretised(kind, 3)
-    circuit, materials = two_fields(scene.parts.skin, scene.parts.setup), Materials(scene)
+    circuit, materials = (
+        two_fields(scene.parts.skin, scene.parts.setup),
+        Materials(scene.parts.skin),
+    )
     system = pressed_system(circuit, elements, PressCoefficients(materials, factors, None, 2))
     volt = system.unknowns.one[:, 0]
     volt = np.append(volt, np.zeros(system.pattern.size - len(volt)))
@@ -165,7 +171,7 @@ def test_sheets_of_one_potential_carry_no_current(discretised, kind):
     scene, _, elements, factors = discretised(kind, 3)
     circuit = two_fields(scene.parts.skin, scene.parts.setup)
     system = pressed_system(
-        circuit, elements, PressCoefficients(Materials(scene), factors, None, 2)
+        circuit, elements, PressCoefficients(Materials(scene.parts.skin), factors, None, 2)
     )
     space = Galerkin(system, circuit, 3)
     one = np.vstack([system.unknowns.one[:, :1], np.zeros((2, 1))])

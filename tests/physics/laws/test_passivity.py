@@ -14,7 +14,10 @@ U = np.geomspace(1e-8, 1e3, 23)
 
 def sweeps(scene, press, frequency):
     Z = SheetModel(
-        scene, two_fields(scene.parts.skin, scene.parts.setup), Resolution(order=2)
+        scene.parts.skin,
+        scene.press,
+        two_fields(scene.parts.skin, scene.parts.setup),
+        Resolution(order=2),
     ).impedance(press, frequency)
     return build(
         Z[None], frequency, interface=["meter"], press=[UNPRESSED], row=[0], column=[0]

@@ -43,7 +43,10 @@ def test_shape_alone_makes_the_curve(random, data):
     )
     Z, scaled_Z = (
         SheetModel(
-            which, two_fields(which.parts.skin, which.parts.setup), Resolution(order=3)
+            which.parts.skin,
+            which.press,
+            two_fields(which.parts.skin, which.parts.setup),
+            Resolution(order=3),
         ).impedance(press, frequency)
         for which, frequency in (
             (scene, FREQUENCY),

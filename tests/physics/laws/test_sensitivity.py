@@ -36,7 +36,9 @@ def test_admittance_to_capacitance(random, frequency_at, plain_skin, data, at):
         data.draw(st.floats(0.5, 5)),
     )
     press, frequency = Press((touch,)), frequency_at(scene, at)
-    sheet = SheetModel(scene, two_fields(scene.parts.skin, scene.parts.setup), ORDER)
+    sheet = SheetModel(
+        scene.parts.skin, scene.press, two_fields(scene.parts.skin, scene.parts.setup), ORDER
+    )
     dc = capacitance_map(
         scene.parts.skin, scene.press, strengthened(press, touch, 1.0)
     ) - capacitance_map(scene.parts.skin, scene.press, press)
@@ -64,7 +66,10 @@ def test_impedance_to_sheet_resistance(random, frequency_at, plain_skin, data, a
         top = skin.top.model_copy(update={"sheet_resistance": (1 + by) * skin.top.sheet_resistance})
         resistant = scene.model_copy(update={"skin": skin.model_copy(update={"top": top})})
         return SheetModel(
-            resistant, two_fields(resistant.parts.skin, resistant.parts.setup), ORDER
+            resistant.parts.skin,
+            resistant.press,
+            two_fields(resistant.parts.skin, resistant.parts.setup),
+            ORDER,
         ).impedance(press, frequency)[0]
 
     assert abs(derivative(Z, 2e-3) - predicted) < 1e-8 * abs(Z(0.0))

@@ -15,7 +15,10 @@ PRESS = parse_press("1,2:3+2,3:0.5", 2.0)
 
 def solve(scene, frequency):
     return SheetModel(
-        scene, two_fields(scene.parts.skin, scene.parts.setup), Resolution(order=3)
+        scene.parts.skin,
+        scene.press,
+        two_fields(scene.parts.skin, scene.parts.setup),
+        Resolution(order=3),
     ).impedance(PRESS, frequency)
 
 
@@ -88,7 +91,10 @@ def test_order_and_names_of_foils_do_not_matter(random, frequency_at, data):
     press, frequency = data.draw(random.presses(scene)), frequency_at(scene, U)
     Z, other = (
         SheetModel(
-            each, two_fields(each.parts.skin, each.parts.setup), Resolution(order=2)
+            each.parts.skin,
+            each.press,
+            two_fields(each.parts.skin, each.parts.setup),
+            Resolution(order=2),
         ).impedance(press, frequency)
         for each in (scene, scene.model_copy(update={"contacts": shuffled}))
     )

@@ -28,7 +28,7 @@ def apart(Z, truth, frequency):
 
 def solved(scene, text, rtol=1e-6):
     """Z of a press, shape (interface, frequency)."""
-    return Solver(scene, rtol).solve(parse_press(text, 2.0)).Z
+    return Solver(scene.parts, rtol).solve(parse_press(text, 2.0)).Z
 
 
 def rectangle(scene, unit, factor=2.0):
@@ -104,7 +104,9 @@ def over_resolved(scene, press):
         layers=7 if singular else 0,
         lines=lines(scene.parts.skin, press),
     )
-    ((Z, _),) = SheetModel(scene, circuit, finest).sweep(press, scene.frequencies, 1e-11)
+    ((Z, _),) = SheetModel(scene.parts.skin, scene.press, circuit, finest).sweep(
+        press, scene.frequencies, 1e-11
+    )
     return Z
 
 
@@ -112,7 +114,7 @@ def assert_kept(scene, press, rtol, u, frequency_at):
     """The tolerance, at u and a tenth of it."""
     sweep = scene.sweep.model_copy(update={"frequencies": tuple(frequency_at(scene, [u / 10, u]))})
     scene = scene.model_copy(update={"sweep": sweep})
-    answer, truth = Solver(scene, rtol).solve(press), over_resolved(scene, press)
+    answer, truth = Solver(scene.parts, rtol).solve(press), over_resolved(scene, press)
     assert apart(answer.Z, truth, scene.frequencies) < rtol
 
 
@@ -156,7 +158,12 @@ def test_first_order_change_of_a_rectangle(random, frequency_at, plain_skin, dat
     assume(min(np.diff(x).min(), np.diff(y).min()) > THINNEST * max(x[-1], y[-1]))
     frequency, sheet = (
         frequency_at(scene, at),
-        SheetModel(scene, two_fields(scene.parts.skin, scene.parts.setup), resolution),
+        SheetModel(
+            scene.parts.skin,
+            scene.press,
+            two_fields(scene.parts.skin, scene.parts.setup),
+            resolution,
+        ),
     )
     stronger = Press((Rectangle(*_place(first), first.factor + 1), *others))
     plain, rest = plain_skin(scene, resolution), scene.skin.foam.unpressed_capacitance_per_area
@@ -183,29 +190,34 @@ def _place(touch):
 @pytest.mark.parametrize("text", ["rect(0.03,0.01,0.02,0.02):3", "rect(0.031,0.01,0.0173,0.02):3"])
 def test_rectangles_across_a_whole_line_are_answered_exactly(text):
     scene = load_scene("strip-1x5")
-    answer = Solver(scene, 1e-6).solve(parse_press(text, 2.0))
+    answer = Solver(scene.parts, 1e-6).solve(parse_press(text, 2.0))
     assert answer.model == "exact line"
-    by_elements = Solver(scene, 1e-7, "sheet").solve(parse_press(text, 2.0)).Z
+    by_elements = Solver(scene.parts, 1e-7, "sheet").solve(parse_press(text, 2.0)).Z
     assert apart(by_elements, answer.Z, scene.frequencies) < 1e-6
 
 
 def test_a_rectangle_across_part_of_a_line_is_refused_by_it():
     scene = load_scene("strip-1x5")
     with pytest.raises(InputError, match="varies across strip-1x5"):
-        Line(scene).impedance(parse_press("rect(0.03,0.01,0.02,0.01)", 2.0), scene.frequencies)
+        Line(scene.parts.skin, scene.parts.setup, scene.press).impedance(
+            parse_press("rect(0.03,0.01,0.02,0.01)", 2.0), scene.frequencies
+        )
 
 
 def test_a_mesh_without_the_edges_is_refused(sheet):
     press = parse_press("rect(0.03,0.04,0.01,0.02)", 2.0)
     for resolution in (Resolution(2), Resolution(2, lines=((0.03,), ()))):
         with pytest.raises(InputError):
-            SheetModel(sheet, two_fields(sheet.parts.skin, sheet.parts.setup), resolution).mass(
-                press
-            )
+            SheetModel(
+                sheet.parts.skin,
+                sheet.press,
+                two_fields(sheet.parts.skin, sheet.parts.setup),
+                resolution,
+            ).mass(press)
 
 
 def test_forgotten_meshes_make_room(sheet):
-    solver = Solver(sheet, 1e-2)
+    solver = Solver(sheet.parts, 1e-2)
     for k in range(20):
         solver.solve(parse_press(f"rect({0.03 + 0.001 * k},0.0405,0.01,0.02)", 2.0))
     assert len(solver._models._sheets) <= 16

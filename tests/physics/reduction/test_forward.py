@@ -29,7 +29,7 @@ def made(make_scene):
         name: make_scene(contacts, rows=2, columns=3, frequencies=FREQUENCIES)
         for name, contacts in (("one field", FILMS), ("two fields", CROSSED))
     }
-    return {name: Forward(scene, rtol=RTOL) for name, scene in scenes.items()}
+    return {name: Forward(scene.parts, rtol=RTOL) for name, scene in scenes.items()}
 
 
 @pytest.fixture(scope="module", params=["one field", "two fields"])
@@ -40,9 +40,9 @@ def forward(request, made):
 def test_values_are_those_of_the_full_solver(forward, moved):
     press = parse_press("1,2:1.8+2,3:2.5", 2.0)
     response = forward.respond(*forward.cells(press), moved)
-    truth = Solver(scene_with(forward.scene, moved), 0.1 * RTOL).solve(press).Z
+    truth = Solver(scene_with(forward.parts.scene, moved).parts, 0.1 * RTOL).solve(press).Z
     np.testing.assert_allclose(response.Z.real, truth.real, rtol=RTOL)
-    frequency = forward.scene.frequencies
+    frequency = forward.parts.setup.frequency
     Cp, true_Cp = (parallel_capacitance(Z, frequency) for Z in (response.Z, truth))
     np.testing.assert_allclose(Cp, true_Cp, rtol=RTOL)
 
@@ -58,7 +58,7 @@ def reader(request, make_scene, made):
     floating = load_scene(TWO_INTERFACES).with_({"pixels": 2})
     scene = floating if request.param == "floating" else make_scene(CROSSED)
     scene = scene.model_copy(update={"sweep": Sweep(frequencies=FREQUENCIES)})
-    return Forward(scene, rtol=ROUGH, modes=4 if request.param == "uneven" else 1)
+    return Forward(scene.parts, rtol=ROUGH, modes=4 if request.param == "uneven" else 1)
 
 
 @pytest.mark.parametrize("touches", [0, 1, 2, 4])

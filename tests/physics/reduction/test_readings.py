@@ -47,7 +47,7 @@ def scene(make_scene):
 
 @pytest.fixture(scope="module")
 def model(scene):
-    return trained(scene, RTOL)
+    return trained(scene.parts, RTOL)
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +61,7 @@ def relative_error(Z, truth, scene):
 
 def test_any_reading_is_that_of_the_full_solver(scene, impedance):
     """Films on floating foils included: they short the sheet along the foil."""
-    truth = Solver(scene, 1e-6).solve(parse_press(PRESS, 2.0)).Z
+    truth = Solver(scene.parts, 1e-6).solve(parse_press(PRESS, 2.0)).Z
     assert relative_error(impedance, truth, scene) <= RTOL
 
 
@@ -84,7 +84,7 @@ def test_sides_of_a_reading_are_exchangeable(scene, model, impedance):
 
 def test_a_reading_of_its_own_trained_model_is_the_same(scene, impedance):
     alone = scene.model_copy(update={"interfaces": scene.interfaces[2:3]})
-    Z = reduce(alone, RTOL).skin(None).sweep(CELLS, RISES)
+    Z = reduce(alone.parts, RTOL).skin(None).sweep(CELLS, RISES)
     assert relative_error(Z, impedance[2:3], scene) <= RTOL
 
 
@@ -102,7 +102,7 @@ def test_training_drives_every_terminal_by_one_fewer_readings(make_scene, tops, 
     names = [*(f"top-{edge}" for edge in edges[:tops])]
     names += [f"bottom-{edge}" for edge in edges[:bottoms]]
     foils = {name: {"span": (0.1, 0.9)} for name in names}
-    readings = chain(make_scene(foils, rows=1, columns=1))
+    readings = chain(make_scene(foils, rows=1, columns=1).parts.skin)
     together = {names[0]}
     for _ in readings:
         together |= {n for e in readings if {*e.high, *e.low} & together for n in (*e.high, *e.low)}

@@ -40,7 +40,7 @@ def error(Z, truth, scene):
 
 
 def drawn(scene, count, seed=7):
-    random, draw = np.random.default_rng(seed), pixel_touches(scene)
+    random, draw = np.random.default_rng(seed), pixel_touches(scene.parts.skin, scene.parts.plan)
     return [draw(random) for _ in range(count)]
 
 
@@ -112,7 +112,7 @@ def spanned_readable(feed, rest, touched, s, rtol):
 @pytest.mark.kernel
 def test_the_kernel_and_its_readable_twin_agree(families):
     for reduced in families.values():
-        own, cases = reduced.skin(None), drawn(reduced.scene, 4)
+        own, cases = reduced.skin(None), drawn(reduced.parts.scene, 4)
         for feed in own.dense_excitations:
             given = own.unpressed_mass, feed, batch(cases), own.s
             fused, plain = swept(*given, 1e-13), swept_readable(*given, 1e-13)
@@ -125,7 +125,7 @@ def test_potentials_of_a_certificate_and_their_readable_twin_agree(families):
     for reduced in families.values():
         own = reduced.skin(None)
         for feed in own.dense_excitations:
-            for cells, rises in batch(drawn(reduced.scene, 4)).each():
+            for cells, rises in batch(drawn(reduced.parts.scene, 4)).each():
                 given = feed, own.unpressed_mass, (cells, rises), own.s
                 (u, Y), (twin, own_Y) = spanned(*given, 1e-12), spanned_readable(*given, 1e-14)
                 np.testing.assert_allclose(Y, own_Y, rtol=1e-10)
@@ -175,13 +175,13 @@ def varied(scene, random, modes, same_sheets):
 def test_skins_of_a_family(library, name, same_sheets):
     """Sheets, their slow variation, films, foam and loss are free, without another basis."""
     scene, modes = library.scene(name), len(HALF_WAVES)
-    touch = pixel_touches(scene)
+    touch = pixel_touches(scene.parts.skin, scene.parts.plan)
 
     def draw(random):
         case = touch(random)
         return Case(varied(scene, random, modes, same_sheets), case.cells, case.rises)
 
-    reduced = reduce(scene, RTOL, draw, modes=modes, same_sheets=same_sheets)
+    reduced = reduce(scene.parts, RTOL, draw, modes=modes, same_sheets=same_sheets)
     random = np.random.default_rng(3)
     for _ in range(4):
         case = draw(random)
@@ -212,7 +212,7 @@ def test_a_uniform_variation_is_the_scene_with_other_numbers(library, families, 
     )
     none = np.zeros(0, dtype=np.int64)
     exact = reduced.skin(uniform).exact(none, np.zeros(0))
-    truth = Solver(other, 1e-8).solve(Press()).Z
+    truth = Solver(other.parts, 1e-8).solve(Press()).Z
     assert error(exact, truth, scene) <= 2 * RTOL
 
 
@@ -224,7 +224,7 @@ def test_common_factors_of_resistance_and_capacitance_only_shift_frequencies(fam
         Variation(modes / a, modes / a, np.full(2, 1 / a), np.full((2, 3), b), LOSSLESS)
     )
     shifted = replace(reduced, frequency=a * b * reduced.frequency)
-    cases = drawn(reduced.scene, 3)
+    cases = drawn(reduced.parts.scene, 3)
     Z, Z_shifted = scaled.sweeps(batch(cases)), shifted.skin(None).sweeps(batch(cases))
     np.testing.assert_allclose(Z, a * Z_shifted, rtol=1e-6)
 
@@ -233,20 +233,20 @@ def test_slow_variation_is_a_cosine_of_conductance(make_scene):
     scene = make_scene()
     x = np.array([[0.0, 0.05, 0.10], [0.0, 0.04, 0.08]])
     np.testing.assert_allclose(
-        mode_values(scene, x, 4),
+        mode_values(scene.parts.skin, x, 4),
         [[1, 1, 1], [1, 0, -1], [1, 0, -1], [1, 0, 1]],
         atol=1e-15,
     )
     with pytest.raises(InputError, match="`modes` must be between 1 and 4, got 5"):
-        mode_values(scene, x, 5)
+        mode_values(scene.parts.skin, x, 5)
 
 
 def test_the_face_of_every_model(families):
     """A press and frequencies in, Z out; a rectangle that is a pixel is that pixel."""
     reduced = families["crossed"]
-    frequency = reduced.scene.frequencies
+    frequency = reduced.parts.setup.frequency
     pixel = Press((Touch(2, 1, 2.0),))
-    skin = reduced.scene.skin
+    skin = reduced.parts.skin
     width, height = skin.length / 3, skin.width / 2
     rectangle = Press((Rectangle(width / 2, 1.5 * height, width, height, 2.0),))
     Z = reduced.impedance(pixel, frequency)
@@ -256,7 +256,7 @@ def test_the_face_of_every_model(families):
 
 def test_sheets_that_vary_differently_need_two_fields(families):
     reduced = replace(families["one field"], modes=2)
-    own = nominal(reduced.scene, 2)
+    own = nominal(reduced.parts.skin, 2)
     uneven = replace(own, top=np.array([1.0, 0.1]))
     with pytest.raises(InputError, match="need two fields"):
         reduced.skin(uneven)
@@ -270,11 +270,11 @@ def test_a_file_of_something_else_is_refused(tmp_path):
 
 
 def test_the_same_bits_on_a_second_run(library, families):
-    again = reduce(library.scene("one field"), RTOL)
+    again = reduce(library.scene("one field").parts, RTOL)
     np.testing.assert_array_equal(again.factors, families["one field"].factors)
 
 
 def test_a_basis_that_grows_too_large_is_refused(library, monkeypatch):
     monkeypatch.setattr("rcskin.simulator.models.reduced.greedy.LARGEST", 5)
     with pytest.raises(ToleranceError, match=r"an error of .* with \d+ vectors, tolerance 1e-05"):
-        reduce(library.scene("one field"), RTOL)
+        reduce(library.scene("one field").parts, RTOL)

@@ -31,7 +31,9 @@ def solve():
     """A function from a scene, a press and a tolerance to the answer."""
 
     def solve(scene, press="none", rtol=1e-6):
-        return Solver(scene, rtol).solve(parse_press(press, 2.0, scene.parts.skin, scene.press))
+        return Solver(scene.parts, rtol).solve(
+            parse_press(press, 2.0, scene.parts.skin, scene.press)
+        )
 
     return solve
 
@@ -66,7 +68,10 @@ def on_triangles():
 
     def on_triangles(scene, press="none", rtol=1e-4):
         found = Triangles(
-            scene, circuit_of(scene), parse_press(press, 2.0, scene.parts.skin, scene.press), rtol
+            scene.parts.skin,
+            circuit_of(scene.parts.skin, scene.parts.setup),
+            parse_press(press, 2.0, scene.parts.skin, scene.press),
+            rtol,
         )
         while True:
             rung = found.finer(scene.frequencies).result(scene.frequencies, rtol)

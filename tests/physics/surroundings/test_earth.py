@@ -154,7 +154,9 @@ def test_terms_are_symmetric_and_never_negative(around):
     press = parse_press(
         "2,2:1.7:5e-12F+rect(0.05,0.02,0.03,0.02):1.0:2pF", 2.0, scene.parts.skin, scene.press
     )
-    found = meshes(scene, press, None, 1e-2).finer(scene.frequencies)
+    found = meshes(scene.parts.skin, scene.parts.setup, scene.press, press, None, 1e-2).finer(
+        scene.frequencies
+    )
     M = found.coarse.system.mass.toarray()
     assert np.abs(M - M.T).max() <= 1e-15 * np.abs(M).max()
     assert np.linalg.eigvalsh(M).min() >= -1e-14 * np.abs(M).max()
@@ -169,7 +171,9 @@ def test_against_complex_solves(around, low):
     given = SURROUNDED | {"low": low, "body": [guard, *bodies(0.0, 1.77e-9)]}
     interfaces = {"m": ("top-left", "bottom-bottom")}
     scene = around(given, contacts=foils, interfaces=interfaces, rows=2, columns=2)
-    found = meshes(scene, Press(), None, 1e-3).finer(scene.frequencies)
+    found = meshes(scene.parts.skin, scene.parts.setup, scene.press, Press(), None, 1e-3).finer(
+        scene.frequencies
+    )
     s, space, M = 2j * np.pi * np.geomspace(1.0, 1e8, 9), found.fine.space, found.fine.system.mass
     excitations, combined = found.circuit.excitations, found.circuit.combination
     Q, error = swept(space, M, excitations, s, 1e-9)
@@ -185,7 +189,7 @@ def test_against_complex_solves(around, low):
 def test_smaller_models_refuse(around, model):
     scene = around({"body": bodies(0.0, 1.77e-9)})
     with pytest.raises(InputError, match=f"{model}.* cannot take `surroundings`"):
-        Solver(scene, 1e-3, model).solve(parse_press("none", 2.0))
+        Solver(scene.parts, 1e-3, model).solve(parse_press("none", 2.0))
 
 
 FOLDED = {
@@ -201,9 +205,9 @@ def test_a_virtual_earth_that_nothing_reaches_takes_one_excitation(around, name)
     """The form of both terminals at +1/2 V is 0, and the answer the same to rounding."""
     scene = around(FOLDED[name], {"thickness": 4e-3}, rows=2, columns=2)
     assert len(two_fields(scene.parts.skin, scene.parts.setup).excitations) == 2
-    assert len(two_fields(scene.for_rods.parts.skin, scene.for_rods.parts.setup).excitations) == 1
+    assert len(two_fields(scene.parts.skin.for_rods, scene.parts.setup).excitations) == 1
     press = press_on(scene.parts.skin, scene.press, "1,2:2.0:rod")
-    found, both = Solver(scene, 1e-4), Solver(scene, 1e-4)
+    found, both = Solver(scene.parts, 1e-4), Solver(scene.parts, 1e-4)
     vars(both)["_without_earth"] = None
     assert relative_difference(found.solve(press).Z, both.solve(press).Z).max() < 1e-13
 
@@ -221,19 +225,17 @@ def test_a_virtual_earth_that_nothing_reaches_takes_one_excitation(around, name)
 )
 def test_what_reaches_earth_is_not_left_out(around, earthed):
     scene = around(earthed, {"thickness": 4e-3})
-    assert scene.for_rods is scene
+    assert scene.parts.skin.for_rods is scene.parts.skin
 
 
 def test_fingers_find_the_earth_that_rods_do_not_need(around):
-    """Named by a press, or by the scene: then it is not left out at all."""
     scene = around({"thickness": True}, {"thickness": 4e-3}, rows=2, columns=2)
-    solver = Solver(scene, 1e-4)
+    solver = Solver(scene.parts, 1e-4)
     rod, finger = (
         solver.solve(press_on(scene.parts.skin, scene.press, f"1,2:2.0:{how}")).Z
         for how in ("rod", "3pF")
     )
     assert relative_difference(finger, rod).max() > 1e-3
-    assert scene.with_({"press.finger": 3e-12}).for_rods.surroundings == scene.surroundings
 
 
 def test_readings_and_fields_of_rods_leave_idle_earth_out(around):

@@ -23,8 +23,14 @@ def test_foils_with_a_width(make_scene, frequencies):
     scene = make_scene(wide, frequencies=frequencies, columns=5)
     shorter = make_scene(PAIR, length=0.1 - 0.013, frequencies=frequencies)
     s = 2j * np.pi * scene.frequencies
-    Y = 1 / Line(shorter).impedance(Press(), scene.frequencies) + s * 5e-9 * 0.013 * 0.08
-    answer = Solver(scene, 1e-6).solve(Press())
+    Y = (
+        1
+        / Line(shorter.parts.skin, shorter.parts.setup, shorter.press).impedance(
+            Press(), scene.frequencies
+        )
+        + s * 5e-9 * 0.013 * 0.08
+    )
+    answer = Solver(scene.parts, 1e-6).solve(Press())
     assert relative_difference(answer.Z, 1 / Y).max() <= 1e-6
     if frequencies == [LOW]:
         R = (50e3 + 30e3) * 0.1 / 0.08 / 3

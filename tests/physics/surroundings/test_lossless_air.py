@@ -39,17 +39,19 @@ def lossy(request, around):
 
 
 def by_solver(model):
-    return lambda scene: Solver(scene, RTOL, model).solve(Press()).Z
+    return lambda scene: Solver(scene.parts, RTOL, model).solve(Press()).Z
 
 
 def by_network(scene):
-    network = NetworkSkin(trained(scene, RTOL).skin(None))
+    network = NetworkSkin(trained(scene.parts, RTOL).skin(None))
     wiring = network.wiring(scene.interfaces)
     return network.impedances(wiring, network.admittances(PressBatch.of([NOTHING])))[0]
 
 
 def by_fields(scene):
-    return fields(scene, Press(), F, scene.interfaces[0].name, RTOL).Z[None]
+    return fields(
+        scene.parts.skin, scene.parts.setup, scene.press, Press(), F, scene.interfaces[0].name, RTOL
+    ).Z[None]
 
 
 def by_full_fields(scene):
@@ -62,7 +64,7 @@ MODELS = {
     "reduced": by_solver("reduced"),
     "auto": by_solver("auto"),
     "network": by_network,
-    "forward": lambda scene: Forward(scene, rtol=RTOL).respond(*NOTHING).Z,
+    "forward": lambda scene: Forward(scene.parts, rtol=RTOL).respond(*NOTHING).Z,
     "fields": by_fields,
     "full fields": by_full_fields,
 }
@@ -82,7 +84,7 @@ def test_only_the_foam_has_the_loss(lossy, model):
 
 def test_skins_that_a_sensor_draws_are_those_of_their_family(lossy):
     """Skins of different losses, solved together and each by itself."""
-    skins = MountedSkins(lossy, reduce(lossy, RTOL), 0, range(3), True)
+    skins = MountedSkins(lossy, reduce(lossy.parts, RTOL), 0, range(3), True)
     press = PressBatch.of([(np.array([1]), np.array([0.5]))])
     each = np.stack([skin.sweeps(press)[0, 0] for skin in skins._skins])
     found = skins._impedances(press, np.arange(3), np.zeros(3, dtype=int), None, slice(None))
@@ -97,7 +99,7 @@ def test_a_finger_is_in_air(around):
     body = around({"body": {"side": "top", "capacitance_per_area": 1e-9}}, loss, columns=2,
                   frequencies=[1e3, 1e5])  # fmt: skip
     press = parse_press("rect(0.05,0.04,0.1,0.08):1.0:8pF", 2.0, scene.parts.skin, scene.press)
-    one, other = Solver(scene, 1e-5).solve(press).Z, Solver(body, 1e-5).solve(Press()).Z
+    one, other = Solver(scene.parts, 1e-5).solve(press).Z, Solver(body.parts, 1e-5).solve(Press()).Z
     assert relative_difference(one, other).max() <= 2e-5
 
 
@@ -121,7 +123,7 @@ def test_foam_that_conducts_too_much_is_solved_by_elements(around):
     scene = around(given, {"loss_tangent": 3.0}, frequencies=F, columns=2)
     with pytest.raises(ToleranceError, match="the foam conducts too much"):
         air_nodes(scene.frequencies, scene.skin.foam.loss, RTOL)
-    Z = Solver(scene, RTOL).solve(Press()).Z
+    Z = Solver(scene.parts, RTOL).solve(Press()).Z
     top, bottom = (body.per_area * 0.008 for body in scene.surroundings.body)
     s = laplace_variable(scene.frequencies, scene.skin.foam.loss)
     air = 2j * np.pi * scene.frequencies * top * bottom / (top + bottom)

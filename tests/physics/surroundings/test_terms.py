@@ -8,7 +8,6 @@ import pytest
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.solution_fields import fields
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.uniform import equivalent_scene
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
 
@@ -200,7 +199,7 @@ def test_a_stretched_skin_is_a_larger_one(around, solve):
     told["skin"] |= {"foam": skin, "stretch": {"x": 1.4, "y": 0.9}}
     scene = type(at_rest).model_validate(told)
     given = {"rim": RIM, "thickness": True, "edges": True, "body": {"distance": 5e-3}}
-    larger = equivalent_scene(scene).model_dump(by_alias=True, exclude_none=True)
+    larger = scene.parts.evened.scene.model_dump(by_alias=True, exclude_none=True)
     assert larger["skin"]["length"] == pytest.approx(0.14) and "stretch" not in larger["skin"]
     stretched, flat = (
         type(scene).model_validate(each | {"surroundings": given}) for each in (told, larger)
@@ -221,26 +220,36 @@ def test_a_finger_that_pushes_in(around):
         },
     }
     scene = around({"body": {"distance": 5e-3}}, foam, rows=2, columns=2)
-    kept = Solver(scene, 1e-2)
+    kept = Solver(scene.parts, 1e-2)
     depths = ("1mm:rod", "1mm:9pF", "1.1mm:9pF")
     presses = [parse_press(f"2,2:{depth}", 2.0, scene.parts.skin, scene.press) for depth in depths]
     Z = [kept.solve(press).Z for press in presses]
     assert relative_difference(Z[1], Z[0]).max() > 2e-2
-    assert relative_difference(Z[1], Solver(scene, 1e-2).solve(presses[1]).Z).max() <= 1e-3
-    assert relative_difference(Z[2], Solver(scene, 1e-2).solve(presses[2]).Z).max() <= 1e-3
+    assert relative_difference(Z[1], Solver(scene.parts, 1e-2).solve(presses[1]).Z).max() <= 1e-3
+    assert relative_difference(Z[2], Solver(scene.parts, 1e-2).solve(presses[2]).Z).max() <= 1e-3
 
 
 def test_fields_are_those_of_one_volt_at_high_and_low_at_earth(around):
     scene = around({"body": {"distance": 5e-3}}, contacts={"top-left": {}, "bottom-right": {}})
     found = fields(
-        scene, parse_press("1,1:2.0:4pF", 2.0, scene.parts.skin, scene.press), [1e4], "meter"
+        scene.parts.skin,
+        scene.parts.setup,
+        scene.press,
+        parse_press("1,1:2.0:4pF", 2.0, scene.parts.skin, scene.press),
+        [1e4],
+        "meter",
     )
     x = found.x[0]
     assert np.abs(found.potential[0, 0, x < 1e-9] - 1).max() < 1e-9
     assert np.abs(found.potential[1, 0, x > 0.1 - 1e-9]).max() < 1e-9
     assert np.abs(found.potential[0, 0]).min() < 0.999, "earth draws current through the sheet"
     Z = fields(
-        scene, parse_press("1,1:2.0002:4pF", 2.0, scene.parts.skin, scene.press), [1e4], "meter"
+        scene.parts.skin,
+        scene.parts.setup,
+        scene.press,
+        parse_press("1,1:2.0002:4pF", 2.0, scene.parts.skin, scene.press),
+        [1e4],
+        "meter",
     ).Z
     change = np.log(Z.real / found.Z.real).item() / 1e-4
     corners = found.x[:, found.cells]

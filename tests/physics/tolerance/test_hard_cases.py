@@ -29,17 +29,17 @@ def tabs(low, high, resistance=0.0):
 
 def kept_at(scene, press, rtol=RTOL):
     """Asserts that the answer is within rtol of elements three orders finer; the answer."""
-    answer = Solver(scene, rtol).solve(press)
+    answer = Solver(scene.parts, rtol).solve(press)
     circuit = one_field(scene.parts.skin, scene.parts.setup) or two_fields(
         scene.parts.skin, scene.parts.setup
     )
-    ladder = ResolutionHierarchy(scene, circuit)
+    ladder = ResolutionHierarchy(scene.parts.skin, scene.press, circuit)
     elements = [model for model in answer.models if "Q" in model]
     order = max((int(model.split("Q")[1].split(",")[0]) for model in elements), default=4)
     level = ladder.levels.index((order, 1))
     coarse = ladder.resolution(level, press, scene.frequencies[-1])
     finer = replace(coarse, order=order + 3, layers=coarse.layers + 2 if coarse.layers else 0)
-    sheet = SheetModel(scene, circuit, finer)
+    sheet = SheetModel(scene.parts.skin, scene.press, circuit, finer)
     ((Z, _),) = sheet.sweep(press, scene.frequencies, 1e-3 * rtol)
     true = relative_difference(answer.Z, Z)
     assert np.max(answer.relative_errors) <= rtol
@@ -160,7 +160,7 @@ def test_sheets_fed_from_opposite_ends_at_any_contrast(make_scene):
     reach = 1 / np.sqrt(2j * np.pi * scene.frequencies * C * (R1 + R2))
     Z = R1 * R2 / (R1 + R2) * (1 + 2 * reach / np.sinh(1 / reach))
     Z = Z + reach * (R1**2 + R2**2) / (R1 + R2) / np.tanh(1 / reach)
-    answer = Solver(scene, 1e-8).solve(Press())
+    answer = Solver(scene.parts, 1e-8).solve(Press())
     true = relative_difference(answer.Z, Z[None])
     assert true.max() <= 1e-8
     Cp = parallel_capacitance(answer.Z, scene.frequencies)
@@ -172,7 +172,8 @@ def test_unknowns_grow_mildly_as_the_tolerance_falls(make_scene):
     scene = make_scene(tabs(0.4, 0.6), **SHEET, **PIXELS, frequencies=BAND)
     press = parse_press("2,3", 2.0)
     unknowns = {
-        digits: max(Solver(scene, 10.0**-digits).solve(press).unknowns) for digits in (2, 4, 8)
+        digits: max(Solver(scene.parts, 10.0**-digits).solve(press).unknowns)
+        for digits in (2, 4, 8)
     }
     assert unknowns[4] < 2.0**3 * unknowns[2]
     assert unknowns[8] < 2.0**3 * unknowns[4]

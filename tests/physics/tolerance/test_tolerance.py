@@ -55,7 +55,9 @@ def over_resolved(scene, press):
         layers=11 if singular else 0,
         edge_cell=depth(scene),
     )
-    ((Z, _),) = SheetModel(scene, circuit, finest).sweep(press, scene.frequencies, 1e-11)
+    ((Z, _),) = SheetModel(scene.parts.skin, scene.press, circuit, finest).sweep(
+        press, scene.frequencies, 1e-11
+    )
     return Z
 
 
@@ -80,7 +82,7 @@ def assert_kept_anywhere(random, frequency_at, data, rtol):
     press = data.draw(random.presses(scene))
     u = data.draw(random.logarithmic(1e-3, 1e3))
     scene = at(scene, frequency_at(scene, [u / 10, u]))
-    answer = Solver(scene, rtol).solve(press)
+    answer = Solver(scene.parts, rtol).solve(press)
     assert_kept(answer, over_resolved(scene, press), scene.frequencies, rtol)
 
 
@@ -90,7 +92,7 @@ def test_smooth_fields(random, frequency_at, data, rtol):
     scene = data.draw(random.between(WHOLE_EDGES, [0.0]).filter(not_singular))
     press = data.draw(random.presses(scene))
     scene = at(scene, frequency_at(scene, data.draw(random.logarithmic(1e-3, 1e3))))
-    answer = Solver(scene, rtol).solve(press)
+    answer = Solver(scene.parts, rtol).solve(press)
     assert_kept(answer, over_resolved(scene, press), scene.frequencies, rtol)
 
 
@@ -103,7 +105,7 @@ def test_a_field_nearly_even_across_its_pixels(make_scene, frequency_at, rtol):
     scene = make_scene(feed, meter, top=180e3, bottom=2.5e3, **size)
     scene = at(scene, frequency_at(scene, 1.0))
     press = parse_press("1,3:5.17+2,3:1.27+3,3:9.36", 2.0)
-    answer = Solver(scene, rtol).solve(press)
+    answer = Solver(scene.parts, rtol).solve(press)
     assert_kept(answer, over_resolved(scene, press), scene.frequencies, rtol)
 
 
@@ -123,7 +125,7 @@ def test_a_field_with_a_plane_of_symmetry(make_scene, frequency_at, u, rtol):
     scene = at(scene, frequency_at(scene, u))
     q = np.sqrt(1j * np.array([[u]]))
     Z = 50e3 / 2 * (1 + 2 / (q * np.sinh(q)) + 2 / (q * np.tanh(q)))
-    assert_kept(Solver(scene, rtol).solve(Press()), Z, scene.frequencies, rtol)
+    assert_kept(Solver(scene.parts, rtol).solve(Press()), Z, scene.frequencies, rtol)
 
 
 ENDING_WITHIN_AN_EDGE = {
@@ -149,7 +151,7 @@ def test_foils_that_end_within_an_edge(make_scene, frequency_at, foils):
     press = parse_press("1,1:3+2,1:1.5", 2.0)
     Z = over_resolved(scene, press)
     for rtol in (1e-2, 1e-3, 1e-4):
-        assert_kept(Solver(scene, rtol).solve(press), Z, scene.frequencies, rtol)
+        assert_kept(Solver(scene.parts, rtol).solve(press), Z, scene.frequencies, rtol)
 
 
 @pytest.mark.parametrize("u", [1e2, 1e3, 1e4])
@@ -157,8 +159,15 @@ def test_foils_that_end_within_an_edge(make_scene, frequency_at, foils):
 def test_thin_layers_at_high_frequency(make_scene, frequency_at, u, rtol):
     """Elements on a line, of which Z is known: two orders that agree need not be right."""
     scene = at(make_scene(), frequency_at(make_scene(), u))
-    answer = Solver(scene, rtol, "sheet").solve(Press())
-    assert_kept(answer, Line(scene).impedance(Press(), scene.frequencies), scene.frequencies, rtol)
+    answer = Solver(scene.parts, rtol, "sheet").solve(Press())
+    assert_kept(
+        answer,
+        Line(scene.parts.skin, scene.parts.setup, scene.press).impedance(
+            Press(), scene.frequencies
+        ),
+        scene.frequencies,
+        rtol,
+    )
 
 
 def resistance_across_a_gap(make_scene, sheets, gap, rtol):
@@ -167,13 +176,17 @@ def resistance_across_a_gap(make_scene, sheets, gap, rtol):
     for sheet in sheets:
         foils[f"{sheet}-left"] = {"span": (0.0, 0.5)}
         foils[f"{sheet}-left-2"] = {"span": (0.5 + gap, 1.0)}
-    return Solver(make_scene(foils, frequencies=[1.0]), rtol).solve(Press()).Z.real.item()
+    return Solver(make_scene(foils, frequencies=[1.0]).parts, rtol).solve(Press()).Z.real.item()
 
 
 @pytest.mark.parametrize("sheets", [["top"], ["top", "bottom"]], ids=["one sheet", "both"])
 def test_foils_a_small_gap_apart(make_scene, sheets):
     """The gap conducts like ln(1/gap), so 1/(Rs - Rs of the whole foil) grows linearly with it."""
-    whole = Line(make_scene()).impedance(Press(), np.array([1.0])).real.item()
+    whole = (
+        Line(make_scene().parts.skin, make_scene().parts.setup, make_scene().press)
+        .impedance(Press(), np.array([1.0]))
+        .real.item()
+    )
     wide, narrow = (
         1 / (resistance_across_a_gap(make_scene, sheets, gap, 1e-4) - whole) for gap in (1e-3, 1e-4)
     )
@@ -193,7 +206,7 @@ def test_constriction_at_a_narrow_foil(make_scene, edge_end, factor):
     for w in (1e-3, 1e-4):
         foils = {"top-left": {"span": (edge_end, edge_end + w)}, "bottom-left": {}}
         scene = make_scene(foils, frequencies=[1.0])
-        Rs.append(Solver(scene, 1e-3).solve(Press()).Z.real.item())
+        Rs.append(Solver(scene.parts, 1e-3).solve(Press()).Z.real.item())
     expected = factor * scene.skin.top.sheet_resistance * np.log(10) / np.pi
     assert Rs[1] - Rs[0] == pytest.approx(expected, abs=2e-3 * Rs[1])
 
@@ -205,7 +218,7 @@ def test_a_mere_resistor_is_answered(make_scene):
     scene = make_scene(ends, {"meter": meter}, rows=2, columns=2)
     skin = scene.skin
     R1, R2 = (s.sheet_resistance * skin.length / skin.width for s in (skin.top, skin.bottom))
-    Z = Solver(scene).solve(parse_press("1,1", 2.0)).Z
+    Z = Solver(scene.parts).solve(parse_press("1,1", 2.0)).Z
     np.testing.assert_allclose(Z, R1 * R2 / (R1 + R2), rtol=1e-11)
 
 
@@ -213,7 +226,7 @@ def test_a_mere_resistor_is_answered(make_scene):
 def test_the_line_is_chosen_where_it_is_exact(name):
     scene = load_scene(name)
     for press in every_press(scene.parts.skin, scene.press):
-        answer = Solver(scene, 1e-9).solve(press)
+        answer = Solver(scene.parts, 1e-9).solve(press)
         assert answer.model == "exact line"
         assert not answer.rejected
 
@@ -221,19 +234,19 @@ def test_the_line_is_chosen_where_it_is_exact(name):
 def test_one_resistor_and_capacitor_are_chosen_at_low_frequency(make_scene, frequency_at):
     scene = make_scene(rows=2)
     scene = at(scene, frequency_at(scene, 1e-4))
-    answer = Solver(scene, 1e-4).solve(parse_press("1,1", 2.0))
+    answer = Solver(scene.parts, 1e-4).solve(parse_press("1,1", 2.0))
     assert answer.model == "one R and one C"
     assert answer.rejected[0].startswith("line:")
 
 
 def test_a_tolerance_out_of_reach_is_not_answered(make_scene):
     with pytest.raises(ToleranceError, match=r"estimated error .* of Rs at .* Hz .* 1e-15"):
-        Solver(make_scene(rows=2), 1e-15).solve(parse_press("1,1", 2.0))
+        Solver(make_scene(rows=2).parts, 1e-15).solve(parse_press("1,1", 2.0))
 
 
 def test_the_same_bits_on_a_second_run():
     scene = load_scene("sheet-3x3")
     first, second = (
-        simulate(Solver(scene), every_press(scene.parts.skin, scene.press)) for _ in range(2)
+        simulate(Solver(scene.parts), every_press(scene.parts.skin, scene.press)) for _ in range(2)
     )
     assert first.identical(second)

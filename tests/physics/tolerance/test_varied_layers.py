@@ -39,7 +39,9 @@ def opposite(varied):
 
 def by_triangles(scene, press, rtol):
     """Z refined where it is least certain, whatever the coefficients."""
-    finer = Triangles(scene, circuit_of(scene), press, rtol)
+    finer = Triangles(
+        scene.parts.skin, circuit_of(scene.parts.skin, scene.parts.setup), press, rtol
+    )
     while True:
         rung = finer.finer(scene.frequencies).result(scene.frequencies, rtol)
         if rung.error.max() <= rtol:
@@ -54,7 +56,7 @@ def test_orders_that_agree_by_chance_do_not_pass(
     at_rest = opposite(gauges, film, width, pixels)
     scene = opposite(gauges, film, width, pixels, frequencies=frequency_at(at_rest, u).tolist())
     press = parse_press(press, 2.0)
-    answer = Solver(scene, rtol).solve(press)
+    answer = Solver(scene.parts, rtol).solve(press)
     true = off(answer.Z, by_triangles(scene, press, rtol / 30))
     assert (true <= np.stack(answer.relative_errors)).all()
 
@@ -97,5 +99,5 @@ def test_a_strip_of_gauges_is_two_lines(opposite, frequency_at, off, u):
     pressed = [SHEET / width * (1 + gauge * strain) for gauge in gauges]
     segments[1] = (*pressed, factor * C * width, LENGTH / 3)
     Z = np.array([[two_lines(segments, s) for s in laplace_variable(scene.frequencies)]])
-    answer = Solver(scene, 1e-4).solve(parse_press("1,2:3", 2.0))
+    answer = Solver(scene.parts, 1e-4).solve(parse_press("1,2:3", 2.0))
     assert (off(answer.Z, Z) <= np.stack(answer.relative_errors)).all()

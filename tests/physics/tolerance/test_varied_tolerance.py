@@ -90,7 +90,7 @@ def random_scene(varied, frequency_at):
 
 def refined(kind, scene, press, f, rtol):
     """The first rung of a kind of mesh that keeps the tolerance, and Z of its finer elements."""
-    circuit = circuit_of(scene)
+    circuit = circuit_of(scene.parts.skin, scene.parts.setup)
     found = kind(scene, circuit, press, rtol)
     while True:
         discretised = found.finer(f)
@@ -149,7 +149,7 @@ def test_discs_on_sheets_that_are_gauges_are_solved_on_triangles(varied, off):
     corners = corners / np.sin(2 * np.pi / 64) ** 0.5 + 0.03 + 0.05j
     polygon = ",".join(f"{z.real:.12f},{z.imag:.12f}" for z in corners)
     Z = [
-        Solver(scene, 1e-4).solve(parse_press(text, 2.0)).Z
+        Solver(scene.parts, 1e-4).solve(parse_press(text, 2.0)).Z
         for text in ("disc(0.03,0.05,0.01):3", f"poly({polygon}):3")
     ]
     assert off(*Z).max() < 2e-4
@@ -163,7 +163,7 @@ def test_where_a_foil_ends_the_estimated_error_is_near_the_true_one(varied, off,
     """A singularity that no order follows shows but a part of itself."""
     foils = {"top-outline.1": {"span": (0.2, 0.6)}, "bottom-outline.3": {"span": (0.3, 0.9)}}
     scene = varied({"outline": {"points": SQUARE.tolist()}}, foils, **SHEETS)
-    found, truth = (Solver(scene, each).solve(Press()) for each in (rtol, rtol / 30))
+    found, truth = (Solver(scene.parts, each).solve(Press()) for each in (rtol, rtol / 30))
     true = off(found.Z, truth.Z)
     told = np.stack(found.relative_errors)
     assert (told >= true).all()

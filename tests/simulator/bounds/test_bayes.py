@@ -27,7 +27,7 @@ def test_the_accuracy_is_1_without_noise_and_that_of_a_guess_in_noise(noisy):
 
 def test_two_presses_of_known_strength_equal_two_points_in_normal_noise(noisy):
     scene = noisy(readout=noise(0.03), spread=0.0, columns=2, **STRIP)
-    presses, among = own_presses(scene), hypotheses(scene, "column")
+    presses, among = own_presses(scene.parts.skin, scene.press), hypotheses(scene, "column")
     readings = TouchReadings(scene, presses)
     apart = distances(readings, among, presses)[0, 1]
     exact = ndtr(apart / 2)
@@ -39,7 +39,7 @@ def test_two_presses_of_known_strength_equal_two_points_in_normal_noise(noisy):
 
 def test_mirror_pixels_are_guessed_whatever_the_meter(noisy):
     scene = noisy(readout=noise(1e-3), rows=2, columns=2, frequencies=(1e3, 1e4))
-    presses = own_presses(scene)
+    presses = own_presses(scene.parts.skin, scene.press)
     readings = TouchReadings(scene, presses)
     for target in ("row", "pixel"):
         among = hypotheses(scene, target)

@@ -36,7 +36,7 @@ def scene(noisy):
 
 @pytest.fixture(scope="module")
 def model(scene):
-    return trained(scene, 1e-2, pixel_touches(scene, (0.5, 3.0)))
+    return trained(scene.parts, 1e-2, pixel_touches(scene.parts.skin, scene.parts.plan, (0.5, 3.0)))
 
 
 def read_by(model, scene, count=None):
@@ -53,9 +53,9 @@ def scores(scene, model):
 
 
 def test_the_accuracy_is_that_of_the_best_classifier(scene, model, scores):
-    readings = TouchReadings(scene, own_presses(scene))
+    readings = TouchReadings(scene, own_presses(scene.parts.skin, scene.press))
     readings._reduced = read(model, scene.interfaces)
-    asked = readings, hypotheses(scene, "pixel"), own_presses(scene)
+    asked = readings, hypotheses(scene, "pixel"), own_presses(scene.parts.skin, scene.press)
     best = exact(*asked, seed=2, draws=3000)
     assert 0.4 < best.share < 0.97
     for found in (scores(len(READINGS)).accuracy, bayes(*asked, seed=3, draws=3000)):
@@ -77,7 +77,7 @@ def test_more_readings_never_lower_the_accuracy(scores):
 def test_a_difference_has_a_far_smaller_error_than_each_accuracy(scene, model):
     """By as much as it says: other draws give it as well."""
     readings = read(model, scene.interfaces[:2])
-    other = nominal(readings.scene)
+    other = nominal(readings.scene.parts.skin)
     conducting = type(other)(
         other.top * 0.97, other.bottom, other.films, other.capacitance, other.loss
     )
@@ -109,7 +109,7 @@ def pair_scene(scene):
 
 
 def test_the_accuracy_of_pairs_is_that_of_the_best_classifier(pair_scene, model):
-    presses = own_presses(pair_scene)
+    presses = own_presses(pair_scene.parts.skin, pair_scene.press)
     readings = TouchReadings(pair_scene, presses)
     readings._reduced = read(model, pair_scene.interfaces)
     asked = readings, hypotheses(pair_scene, "pair"), presses
@@ -122,7 +122,7 @@ def test_the_accuracy_of_pairs_is_that_of_the_best_classifier(pair_scene, model)
 
 
 def test_what_tiles_leave_out_is_negligible(pair_scene, model):
-    presses = own_presses(pair_scene)
+    presses = own_presses(pair_scene.parts.skin, pair_scene.press)
     readings = TouchReadings(pair_scene, presses)
     readings._reduced = read(model, pair_scene.interfaces)
     among = hypotheses(pair_scene, "pair")

@@ -43,7 +43,7 @@ def test_derivatives_are_those_of_a_touch_that_moves_and_grows(name):
     scene = scene.model_copy(
         update={"sweep": scene.sweep.model_copy(update={"frequencies": (1e3, 2e4, 2e5)})}
     )
-    solver, touch, place = Solver(scene, 1e-4), TouchSize(0.024, 0.024, 1.0), (0.045, 0.033)
+    solver, touch, place = Solver(scene.parts, 1e-4), TouchSize(0.024, 0.024, 1.0), (0.045, 0.033)
 
     def impedance(x, y, rise):
         press = Press((Rectangle(x, y, touch.width, touch.height, 1 + rise),))
@@ -59,7 +59,11 @@ def test_derivatives_are_those_of_a_touch_that_moves_and_grows(name):
 
 def test_an_edge_that_moves_on_a_strip_is_that_of_the_exact_line(noisy):
     scene = noisy(length=0.1, width=0.02, columns=5, frequencies=(1e2, 1e3, 1e4))
-    line, touch, place = Line(scene), TouchSize(0.02, 0.02, 1.0), (0.0425, 0.01)
+    line, touch, place = (
+        Line(scene.parts.skin, scene.parts.setup, scene.press),
+        TouchSize(0.02, 0.02, 1.0),
+        (0.0425, 0.01),
+    )
 
     def impedance(x, y, rise):
         return line.impedance(Press((Rectangle(x, 0.01, 0.02, 0.02, 1 + rise),)), scene.frequencies)
@@ -138,7 +142,7 @@ def test_a_reduced_model_of_all_terminals_agrees_near_earth():
         "rim": {"mutual": 5e-12, "top": 6e-12, "bottom": 6e-12},
     }
     scene = load_scene("sheet-5x5").with_({"pixels": 2, "surroundings": around})
-    model = read(trained(scene, 1e-2), scene.interfaces)
+    model = read(trained(scene.parts, 1e-2), scene.interfaces)
     pressed = np.array([[[1.0, 2.0], [1.0, 1.0]], [[0.0, 4e-12], [0.0, 0.0]]])
     directions = {"finger": np.zeros_like(pressed)}
     directions["finger"][1, 0, 1] = 1.0

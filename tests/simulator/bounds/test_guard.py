@@ -18,7 +18,8 @@ def behind(scene, leads):
 
 def test_drawn_skins_have_the_unguarded_stray_capacitance(make_scene):
     one, other = (
-        drawn_skin(behind(make_scene(), leads), 1, 0, (1, 1), 1).leads for leads in (GUARDED, SEEN)
+        drawn_skin(behind(make_scene(), leads).parts, 1, 0, (1, 1), 1).leads
+        for leads in (GUARDED, SEEN)
     )
     assert one == other
 
@@ -32,4 +33,4 @@ def test_limits_are_those_of_the_unguarded_stray_capacitance(make_scene):
     np.testing.assert_allclose(one.Z, other.Z, rtol=1e-13)
     for name, slope in other.by_parameter.items():
         np.testing.assert_allclose(one.by_parameter[name], slope, rtol=1e-12)
-    assert one.Z == pytest.approx(Solver(guarded).solve(Press()).Z, rel=1e-3)
+    assert one.Z == pytest.approx(Solver(guarded.parts).solve(Press()).Z, rel=1e-3)

@@ -108,7 +108,10 @@ def test_maximum_likelihood_on_the_exact_line_reaches_the_bound(noisy):
     slopes = position_slopes(FullFields(scene, 3e4), [(x, 0.01)], touch, scene.frequencies)
     bounds = slopes.bounds()
     assert np.isinf(bounds.y).all()
-    line, model = Line(scene), error_model(scene, scene.frequencies)
+    line, model = (
+        Line(scene.parts.skin, scene.parts.setup, scene.press),
+        error_model(scene, scene.frequencies),
+    )
 
     def read(values):
         press = Press((Rectangle(values[0], 0.01, touch.width, 0.02, 1 + values[1]),))

@@ -40,7 +40,7 @@ def true_sweeps(scene, truth, presses):
 
 @cache
 def _solved(scene, presses):
-    return simulate(Solver(scene, 1e-5), [parse_press(press, 2.0) for press in presses])
+    return simulate(Solver(scene.parts, 1e-5), [parse_press(press, 2.0) for press in presses])
 
 
 def of_the_skin(scene):
@@ -57,7 +57,7 @@ def models_made_once():
     def train(scene, rtol, draw, **more):
         key = of_the_skin(scene), rtol, more["modes"], more["same_sheets"], *more["frequency"]
         if key not in known:
-            known[key] = reduced_for(scene, rtol, draw, **more)
+            known[key] = reduced_for(scene.parts, rtol, draw, **more)
         return replace(known[key], scene=scene)
 
     with pytest.MonkeyPatch.context() as patch:

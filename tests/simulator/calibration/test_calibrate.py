@@ -29,7 +29,9 @@ def outside(found, truth):
     return [
         name
         for name, (low, high) in found.intervals.items()
-        if not low <= truth.get(name, own_values(found.scene)[name]) <= high
+        if not low
+        <= truth.get(name, own_values(found.scene.parts.skin, found.scene.parts.setup)[name])
+        <= high
     ]
 
 
@@ -227,7 +229,7 @@ def test_sheets_of_two_fields_are_distinguished_by_two_interfaces(make_scene, re
     scene = scene.model_copy(update={"readout": meter})
     truth = {"sheet_resistance": -0.1, "sheet_mismatch": 0.3, "capacitance": 0.1}
     sweeps = read(scene, truth, REST)
-    model = Forward(scene)
+    model = Forward(scene.parts)
     found = calibrate(scene, sweeps, only(truth), model=model)
     assert not outside(found, truth)
     assert found.identified["sheet_mismatch"]
@@ -304,9 +306,9 @@ def test_interfaces_must_be_the_scenes(line, read):
 
 def test_a_model_of_other_frequencies_is_refused(line, read, make_scene):
     with pytest.raises(InputError, match="the model's sweep differ from"):
-        calibrate(line, read(line), model=Forward(make_scene(columns=3)))
+        calibrate(line, read(line), model=Forward(make_scene(columns=3).parts))
     with pytest.raises(InputError, match="`cells_per_pixel` of the model must be 1, got 2"):
-        calibrate(line, read(line), model=Forward(line, 2))
+        calibrate(line, read(line), model=Forward(line.parts, 2))
 
 
 def test_what_is_fixed_though_unknown_widens_the_intervals(line, read):

@@ -34,7 +34,7 @@ def yarn():
 def gains(yarn):
     """Of another yarn, read with noise, shape (press, interface, frequency)."""
     truth = scene_with(yarn, TRUTH)
-    read = simulate(Solver(truth, 1e-5), [parse_press(each, 2.0, yarn) for each in PRESSES])
+    read = simulate(Solver(truth.parts, 1e-5), [parse_press(each, 2.0, yarn) for each in PRESSES])
     noise = NOISE * np.random.default_rng(0).standard_normal(read["gain"].shape)
     return read.assign(gain=(read["gain"].dims, read["gain"].values * (1 + noise)))
 
@@ -77,7 +77,7 @@ def test_a_voltage_that_the_gains_do_not_determine_is_reported_so(yarn, gains):
     high = yarn.with_({"sweep.frequencies": np.geomspace(3e6, 9e6, 8).tolist()})
     high = high.with_({f"interface.{k}.load.capacitance": 0.0 for k in (1, 2)})
     high = high.with_({"readout.magnitude_noise": 0.05})
-    found = calibrate(high, simulate(Solver(high, 1e-4), [Press()]), fitted("source_scale"))
+    found = calibrate(high, simulate(Solver(high.parts, 1e-4), [Press()]), fitted("source_scale"))
     assert not found.identified["source_scale"]
     assert lines(found, "voltage of the source is not identified by these gains")
 
@@ -103,7 +103,7 @@ def test_keys_that_are_counted_from_the_other_end_are_found(yarn, gains):
     one = yarn.with_({"interface": [_alone(yarn, 0)]})
     mirrored = ("none", "1,11:26pF", "1,7:33pF", "1,2:29pF")
     presses = [parse_press(each, 2.0, one) for each in mirrored]
-    read = simulate(Solver(scene_with(one, TRUTH), 1e-5), presses)
+    read = simulate(Solver(scene_with(one, TRUTH).parts, 1e-5), presses)
     read["press"] = ("sweep", np.array(PRESSES, dtype=object))
     found = calibrate(one, read, fitted())
     assert lines(found, "taken: columns counted from the other end, which leaves")
@@ -138,7 +138,7 @@ def crossed(make_scene):
 
 def test_an_interface_that_is_another_of_the_scene_is_named(crossed):
     truth = scene_with(crossed, {"capacitance": -0.3})
-    read = simulate(Solver(truth, 1e-5), [Press(), parse_press("1,2:2", 2.0)])
+    read = simulate(Solver(truth.parts, 1e-5), [Press(), parse_press("1,2:2", 2.0)])
     short = read.sel(interface=["long"]).assign_coords(interface=["short"])
     found = calibrate(crossed, short, Options(("capacitance",), ("others",), trials=False))
     assert lines(found, "taken: interface short is long of the scene, which leaves")
@@ -149,7 +149,7 @@ def test_an_interface_that_is_another_of_the_scene_is_named(crossed):
 
 def test_a_misfit_of_another_cause_exchanges_nothing(crossed):
     truth = crossed.with_({"skin.foam.loss_tangent": 0.2})
-    read = simulate(Solver(truth, 1e-5), [Press(), parse_press("1,2:2", 2.0)])
+    read = simulate(Solver(truth.parts, 1e-5), [Press(), parse_press("1,2:2", 2.0)])
     found = calibrate(crossed, read, Options(("capacitance",), ("others",), trials=False))
     assert found.chi_squared > 2
     assert not lines(found, "taken:")

@@ -36,7 +36,7 @@ def yarn():
 def gains(scene, presses, noise=0.0, seed=0):
     """Gains of a skin with noise."""
     found = simulate(
-        Solver(scene, 1e-5),
+        Solver(scene.parts, 1e-5),
         [parse_press(each, 2.0, scene.parts.skin, scene.press) for each in presses],
     )
     shape = found["gain"].shape

@@ -187,7 +187,7 @@ def test_equal_sheets_lie_within_the_interval_of_their_mean(line, off):
     """What is known of the sum alone leaves the mean largest where both are equal."""
     spread, names = 5e-3, (COMMON, MISMATCH)
     fit = SimpleNamespace(
-        values=own_values(line) | {COMMON: off * spread},
+        values=own_values(line.parts.skin, line.parts.setup) | {COMMON: off * spread},
         spec=SimpleNamespace(fitted=dict.fromkeys(names, Prior(0.0, 1.0))),
     )
     known = SimpleNamespace(names=names, covariance=np.diag([spread**2, 1.0]))

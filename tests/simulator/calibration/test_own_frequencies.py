@@ -50,7 +50,7 @@ def own(shared):
 
 
 def problem_of(scene, sweeps):
-    data, values = measurements_of(scene, sweeps), own_values(scene)
+    data, values = measurements_of(scene, sweeps), own_values(scene.parts.skin, scene.parts.setup)
     known = priors(data, "wide")
     fixed = {name: value for name, value in values.items() if name not in NAMES}
     asked = FitSpec(data, scene.readout, {name: known[name] for name in NAMES}, fixed)

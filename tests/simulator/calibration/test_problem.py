@@ -18,7 +18,7 @@ NAMES = ("sheet_resistance", "capacitance", "phase_exponent", "lead_inductance")
 
 
 def asked_of(scene, sweeps, names=()):
-    data, own = measurements_of(scene, sweeps), own_values(scene)
+    data, own = measurements_of(scene, sweeps), own_values(scene.parts.skin, scene.parts.setup)
     known = priors(data, "wide")
     fixed = {name: value for name, value in own.items() if name not in names}
     return FitSpec(data, scene.readout, {name: known[name] for name in names}, fixed)
@@ -90,7 +90,10 @@ def test_few_rows_have_the_products_of_all(line, read, scale, strengths):
 
 def test_a_model_about_other_values_answers_alike(line):
     near, far = centered_model(line, {}, 1e-4), centered_model(line, {"capacitance": 0.7}, 1e-4)
-    values = own_values(line) | {"capacitance": 0.5, "sheet_resistance": -0.2}
+    values = own_values(line.parts.skin, line.parts.setup) | {
+        "capacitance": 0.5,
+        "sheet_resistance": -0.2,
+    }
     cells, rises = np.array([1]), np.array([0.8])
     one, other = (model.respond(cells, rises, values) for model in (near, far))
     np.testing.assert_allclose(other.Z, one.Z, rtol=1e-12)

@@ -38,7 +38,7 @@ def sheet():
 
 def recorded(scene, sweeps, automatic, seed):
     """As a meter records sweeps, in the range of each reading or all in one."""
-    errors = MeterSessionErrors(scene, seed)
+    errors = MeterSessionErrors(scene.parts.meter, seed)
     ranged = [
         errors.read(z, f, math.ceil(math.log10(abs(z))) if automatic else 7)
         for own in impedance(sweeps).reshape(-1, sweeps.sizes["frequency"]).tolist()

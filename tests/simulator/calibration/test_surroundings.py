@@ -62,7 +62,8 @@ def twins(scene):
     for name, changes in TWINS.items():
         twin = scene.with_(changes)
         sweeps = simulate(
-            Solver(twin, 1e-4), [press_on(twin.parts.skin, twin.press, press) for press in called]
+            Solver(twin.parts, 1e-4),
+            [press_on(twin.parts.skin, twin.press, press) for press in called],
         )
         sweeps["press"] = ("sweep", np.array(called, dtype=object))
         found[name] = read_out(sweeps, scene.readout, np.random.default_rng(0))
@@ -88,7 +89,9 @@ def test_what_surrounds_a_twin_explains_its_gap(scene, model, twins, twin, words
 
 def test_fingers_are_rods_where_the_scene_has_no_earth(scene):
     twin = scene.with_({"surroundings": {}})
-    sweeps = simulate(Solver(twin, 1e-4), [press_on(twin.parts.skin, twin.press, "1,2:2.0:5.3pF")])
+    sweeps = simulate(
+        Solver(twin.parts, 1e-4), [press_on(twin.parts.skin, twin.press, "1,2:2.0:5.3pF")]
+    )
     (reading,) = (found := measurements_of(scene, sweeps)).sweeps
     assert [str(touch) for touch in reading.press.touches] == ["1,2:2.0"]
     assert found.left_out == ("fingers of presses, because scene has no [surroundings]",)
@@ -159,7 +162,7 @@ def test_a_calibration_says_what_surrounds_a_twin_without_a_trained_model(
 def test_no_effect_is_larger_than_its_bound(scene, changes, leads):
     scene = scene.with_({"leads": leads, "surroundings": {}})
     there, without = (
-        Solver(each, 1e-4).solve(press_on(each.parts.skin, each.press, "1,2:2.0")).Z
+        Solver(each.parts, 1e-4).solve(press_on(each.parts.skin, each.press, "1,2:2.0")).Z
         for each in (scene.with_(changes), scene)
     )
     assert (np.abs(there / without - 1) <= largest_changes(scene, without, 1)).all()
@@ -177,7 +180,7 @@ def test_effects_under_the_noise_are_not_tried(scene, monkeypatch):
     )
     twin = heavy.with_({"skin.foam.phase_exponent": 0.9})
     sweeps = simulate(
-        Solver(twin, 1e-4), [press_on(twin.parts.skin, twin.press, press) for press in REST]
+        Solver(twin.parts, 1e-4), [press_on(twin.parts.skin, twin.press, press) for press in REST]
     )
     monkeypatch.setattr(surroundings_trials, "PlainEffects", None)
     found = calibrate(heavy, sweeps, Options(fit=("capacitance",)))

@@ -31,10 +31,10 @@ def scene_fed_at_a_corner():
 
 
 def twin_of(scene, waves, rtol=1e-4):
-    made = scene.with_({"skin.foam.map": map_of(scene, waves).model_dump()})
-    return simulate(Solver(made, rtol), every_press(scene.parts.skin, scene.press)).assign_attrs(
-        scene=scene_text(scene)
-    )
+    made = scene.with_({"skin.foam.map": map_of(scene.parts.skin, waves).model_dump()})
+    return simulate(
+        Solver(made.parts, rtol), every_press(scene.parts.skin, scene.press)
+    ).assign_attrs(scene=scene_text(scene))
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +49,7 @@ def twin(scene):
 
 @pytest.fixture(scope="module")
 def model(scene):
-    return Forward(scene, rtol=2e-4)
+    return Forward(scene.parts, rtol=2e-4)
 
 
 def test_slopes_by_waves_are_those_of_the_answers(model):
@@ -107,7 +107,10 @@ SKINS = {
 def test_foam_that_varies_within_pixels_is_answered_as_a_map_of_it(wide_pixels, changed):
     """The bilinear map is off by a hundredth of a wave at most."""
     scene, rtol = wide_pixels.with_({"pixels": 2, **changed}), 1e-3
-    model, solver = Forward(scene, rtol=rtol), Solver(with_foam_modes(scene, TRUE), rtol)
+    model, solver = (
+        Forward(scene.parts, rtol=rtol),
+        Solver(with_foam_modes(scene, TRUE).parts, rtol),
+    )
     for press in every_press(scene.parts.skin, scene.press)[::3]:
         cells, rises = model.cells(press)
         Z, true = model.respond(cells, rises, TRUE).Z, solver.solve(press).Z
@@ -119,7 +122,7 @@ def test_foam_that_varies_within_pixels_is_answered_as_a_map_of_it(wide_pixels, 
 @pytest.mark.slow
 def test_intervals_hold_waves_that_vary_within_pixels(wide_pixels):
     """Of eight twins, at 0.1 % noise: with waves constant over pixels 17 of 24 did."""
-    model, held = Forward(wide_pixels, rtol=1e-4), []
+    model, held = Forward(wide_pixels.parts, rtol=1e-4), []
     for number in range(8):
         random = np.random.default_rng(number)
         waves = dict(zip(FOAM_MODES, random.normal(0, (0.08, 0.06, 0.04)).tolist(), strict=True))
@@ -137,13 +140,13 @@ def _waves(found):
 def test_the_fit_gains_and_the_fitted_scene_says_the_waves(scene, twin, model):
     even, uneven = (calibrate(scene, twin, each, model=model) for each in (NO_MODES, UNEVEN))
     assert uneven.rms_error < 0.1 * even.rms_error
-    again = simulate(Solver(uneven.scene, 1e-4), every_press(scene.parts.skin, scene.press))
+    again = simulate(Solver(uneven.scene.parts, 1e-4), every_press(scene.parts.skin, scene.press))
     off = np.abs(again["Cp"] / twin["Cp"] - 1).max()
     assert (
         off
         < 0.1
         * np.abs(
-            simulate(Solver(even.scene), every_press(scene.parts.skin, scene.press))["Cp"]
+            simulate(Solver(even.scene.parts), every_press(scene.parts.skin, scene.press))["Cp"]
             / twin["Cp"]
             - 1
         ).max()
@@ -156,14 +159,14 @@ def test_what_a_line_does_not_determine_is_reported(scene, twin):
     lined = scene.with_(
         {"contact.top-left.span": [0.0, 1.0], "contact.bottom-left.span": [0.0, 1.0]}
     )
-    rest = simulate(Solver(lined), every_press(lined.parts.skin, lined.press)[:1])
+    rest = simulate(Solver(lined.parts), every_press(lined.parts.skin, lined.press)[:1])
     found = calibrate(lined, rest, UNEVEN)
     assert not found.identified["foam_y"] and not found.identified["foam_xy"]
     assert any("foam_y: not identified by the data" in line for line in found.unclear)
 
 
 def test_waves_are_refused_where_they_cannot_be_distinguished_from_a_map(scene, twin):
-    mapped = scene.with_({"skin.foam.map": map_of(scene, TRUE).model_dump()})
+    mapped = scene.with_({"skin.foam.map": map_of(scene.parts.skin, TRUE).model_dump()})
     with pytest.raises(InputError, match="only to foam without `skin.foam.map`"):
         calibrate(mapped, twin, UNEVEN)
     with pytest.raises(InputError, match="foam_x has no effect in this scene"):
@@ -176,7 +179,9 @@ def test_modes_of_the_foam_leave_a_body_behind_the_skin_as_it_is():
         {"sweep.frequencies": [1e3, 1e5], "surroundings.body": {"distance": 5e-3}}
     )
     own = {"foam_x": 0.08, "foam_y": -0.06, "body": 1.2}
-    found = Forward(scene, rtol=1e-3).respond(np.array([6]), np.array([1.0]), own).Z
+    found = Forward(scene.parts, rtol=1e-3).respond(np.array([6]), np.array([1.0]), own).Z
     changed = with_foam_modes(scene_with(scene, own), own)
-    exact = Solver(changed, 1e-4).solve(press_on(changed.parts.skin, changed.press, "2,3:2.0")).Z
+    exact = (
+        Solver(changed.parts, 1e-4).solve(press_on(changed.parts.skin, changed.press, "2,3:2.0")).Z
+    )
     assert relative_difference(found[0], exact).max() < 2e-3

@@ -34,9 +34,9 @@ def asked(*waves):
 
 def twin_of(scene, waves):
     made = with_sheet_modes(with_foam_modes(scene, waves), waves)
-    return simulate(Solver(made, 2e-4), every_press(scene.parts.skin, scene.press)).assign_attrs(
-        scene=scene_text(scene)
-    )
+    return simulate(
+        Solver(made.parts, 2e-4), every_press(scene.parts.skin, scene.press)
+    ).assign_attrs(scene=scene_text(scene))
 
 
 @pytest.fixture(scope="module")
@@ -54,7 +54,7 @@ def scene():
 
 @pytest.fixture(scope="module")
 def model(scene):
-    return Forward(scene, rtol=5e-4, train=reduced_for, modes=4)
+    return Forward(scene.parts, rtol=5e-4, train=reduced_for, modes=4)
 
 
 @pytest.fixture(scope="module")
@@ -98,7 +98,9 @@ def test_a_fit_without_waves_leaves_far_more(scene, twin, model):
     even = calibrate(scene, twin, asked(), model=model)
     uneven = calibrate(scene, twin, asked(*SHEET_MODES), model=model)
     assert uneven.rms_error < 0.03 * even.rms_error
-    again = simulate(Solver(uneven.scene, 2e-4), every_press(scene.parts.skin, scene.press)[:3])
+    again = simulate(
+        Solver(uneven.scene.parts, 2e-4), every_press(scene.parts.skin, scene.press)[:3]
+    )
     for name in ("Rs", "Cp"):
         off = again[name].to_numpy() / twin[name].to_numpy()[:3] - 1
         assert np.abs(off).max() < 3e-3
@@ -151,7 +153,7 @@ def test_waves_are_refused_where_they_cannot_be_determined(scene, twin):
     with pytest.raises(InputError, match="top_x has no effect in this scene"):
         calibrate(scene, twin, Options(fit=("top_x",)))
     with pytest.raises(InputError, match="`modes` of the model must be 4"):
-        calibrate(scene, twin, asked(*SHEET_MODES), model=Forward(scene, rtol=1e-2))
+        calibrate(scene, twin, asked(*SHEET_MODES), model=Forward(scene.parts, rtol=1e-2))
 
 
 @pytest.mark.usefixtures("linear_intervals", "unpainted")

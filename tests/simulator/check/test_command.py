@@ -59,7 +59,9 @@ def test_laws_of_passive_networks_do_not_apply_to_a_virtual_earth(run, make_scen
     line = make_scene(columns=3, frequencies=FREQUENCY.tolist(), top=5e5, bottom=5e5)
     scene = line.with_({"surroundings": {}})
     path, plain = tmp_path / "touched.nc", tmp_path / "plain.nc"
-    touched = simulate(Solver(scene, 1e-4), [press_on(scene.parts.skin, scene.press, "1,2:2:20pF")])
+    touched = simulate(
+        Solver(scene.parts, 1e-4), [press_on(scene.parts.skin, scene.press, "1,2:2:20pF")]
+    )
     write(touched, path)
     code, out, err = run("check", path, "--noise", "1e-3")
     assert code == 0 and "0 of 1 spectra break a law" in out
@@ -80,7 +82,7 @@ def test_creep_during_a_sweep_is_noted(run, make_scene, tmp_path):
     relaxing = line.with_({"skin.foam.thickness": 4e-3, "skin.foam.relaxation": relaxation})
     factors = np.linspace(1.5, 2.5, len(FREQUENCY)).tolist()
     each = [
-        simulate(Solver(line, 1e-4), [press_on(line.parts.skin, line.press, f"1,1:{f}")])
+        simulate(Solver(line.parts, 1e-4), [press_on(line.parts.skin, line.press, f"1,1:{f}")])
         for f in factors
     ]
     parts = [own.isel(frequency=[k]) for k, own in enumerate(each)]

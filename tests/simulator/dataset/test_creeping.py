@@ -44,11 +44,11 @@ def test_a_session_is_the_sweeps_of_its_presses_one_after_the_other(changes):
         press_on(scene.parts.skin, scene.press, str(press)) for press in drawn["press"].values
     ]
     assert len(set(presses)) > 6
-    solved = simulate(Solver(scene, 1e-5), presses)
+    solved = simulate(Solver(scene.parts, 1e-5), presses)
     for name in ("Rs", "Cp"):
         np.testing.assert_allclose(drawn[name].values, solved[name].values, rtol=rtol)
     static = scene.with_({f"skin.foam.{key}": None for key in ("relaxation", "hysteresis")})
-    at_once = simulate(Solver(static), presses)
+    at_once = simulate(Solver(static.parts), presses)
     assert np.abs(impedance(drawn) / impedance(at_once) - 1).max() > 100 * rtol
 
 
@@ -63,10 +63,10 @@ def test_cells_creep_as_the_touches_that_they_are_of():
         scene,
         PressBatch.of([touched_cells(scene.parts.skin, scene.press, press) for press in presses]),
     )
-    _, whole = reading_moments(scene)
+    _, whole = reading_moments(scene.parts)
     for press, own in zip(presses, crept.each(), strict=True):
         twin = touched_cells(
-            scene.parts.skin, scene.press, FoamState(scene).then(press, 0.0).after(whole)
+            scene.parts.skin, scene.press, FoamState(scene.parts.skin).then(press, 0.0).after(whole)
         )
         np.testing.assert_array_equal(own.cells, twin.cells)
         np.testing.assert_allclose(own.rises, twin.rises, rtol=1e-12)

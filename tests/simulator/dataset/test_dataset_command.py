@@ -56,7 +56,7 @@ def test_sweeps_are_those_of_the_full_model_within_the_tolerance(run, scene_file
     sweeps = read(output)
     assert 0 < sweeps.attrs["audit_bound"] <= 1e-4
     scene = read_scene(scene_file)
-    solver = Solver(scene, 1e-6)
+    solver = Solver(scene.parts, 1e-6)
     for k in range(0, 40, 5):
         Z = solver.solve(parse_press(sweeps["press"].values[k], np.nan)).Z
         np.testing.assert_allclose(impedance(sweeps)[k].real, Z.real, rtol=1e-4)

@@ -119,7 +119,7 @@ def test_cells_of_pixels_tile_the_grid():
 
 
 def skins(scene, count=400, modes=4):
-    return [drawn_skin(scene, 5, session, (3, 3), modes) for session in range(count)]
+    return [drawn_skin(scene.parts, 5, session, (3, 3), modes) for session in range(count)]
 
 
 def test_skins_vary_by_the_given_spread():

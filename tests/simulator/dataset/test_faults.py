@@ -42,7 +42,7 @@ def plan_of(scene, sweeps=200, sessions=None, **faults):
 def test_each_fault_comes_as_often_as_its_odds_say():
     odds = {"dead_foil": 0.1, "half_foil": 0.2, "tear": 0.1, "stuck_spot": 0.3, "aged_gain": 0.1}
     scene = SHEET.with_({"dataset.session.faults": odds})
-    faults = [str(drawn_fault(scene, 1, k) or "") for k in range(800)]
+    faults = [str(drawn_fault(scene.parts.skin, scene.parts.plan, 1, k) or "") for k in range(800)]
     names, counts = np.unique([kind_of_fault(each) for each in faults], return_counts=True)
     wanted = {"": 0.2, **{name.replace("_", " "): chance for name, chance in odds.items()}}
     assert dict(zip(names, counts / 800, strict=True)) == pytest.approx(wanted, abs=0.05)
@@ -60,15 +60,15 @@ def test_each_fault_comes_as_often_as_its_odds_say():
     ],
 )
 def test_the_text_of_a_fault_reads_as_the_fault(fault):
-    assert parse_fault(str(fault), SHEET) == fault
+    assert parse_fault(str(fault), SHEET.parts) == fault
     assert str(fault).startswith(fault.kind)
 
 
 def test_a_drawn_fault_reads_as_its_text():
     odds = dict.fromkeys(("dead_foil", "half_foil", "tear", "stuck_spot", "aged_gain"), 0.2)
     scene = SHEET.with_({"dataset.session.faults": odds})
-    faults = [drawn_fault(scene, 3, k) for k in range(50)]
-    assert [parse_fault(str(fault), scene) for fault in faults] == faults
+    faults = [drawn_fault(scene.parts.skin, scene.parts.plan, 3, k) for k in range(50)]
+    assert [parse_fault(str(fault), scene.parts) for fault in faults] == faults
 
 
 REFUSED = {
@@ -85,7 +85,7 @@ REFUSED = {
 @pytest.mark.parametrize("text, why", REFUSED.values(), ids=REFUSED)
 def test_a_fault_that_the_skin_cannot_have_is_refused(text, why):
     with pytest.raises(InputError, match=why):
-        parse_fault(text, SHEET)
+        parse_fault(text, SHEET.parts)
 
 
 def test_odds_above_one_are_refused():
@@ -121,7 +121,7 @@ def test_sessions_have_the_readings_of_their_faults():
     leads = Leads(stray_capacitance=1e-12)
     nominal = STRIP.with_({"sweep.frequencies": frequency.tolist()})
     for session in range(0, 120, 10):
-        fault = parse_fault(str(sweeps["fault"].values[session]), plan.scene)
+        fault = parse_fault(str(sweeps["fault"].values[session]), plan.scene.parts)
         Z, press = impedance(sweeps)[session, 0], str(sweeps["press"].values[session])
         if isinstance(fault, DeadFoil):
             open_meter = 1 / (2j * np.pi * frequency * 1e-12)
@@ -130,7 +130,7 @@ def test_sessions_have_the_readings_of_their_faults():
         if isinstance(fault, StuckSpot):
             press = with_spot(press_on(nominal.parts.skin, nominal.press, press), fault)
         found = (
-            Solver(fault.changed(nominal), 1e-4)
+            Solver(fault.changed(nominal).parts, 1e-4)
             .solve(press_on(nominal.parts.skin, nominal.press, press))
             .Z[0]
         )
@@ -153,7 +153,10 @@ def test_a_data_set_on_disk_says_which_fault_each_session_has(tmp_path, toy):
     plan = plan_of(toy.small_plan().scene, 100, half_foil=0.3, stuck_spot=0.3, aged_gain=0.3)
     generate(plan, tmp_path / "o.zarr", training=toy.training())
     sweeps = read(tmp_path / "o.zarr")
-    drawn = [str(drawn_fault(plan.scene, 1, int(k)) or "") for k in sweeps["session"].values]
+    drawn = [
+        str(drawn_fault(plan.scene.parts.skin, plan.scene.parts.plan, 1, int(k)) or "")
+        for k in sweeps["session"].values
+    ]
     assert sweeps["fault"].values.tolist() == drawn
     generate(plan, tmp_path / "o.zarr", training=toy.training())
 

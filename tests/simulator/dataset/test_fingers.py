@@ -97,7 +97,7 @@ def test_bodies_and_rims_differ_by_session_and_nothing_else_does():
     scene = EARTH.with_({"dataset.session.body": {"low": 0.5, "high": 2.0}})
     scene = scene.with_({"dataset.session.rim": {"low": 0.9, "high": 1.1}})
     for number in range(20):
-        own, other = (drawn_skin(each, 3, number, (3, 3), 4) for each in (scene, EARTH))
+        own, other = (drawn_skin(each.parts, 3, number, (3, 3), 4) for each in (scene, EARTH))
         assert 0.5 <= own.variation.body <= 2.0 and 0.9 <= own.variation.rim <= 1.1
         assert (other.variation.body, other.variation.rim) == (1.0, 1.0)
         np.testing.assert_array_equal(own.variation.capacitance, other.variation.capacitance)

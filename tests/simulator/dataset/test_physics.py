@@ -57,7 +57,7 @@ def expected_skin():
 
 def assert_solved(sweeps, scene, rtol=RTOL):
     """Every third sweep is that of a scene's full model, seen through the leads."""
-    solver, frequency = Solver(scene, RTOL / 10), scene.frequencies
+    solver, frequency = Solver(scene.parts, RTOL / 10), scene.frequencies
     for k in range(0, sweeps.sizes["sweep"], 3):
         Z = solver.solve(parse_press(str(sweeps["press"].values[k]), np.nan)).Z
         Z = LEADS.at_meter(Z, frequency)

@@ -161,7 +161,7 @@ def test_pixels_have_equal_sweeps_only_on_symmetric_skins(changes, groups):
 @pytest.mark.parametrize("changes", [DISC, {"contact.bottom-left.edge": "right"}])
 def test_pixels_with_equal_sweeps_have_the_same_impedance(changes):
     scene = skin({**changes, "sweep.frequencies": (2e4,)})
-    solver = Solver(scene, 1e-3)
+    solver = Solver(scene.parts, 1e-3)
 
     def shown(row, column):
         return solver.solve(Press((Touch(row, column, 2.0),))).Z
@@ -212,7 +212,7 @@ def test_each_interface_has_the_cut_off_of_its_own_foils():
     left, bottom = (each.text for each in key_facts(long) if each.about == "cut-off")
     assert left.startswith("left: ") and "180 mm from the foils" in left
     assert bottom.startswith("bottom: ") and "70 mm from the foils" in bottom
-    both = [cut_off_frequency(long, each) for each in long.interfaces]
+    both = [cut_off_frequency(long.parts.skin, long.parts.setup, each) for each in long.interfaces]
     assert both[1] / both[0] == pytest.approx((0.18 / 0.07) ** 2, rel=1e-3)
 
 
@@ -324,7 +324,7 @@ def test_sizes_of_effects_are_those_of_sweeps(name, about, given, without, inclu
     text = effect(scene.with_(given), about)
     kept = {key: value for key, value in given.items() if key.startswith("skin")}
     before, after = (
-        Solver(scene.with_({**kept, **changes}), 1e-6).solve(Press())
+        Solver(scene.with_({**kept, **changes}).parts, 1e-6).solve(Press())
         for changes in (without, included)
     )
     omega = 2 * np.pi * before.frequency

@@ -37,7 +37,7 @@ def test_the_stated_feedback_resistance_fills_the_range():
             "readout": {"multisine": {"feedback_resistance": 1e6, "peak_voltage": 1.0}},
         }
     )
-    Z = Solver(strip).solve(Press()).Z
+    Z = Solver(strip.parts).solve(Press()).Z
     for C in (0.0, 1e-12):
         scene = strip.with_({"readout.multisine.feedback_capacitance": C})
         reader, f = scene.readout.multisine, scene.frequencies

@@ -132,7 +132,10 @@ def test_common_draws_and_independent_draws_agree_on_a_lossy_sample(strip):
     on = trained.readout(trained.sample(0), own.material, own.readings)
     told = merits(judge, trained, own, 1)[1]
     assert 0.3 < told < 0.99
-    readings, presses = SampleReadings(on, scene.frequencies, 6), own_presses(scene)
+    readings, presses = (
+        SampleReadings(on, scene.frequencies, 6),
+        own_presses(scene.parts.skin, scene.press),
+    )
     anew = exact(readings, hypotheses(scene, "pixel"), presses, seed=1, draws=4000)
     assert told == pytest.approx(anew.share, abs=4 * math.sqrt(0.5 / 4000))
 
@@ -179,6 +182,6 @@ def test_model_and_exact_solution_agree_far_within_the_meters_error(strip):
     on = found._trained.readout(None, Material(50e3, 50e3), found.pool)
     batch = PressBatch.of([(np.array([2]), np.array([1.0]))])
     told = on.observed(batch, scene.frequencies)[0]
-    Z = Solver(scene, 1e-6).solve(parse_press("1,3:2.0", default=2.0)).Z[0]
+    Z = Solver(scene.parts, 1e-6).solve(parse_press("1,3:2.0", default=2.0)).Z[0]
     exact = np.concatenate([np.log(np.abs(Z)), np.angle(Z)])
     assert np.abs(told - exact).max() < 2e-3

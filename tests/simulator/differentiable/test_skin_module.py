@@ -76,7 +76,7 @@ def forward_of(name, make_scene):
         scene = sheet.with_({"sweep.frequencies": list(FREQUENCIES), "leads": LEADS})
     else:
         scene = make_scene(FILMS, **grid).with_(GAIN)
-    return Forward(scene, rtol=1e-2, modes=modes)
+    return Forward(scene.parts, rtol=1e-2, modes=modes)
 
 
 @pytest.fixture(
@@ -106,7 +106,7 @@ def texts(forward):
 
 
 def cells(forward, text):
-    return forward.cells(press_on(forward.scene.parts.skin, forward.scene.press, text))
+    return forward.cells(press_on(forward.parts.skin, forward.parts.plan.press, text))
 
 
 def test_readings_equal_those_of_numpy(forward, module, moved):
@@ -134,7 +134,10 @@ def test_impedances_are_those_of_the_public_model():
 
 def test_gradients_are_the_slopes_of_numpy(forward, module, moved):
     text = texts(forward)[1]
-    truth = forward.respond(*cells(forward, text), all_values(forward.scene, moved))
+    truth = forward.respond(
+        *cells(forward, text),
+        all_values(forward.parts.skin, forward.parts.setup, moved),
+    )
     given = {n: torch.tensor(v, dtype=torch.float64, requires_grad=True) for n, v in moved.items()}
     rises = module.rises([text]).requires_grad_()
     Z, foam = module(rises, given)[0], forward._parts.foam
@@ -206,7 +209,7 @@ def test_a_drawn_skin_is_the_one_of_the_data_set(make_scene):
     scene = make_scene(FILMS, rows=2, columns=2, frequencies=FREQUENCIES)
     drawn = scene.with_({"dataset.session": {"contact_resistance": 1.5, "foam_spread": 0.05}})
     module = rcskin.SkinModule(forward_of("one field", make_scene).reduced)
-    skin = drawn_skin(drawn, 1, 0, (2, 2), 1).variation
+    skin = drawn_skin(drawn.parts, 1, 0, (2, 2), 1).variation
     given = {
         "sheet_resistance": -np.log(skin.top[0] * skin.bottom[0]) / 2,
         "sheet_mismatch": np.log(skin.bottom[0] / skin.top[0]),

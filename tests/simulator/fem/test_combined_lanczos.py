@@ -17,7 +17,10 @@ SHIFTS = np.geomspace(1e3, 1e6, 4)
 def sheet():
     scene = load_scene("sheet-5x5-two-interfaces")
     return SheetModel(
-        scene, two_fields(scene.parts.skin, scene.parts.setup), Resolution(order=3, layers=2)
+        scene.parts.skin,
+        scene.press,
+        two_fields(scene.parts.skin, scene.parts.setup),
+        Resolution(order=3, layers=2),
     )
 
 

@@ -38,7 +38,7 @@ def scene(make_scene):
 
 
 def change(scene, press):
-    solver = Solver(scene, 1e-5)
+    solver = Solver(scene.parts, 1e-5)
     return observed(solver.solve(press).Z) - observed(solver.solve(Press()).Z)
 
 
@@ -76,16 +76,16 @@ def test_pairs_are_two_simultaneous_touches(scene):
 def test_the_effect_of_unknown_skins_is_the_spread_over_drawn_skins(make_scene):
     """Uneven sheets, foam, contacts, leads: all of a data set's session at once."""
     drawn = tables_scene(make_scene, {"contact_resistance": 1.0})
-    unknown = UnknownSkin(Forward(drawn, rtol=1e-3))
+    unknown = UnknownSkin(Forward(drawn.parts, rtol=1e-3))
     effect, _ = unknown.of_touch(np.array([1]), np.array([1.0]))
     modes = len(HALF_WAVES)
 
     def one(random):
         return Case(
-            drawn_skin(drawn, int(random.integers(2**62)), 0, (2, 2), modes).variation, *TOUCH
+            drawn_skin(drawn.parts, int(random.integers(2**62)), 0, (2, 2), modes).variation, *TOUCH
         )
 
-    family = reduce(drawn, 1e-3, one, modes=modes, same_sheets=False)
+    family = reduce(drawn.parts, 1e-3, one, modes=modes, same_sheets=False)
     changes = np.array([_change(drawn, family, seed) for seed in range(400)])
     np.testing.assert_allclose(
         np.sqrt((effect**2).sum(axis=1)), changes.std(axis=0), rtol=0.15, atol=2e-5
@@ -101,7 +101,7 @@ def _change(scene, family, seed):
 
 def _observed(scene, family, seed):
     """At rest, and what a touch changes."""
-    skin = drawn_skin(scene, seed, 0, (2, 2), len(HALF_WAVES))
+    skin = drawn_skin(scene.parts, seed, 0, (2, 2), len(HALF_WAVES))
     Z = family.skin(skin.variation).sweeps(PressBatch.of([NOTHING, TOUCH]), scene.frequencies)
     seen = observed(skin.leads.at_meter(Z, scene.frequencies))
     return seen[0], seen[1] - seen[0]
@@ -110,13 +110,13 @@ def _observed(scene, family, seed):
 def test_a_skin_is_estimated_from_its_baseline(make_scene):
     """Drawn skins, read once at rest with noise: touches are foretold within what is left open."""
     drawn = tables_scene(make_scene, {"unevenness": 0.04, "lead_resistance": 2.0})
-    unknown, modes = UnknownSkin(Forward(drawn, rtol=1e-3)), len(HALF_WAVES)
+    unknown, modes = UnknownSkin(Forward(drawn.parts, rtol=1e-3)), len(HALF_WAVES)
 
     def one(random):
-        skin = drawn_skin(drawn, int(random.integers(2**62)), 0, (2, 2), modes)
+        skin = drawn_skin(drawn.parts, int(random.integers(2**62)), 0, (2, 2), modes)
         return Case(skin.variation, *TOUCH)
 
-    family = reduce(drawn, 1e-3, one, modes=modes, same_sheets=False)
+    family = reduce(drawn.parts, 1e-3, one, modes=modes, same_sheets=False)
     error = ErrorModel(drawn.readout, np.ones((len(drawn.interfaces), 3), bool), averaged=20)
     random = np.random.default_rng(0)
     z, before, after = [], [], []
@@ -144,7 +144,7 @@ def _predicted(skin):
 
 @pytest.fixture(scope="module")
 def forward(scene):
-    return Forward(scene, rtol=1e-3)
+    return Forward(scene.parts, rtol=1e-3)
 
 
 @pytest.fixture(scope="module")
@@ -171,7 +171,7 @@ def test_drift_is_a_small_change_of_all_foam_and_of_both_sheets(scene, forward, 
 
 def test_a_skin_without_variation_is_known(make_scene):
     scene = tables_scene(make_scene, ALIKE["dataset.session"])
-    assert not any(spread.deviation for spread in session_spreads(scene).values())
+    assert not any(spread.deviation for spread in session_spreads(scene.parts).values())
     assert templates(scene, "column")["skin"].shape[-1] == 0
 
 

@@ -42,7 +42,7 @@ def test_a_touch_by_a_finger_equals_that_of_the_full_model(fields):
     factors, _ = rasterized(fields, (0.06, 0.03), touch)
     found = fields.respond(factors, {}, FINGER.frequencies).Z
     press = Press((Rectangle(0.06, 0.03, 0.06, 0.06, 2.0, 5e-12),))
-    np.testing.assert_allclose(found, Solver(FINGER, 1e-5).solve(press).Z, rtol=2e-3)
+    np.testing.assert_allclose(found, Solver(FINGER.parts, 1e-5).solve(press).Z, rtol=2e-3)
 
 
 @pytest.mark.parametrize("rise", [1.0, 0.0])

@@ -22,7 +22,7 @@ def noise(size):
 
 def test_the_pairwise_bound_exceeds_the_accuracy(noisy):
     scene = noisy(readout=noise(0.02), spread=0.2, columns=4, **STRIP)
-    presses = own_presses(scene)
+    presses = own_presses(scene.parts.skin, scene.press)
     readings, among = TouchReadings(scene, presses), hypotheses(scene, "column")
     found = bayes(readings, among, presses, seed=1, draws=2000)
     assert 0.3 < found.share - 4 * found.error <= upper_bound(readings, among, presses) < 1
@@ -48,7 +48,7 @@ def test_pixels_are_counted_in_the_proportion_of_the_scene(noisy):
 
 def test_distances_grow_with_the_knowledge_of_strengths(noisy):
     scene = noisy(readout=noise(0.01), spread=0.1, columns=3, **STRIP)
-    presses, among = own_presses(scene), hypotheses(scene, "column")
+    presses, among = own_presses(scene.parts.skin, scene.press), hypotheses(scene, "column")
     readings = TouchReadings(scene, presses)
     free, held = distances(readings, among, presses), distances(readings, among, presses, 0.1)
     assert (held >= free - 1e-12).all() and (np.diag(free) == 0).all()

@@ -21,7 +21,9 @@ from rcskin.simulator.sweeps import InputError
 def test_every_pixel_is_pressed_six_times_and_rest_where_it_is_a_class():
     for name, unpressed in (("sheet-3x3", 6), ("sheet-4x4", 0)):
         scene = load_scene(name)
-        presses = planned_presses(scene, stream(scene, PRESSES))
+        presses = planned_presses(
+            scene.parts.skin, scene.parts.plan, stream(scene.parts.plan, PRESSES)
+        )
         assert presses.count(Press()) == unpressed
         pixels, counts = np.unique(
             [p.pixel for p in presses if p.touches], axis=0, return_counts=True
@@ -35,7 +37,7 @@ def test_the_rise_spreads_as_the_scene_says():
     many = scene.model_copy(
         update={"experiment": scene.experiment.model_copy(update={"repetitions": 400})}
     )
-    presses = planned_presses(many, stream(many, PRESSES))
+    presses = planned_presses(many.parts.skin, many.parts.plan, stream(many.parts.plan, PRESSES))
     rise = np.array([press.touches[0].factor - 1 for press in presses])
     assert rise.mean() == pytest.approx(1.0, abs=0.005)
     assert rise.std() == pytest.approx(0.1, rel=0.03)
@@ -54,8 +56,13 @@ def pressing(name="sheet-5x5", **press):
 @pytest.mark.parametrize("factor", [2.0, 0.5])
 def test_no_planned_press_is_beyond_what_limits_take_presses_to_be(factor):
     scene = pressing(capacitance_factor=factor, factor_spread=0.2)
-    drawn = [each.touches[0].factor for each in planned_presses(scene, stream(scene, PRESSES))]
-    known = own_presses(scene)
+    drawn = [
+        each.touches[0].factor
+        for each in planned_presses(
+            scene.parts.skin, scene.parts.plan, stream(scene.parts.plan, PRESSES)
+        )
+    ]
+    known = own_presses(scene.parts.skin, scene.press)
     assert known.low <= min(drawn) < max(drawn) <= known.high
     far = sorted(np.abs(np.array(drawn) - factor))[-10]
     assert far > 2.5 * known.deviation
@@ -64,12 +71,14 @@ def test_no_planned_press_is_beyond_what_limits_take_presses_to_be(factor):
 def test_presses_of_which_some_would_leave_no_capacitance_are_refused():
     scene = pressing(capacitance_factor=3.0, factor_spread=0.5)
     with pytest.raises(InputError, match="`press.factor_spread` must be < 0.5 .* got 0.5"):
-        planned_presses(scene, stream(scene, PRESSES))
+        planned_presses(scene.parts.skin, scene.parts.plan, stream(scene.parts.plan, PRESSES))
 
 
 def test_presses_and_meter_draw_from_streams_of_their_own():
     scene = load_scene("sheet-5x5")
-    first, again, other = (stream(scene, purpose) for purpose in (PRESSES, PRESSES, METER))
+    first, again, other = (
+        stream(scene.parts.plan, purpose) for purpose in (PRESSES, PRESSES, METER)
+    )
     assert first.random() == again.random() != other.random()
 
 

@@ -42,7 +42,7 @@ def creeping(strip):
 
 def pressed_foam(scene, text, seconds=0.0):
     """State of a foam that is unpressed at first and pressed after that time."""
-    return FoamState(scene).then(press_on(scene.parts.skin, scene.press, text), seconds)
+    return FoamState(scene.parts.skin).then(press_on(scene.parts.skin, scene.press, text), seconds)
 
 
 def strain(press):
@@ -117,7 +117,7 @@ def test_hysteresis_counts_as_a_press_is_lessened_and_not_let_go(strip):
 
 def test_a_state_is_the_same_through_any_change_that_is_none(creeping):
     press = press_on(creeping.parts.skin, creeping.press, "1,2:2.0+1,5:1.4")
-    once = FoamState(creeping).then(press, 0.0)
+    once = FoamState(creeping.parts.skin).then(press, 0.0)
     twice = once.then(press, 0.8)
     for one, other in zip(once.after(2.0).touches, twice.after(1.2).touches, strict=True):
         assert one.factor == pytest.approx(other.factor, rel=1e-13)
@@ -127,7 +127,7 @@ def test_readings_are_taken_one_after_the_other(strip):
     scene = load_scene("sheet-5x5-two-interfaces").with_(
         {"experiment.timing": {"before": 0.3, "speed": "SLOW"}, "sweep.frequencies": [40.0, 1e4]}
     )
-    moments, whole = reading_moments(scene)
+    moments, whole = reading_moments(scene.parts)
     first = 0.3 + 0.02
     np.testing.assert_allclose(moments[0], [first + 0.05, first + 0.1 + 0.025])
     np.testing.assert_allclose(moments[1] - moments[0], 0.15 + 0.02)
@@ -136,8 +136,8 @@ def test_readings_are_taken_one_after_the_other(strip):
 
 def one_by_one(scene, texts):
     """The readable twin of sweeps in time: every reading solved by itself, at its moment."""
-    solver, (moments, whole) = Solver(scene, 1e-6), reading_moments(scene)
-    state, Z = FoamState(scene), []
+    solver, (moments, whole) = Solver(scene.parts, 1e-6), reading_moments(scene.parts)
+    state, Z = FoamState(scene.parts.skin), []
     for text in texts:
         state = state.then(
             press_on(scene.parts.skin, scene.press, text), scene.experiment.timed.pause
@@ -166,7 +166,7 @@ def one_by_one(scene, texts):
 def test_sweeps_in_time_are_their_readings_within_the_estimated_error(strip, changes):
     scene, texts = strip.with_(changes), ["1,1", "none", "1,1+1,4"]
     sweeps = simulate(
-        Solver(scene, 1e-4), [press_on(scene.parts.skin, scene.press, text) for text in texts]
+        Solver(scene.parts, 1e-4), [press_on(scene.parts.skin, scene.press, text) for text in texts]
     )
     Z, read = (
         impedance(sweeps),
@@ -182,10 +182,10 @@ def test_sweeps_in_time_are_their_readings_within_the_estimated_error(strip, cha
 def test_foam_that_creeps_not_at_all_reads_as_before(strip):
     """No key, hysteresis of released presses, or creep too slow to be observed."""
     presses = [press_on(strip.parts.skin, strip.press, text) for text in ("none", "1,1", "1,3")]
-    plain = simulate(Solver(strip), presses)
+    plain = simulate(Solver(strip.parts), presses)
     for foam in ({"hysteresis": 0.1}, {"relaxation": [{"share": 1e-6, "time_constant": 1e7}]}):
         changes = {f"skin.foam.{key}": value for key, value in foam.items()}
-        other = simulate(Solver(strip.with_(changes)), presses)
+        other = simulate(Solver(strip.with_(changes).parts), presses)
         np.testing.assert_allclose(impedance(other), impedance(plain), rtol=1e-9)
 
 
@@ -216,9 +216,9 @@ def test_presses_that_creep_too_far_are_refused(strip, changes, texts, message):
     scene = strip.with_(changes)
     presses = [press_on(scene.parts.skin, scene.press, text) for text in texts]
     if not message:  # a fixed depth stays
-        assert simulate(Solver(scene, 1e-2), presses).sizes["sweep"] == 1
+        assert simulate(Solver(scene.parts, 1e-2), presses).sizes["sweep"] == 1
         return
-    assert message in refusal_of(simulate, Solver(scene, 1e-2), presses)
+    assert message in refusal_of(simulate, Solver(scene.parts, 1e-2), presses)
 
 
 def test_sweeps_are_simulated_again_in_their_order_session_by_session(creeping):
@@ -226,7 +226,7 @@ def test_sweeps_are_simulated_again_in_their_order_session_by_session(creeping):
     first, second = ["1,1:2.0", "none"], ["none", "1,3:1.5"]
     parts = [
         simulate(
-            Solver(creeping),
+            Solver(creeping.parts),
             [press_on(creeping.parts.skin, creeping.press, text) for text in texts],
         )
         for texts in (first, second)
@@ -257,7 +257,7 @@ def test_commands_that_take_presses_as_they_are_at_once_say_so(
 ):
     monkeypatch.chdir(tmp_path)
     write_scene("mine.toml", creeping)
-    write(simulate(Solver(creeping, 1e-2), [Press()]), "mine.nc")
+    write(simulate(Solver(creeping.parts, 1e-2), [Press()]), "mine.nc")
     named = {"SCENE": "mine.toml", "SWEEPS": "mine.nc"}
     code, _, err = run(*(named.get(word, word) for word in command))
     message = f"strip-1x5: {what} cannot take `skin.foam.relaxation`"

@@ -67,7 +67,7 @@ def test_wrong_frequencies_are_refused_by_key(shared, given, message):
 
 
 def test_a_meter_shows_what_is_read_and_nothing_else(own):
-    found = simulate(Solver(own, 1e-3), every_press(own.parts.skin, own.press)[:2])
+    found = simulate(Solver(own.parts, 1e-3), every_press(own.parts.skin, own.press)[:2])
     shown = read_out(found, own.readout, np.random.default_rng(0))
     np.testing.assert_array_equal(shown["taken"].values, TAKEN)
     assert np.isnan(shown["Rs"].values[:, ~TAKEN]).all()
@@ -77,7 +77,7 @@ def test_a_meter_shows_what_is_read_and_nothing_else(own):
 
 def test_sweeps_hold_what_is_read_and_nothing_else(shared, own, tmp_path):
     found, whole = (
-        simulate(Solver(scene, 1e-3), every_press(scene.parts.skin, scene.press)[:2])
+        simulate(Solver(scene.parts, 1e-3), every_press(scene.parts.skin, scene.press)[:2])
         for scene in (own, shared)
     )
     for name in ("Rs", "X", "Cp"):
@@ -99,7 +99,7 @@ def test_sweeps_hold_what_is_read_and_nothing_else(shared, own, tmp_path):
 
 
 def test_cp_alone_is_followed_at_what_each_interface_was_read_at(own, tmp_path):
-    found = simulate(Solver(own, 1e-3), every_press(own.parts.skin, own.press)[:2])
+    found = simulate(Solver(own.parts, 1e-3), every_press(own.parts.skin, own.press)[:2])
     write(found, tmp_path / "own.csv")
     table = pd.read_csv(tmp_path / "own.csv", comment="#").drop(columns="X_ohm")
     table.to_csv(tmp_path / "Cp.csv", index=False)
@@ -110,7 +110,7 @@ def test_cp_alone_is_followed_at_what_each_interface_was_read_at(own, tmp_path):
 
 def test_recordings_are_joined_if_their_readings_are_equal(own, shared):
     part, whole = (
-        simulate(Solver(scene, 1e-3), every_press(scene.parts.skin, scene.press)[:2])
+        simulate(Solver(scene.parts, 1e-3), every_press(scene.parts.skin, scene.press)[:2])
         for scene in (own, shared)
     )
     both = join([part, part.isel(interface=[1, 0])], ["one.nc", "other.nc"])
@@ -124,7 +124,7 @@ def test_recordings_are_joined_if_their_readings_are_equal(own, shared):
 
 def test_fewer_readings_are_those_of_a_scene_of_fewer(own, shared):
     part, whole = (
-        simulate(Solver(scene, 1e-3), every_press(scene.parts.skin, scene.press)[:2])
+        simulate(Solver(scene.parts, 1e-3), every_press(scene.parts.skin, scene.press)[:2])
         for scene in (own, shared)
     )
     for name in ("Rs", "X", "Cp", "Rs_error", "taken"):
@@ -146,7 +146,7 @@ def test_a_scene_is_read_otherwise_by_its_interfaces(own, shared):
 
 def test_presses_are_simulated_anew_at_what_was_read(own, shared):
     part, whole = (
-        simulate(Solver(scene, 1e-3), every_press(scene.parts.skin, scene.press)[:2])
+        simulate(Solver(scene.parts, 1e-3), every_press(scene.parts.skin, scene.press)[:2])
         for scene in (own, shared)
     )
     again = resimulated(part, own, own.frequencies)
@@ -157,15 +157,15 @@ def test_presses_are_simulated_anew_at_what_was_read(own, shared):
 
 def test_an_interface_that_shows_the_same_is_no_repeat_at_other_frequencies(shared):
     both = shared.with_({"interface.2.high": ["top-left"], "interface.2.low": ["bottom-left"]})
-    assert repeated(both) == [("bottom", "left")]
+    assert repeated(both.parts.skin, both.parts.setup, both.press) == [("bottom", "left")]
     less = both.with_({"interface.2.frequencies": [1e4]})
-    assert repeated(less) == [("bottom", "left")]
+    assert repeated(less.parts.skin, less.parts.setup, less.press) == [("bottom", "left")]
     other = both.with_({"interface.1.frequencies": [1e3, 1e4], "interface.2.frequencies": [1e5]})
-    assert repeated(other) == []
+    assert repeated(other.parts.skin, other.parts.setup, other.press) == []
 
 
 def test_readings_that_were_not_taken_must_not_be_there(own):
-    found = simulate(Solver(own, 1e-3), every_press(own.parts.skin, own.press)[:1])
+    found = simulate(Solver(own.parts, 1e-3), every_press(own.parts.skin, own.press)[:1])
     with pytest.raises(InputError, match="`Rs` must be NaN where `taken`"):
         check(found.assign(Rs=found["Rs"].fillna(1.0)))
     with pytest.raises(InputError, match="`X` must be finite"):
@@ -189,7 +189,9 @@ def test_errors_are_those_of_what_is_taken(against_rest):
 
 @pytest.fixture(scope="module")
 def own_skin(own):
-    return reduced_for(own, RTOL, pixel_touches(own, (0.5, 3.0))).skin(None)
+    return reduced_for(
+        own.parts, RTOL, pixel_touches(own.parts.skin, own.parts.plan, (0.5, 3.0))
+    ).skin(None)
 
 
 @pytest.mark.parametrize("against_rest", [0, 3])

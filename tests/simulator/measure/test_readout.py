@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.measure.readout import Meter, displayed, read_out
+from rcskin.simulator.measure.readout import MeterSession, displayed, read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
@@ -17,14 +17,14 @@ READINGS = 20_000
 
 @pytest.fixture(scope="module")
 def at_rest():
-    return simulate(Solver(load_scene("strip-1x3")), [Press()] * 4)
+    return simulate(Solver(load_scene("strip-1x3").parts), [Press()] * 4)
 
 
 def error_of(readout, seed=1, sweeps=READINGS):
     Z = np.full((sweeps, 1, 1), 3e4 - 4e4j)
-    return Meter(readout, 1, np.random.default_rng(seed)).measure(Z, np.array([1e3]))[:, 0, 0] / (
-        3e4 - 4e4j
-    )
+    return MeterSession(readout, 1, np.random.default_rng(seed)).measure(Z, np.array([1e3]))[
+        :, 0, 0
+    ] / (3e4 - 4e4j)
 
 
 def test_noise_has_the_stated_spread_of_magnitude_and_of_phase():

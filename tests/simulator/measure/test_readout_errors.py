@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.bounds.common_draws import whitened_interface
 from rcskin.simulator.bounds.fisher_information import session_errors
-from rcskin.simulator.measure.readout import ErrorModel, Meter, observed, reading_from
+from rcskin.simulator.measure.readout import ErrorModel, MeterSession, observed, reading_from
 from rcskin.simulator.scene.readout.meter import Readout
 
 FLAT = Readout(
@@ -40,7 +40,7 @@ def model(readout, **given):
 
 def test_a_meter_with_one_figure_gives_the_bits_of_the_formula():
     many = np.broadcast_to(Z, (50, 2, 3))
-    meter, random = Meter(FLAT, 2, np.random.default_rng(5)), np.random.default_rng(5)
+    meter, random = MeterSession(FLAT, 2, np.random.default_rng(5)), np.random.default_rng(5)
     gain, turn = random.standard_normal((2, 2, 1))
     magnitude, phase = random.standard_normal((2, 50, 2, 3))
     gain = (1 + FLAT.magnitude_accuracy * gain) * (1 + FLAT.magnitude_noise * magnitude)
@@ -68,7 +68,7 @@ def test_statistics_of_one_figure_have_the_bits_of_the_formula():
 
 def test_every_reading_has_the_spread_of_its_own_impedance():
     many = np.broadcast_to(Z, (20_000, 2, 3))
-    meter = Meter(Growing(), 2, np.random.default_rng(1))
+    meter = MeterSession(Growing(), 2, np.random.default_rng(1))
     ratio = meter.measure(many, FREQUENCY) / many
     for values, noise in zip(
         (np.log(np.abs(ratio)), np.angle(ratio)), model(Growing()).noise, strict=True
@@ -78,7 +78,7 @@ def test_every_reading_has_the_spread_of_its_own_impedance():
 
 def test_errors_of_sessions_have_the_covariance_of_the_model():
     draws = [
-        Meter(Growing(), 2, np.random.default_rng(k)).measure(Z[None], FREQUENCY)[0]
+        MeterSession(Growing(), 2, np.random.default_rng(k)).measure(Z[None], FREQUENCY)[0]
         for k in range(4000)
     ]
     found = np.cov(observed(np.array(draws) / Z).T)

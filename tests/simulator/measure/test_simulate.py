@@ -15,14 +15,14 @@ def scene():
 
 
 def none_of(scene):
-    return simulate(Solver(scene), [Press()]).isel(sweep=[])
+    return simulate(Solver(scene.parts), [Press()]).isel(sweep=[])
 
 
 @pytest.mark.parametrize(
     "simulated",
     [
-        lambda scene: simulate(Solver(scene), []),
-        lambda scene: gather(Solver(scene), iter([])),
+        lambda scene: simulate(Solver(scene.parts), []),
+        lambda scene: gather(Solver(scene.parts), iter([])),
         lambda scene: resimulated(none_of(scene), scene, scene.frequencies),
     ],
 )
@@ -37,14 +37,14 @@ def test_no_sweeps_are_not_joined():
 
 
 def test_a_meter_reads_no_sweeps_as_none(scene):
-    read = read_by_meter(none_of(scene), scene, 1)
+    read = read_by_meter(none_of(scene), scene.parts.meter, 1)
     assert read.sizes["sweep"] == 0
     assert read["Rs"].shape == (0, *np.shape(none_of(scene)["Rs"])[1:])
 
 
 def test_a_press_that_comes_again_reads_the_same(scene):
     presses = [parse_press(text, 2.0) for text in ("none", "1,2", "none", "1,2:3", "1,2")]
-    found = simulate(Solver(scene), presses)
+    found = simulate(Solver(scene.parts), presses)
     assert found["press"].values.tolist() == [str(press) for press in presses]
     for one, again in ((0, 2), (1, 4)):
         np.testing.assert_array_equal(found["Rs"][one], found["Rs"][again])

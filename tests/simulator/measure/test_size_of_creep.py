@@ -28,10 +28,11 @@ def left(sheet, pixel, averaging):
     scene = sheet.with_({"skin.foam.relaxation": creep, "experiment.timing": timing})
     (drifting,) = impedance(
         simulate(
-            Solver(scene), [press_on(scene.parts.skin, scene.press, f"{pixel[0]},{pixel[1]}:2")]
+            Solver(scene.parts),
+            [press_on(scene.parts.skin, scene.press, f"{pixel[0]},{pixel[1]}:2")],
         )
     )
-    solver, noise = Solver(sheet), errors_of(sheet).deviation
+    solver, noise = Solver(sheet.parts), errors_of(sheet.parts.setup, sheet.parts.meter).deviation
     factors = extrema(1.9, 2.3, 7)
     known = [solver.solve(Press((Touch(*pixel, factor),))).Z for factor in factors.tolist()]
     still = Interpolant(factors, observed(np.stack(known)))

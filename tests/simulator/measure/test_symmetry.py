@@ -18,8 +18,8 @@ MERGED = {
 @pytest.mark.parametrize("name", MERGED)
 def test_mirrored_pixels_show_the_same(name):
     scene = load_scene(name)
-    of = representative(scene)
-    solver = Solver(scene, rtol=1e-6)
+    of = representative(scene.parts.skin, scene.parts.setup, scene.press)
+    solver = Solver(scene.parts, rtol=1e-6)
     merged = [(i, j) for i in (1, 4) for j in (2, 5) if of((i, j)) != (i, j)]
     assert merged == MERGED[name]
     for pixel in merged:
@@ -33,7 +33,11 @@ def test_a_skin_fed_all_around_has_two_mirrors(make_scene):
     interfaces = {
         "meter": [[name for name in contacts if name.startswith(s)] for s in ("top", "b")]
     }
-    of = representative(make_scene(contacts, interfaces, rows=4, columns=3))
+    of = representative(
+        make_scene(contacts, interfaces, rows=4, columns=3).parts.skin,
+        make_scene(contacts, interfaces, rows=4, columns=3).parts.setup,
+        make_scene(contacts, interfaces, rows=4, columns=3).press,
+    )
     assert {of((i, j)) for i in range(1, 5) for j in range(1, 4)} == {
         (1, 1),
         (1, 2),
@@ -49,5 +53,7 @@ def test_gains_with_low_at_earth_distinguish_both_sheets(make_scene):
     crossed = {"meter": (["top-left"], ["bottom-right"])}
     scene = make_scene(pairs, crossed, top=3e4, bottom=3e4, columns=2).with_(body)
     gain = {"interface.1.reader": "gain", "interface.1.series_resistance": 1e6}
-    assert representative(scene)((1, 2)) == (1, 1)
-    assert representative(scene.with_(gain))((1, 2)) == (1, 2)
+    assert representative(scene.parts.skin, scene.parts.setup, scene.press)((1, 2)) == (1, 1)
+    assert representative(
+        scene.with_(gain).parts.skin, scene.with_(gain).parts.setup, scene.with_(gain).press
+    )((1, 2)) == (1, 2)

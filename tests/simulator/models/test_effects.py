@@ -18,7 +18,7 @@ def scene():
 
 
 def test_a_scene_without_surroundings_has_none_of_them(scene):
-    assert tuple(own_values(scene)) == PARAMETERS
+    assert tuple(own_values(scene.parts.skin, scene.parts.setup)) == PARAMETERS
 
 
 @pytest.mark.parametrize(
@@ -33,13 +33,13 @@ def test_a_scene_without_surroundings_has_none_of_them(scene):
 )
 def test_a_scene_has_those_of_what_is_around_it(scene, surroundings, there):
     around = scene.with_({"surroundings": surroundings})
-    assert tuple(own_values(around)) == (*PARAMETERS, *there)
+    assert tuple(own_values(around.parts.skin, around.parts.setup)) == (*PARAMETERS, *there)
 
 
 @pytest.mark.parametrize("name", EFFECTS)
 def test_what_a_scene_has_not_is_refused(scene, name):
     with pytest.raises(InputError, match=f"{name} changes nothing here; it needs"):
-        all_values(scene, {name: 0.1})
+        all_values(scene.parts.skin, scene.parts.setup, {name: 0.1})
 
 
 def test_the_scene_with_other_values_has_so_much_more_around_it(scene):

@@ -97,7 +97,7 @@ def hold(scene, changes, pressed):
     """Whether the changed scene is answered, within its tolerance; else it is refused in a line."""
     try:
         changed = scene.with_(changes)
-        answer = Solver(changed, RTOL).solve(
+        answer = Solver(changed.parts, RTOL).solve(
             every_press(changed.parts.skin, changed.press)[pressed]
         )
     except (InputError, ToleranceError) as refused:
@@ -131,7 +131,7 @@ def test_singular_equations_are_refused_in_words_of_the_skin(matrix):
 @pytest.mark.parametrize("changes", [{"skin.width": 1e-5}, {"skin.length": 999.0}], ids=str)
 def test_narrow_skins_that_vary_are_refused_before_they_are_meshed(changes):
     with pytest.raises(ToleranceError, match="a first mesh may have 15000"):
-        Solver(EVERY["gradient"].with_(changes), RTOL).solve(Press())
+        Solver(EVERY["gradient"].with_(changes).parts, RTOL).solve(Press())
 
 
 @pytest.mark.slow

@@ -23,12 +23,15 @@ def alone():
 
 
 def steps(scene):
-    own = own_values(scene)
+    own = own_values(scene.parts.skin, scene.parts.setup)
     return own, {name: 1e-4 * own[name] for name in READER}
 
 
 def test_slopes_of_a_gain_by_its_reader_are_its_derivatives(alone):
-    model, press = LineModel(alone), parse_press("1,2:2", 2.0)
+    model, press = (
+        LineModel(alone.parts.skin, alone.parts.setup, alone.press),
+        parse_press("1,2:2", 2.0),
+    )
     cells, rises = model.cells(press)
     own, step = steps(alone)
     slopes = model.respond(cells, rises, own).by_parameter
@@ -48,10 +51,10 @@ def test_slopes_of_two_nodes_that_are_driven_at_once_are_their_derivatives():
     random = np.random.default_rng(0)
     shape = len(scene.parts.setup.solved), len(scene.frequencies)
     Z = 3e5 * (random.random(shape) - 1j * random.random(shape))
-    slopes = reading_of(scene, own).slopes(Z).by_leads
+    slopes = reading_of(scene.parts.setup, own).slopes(Z).by_leads
     for name in READER:
         ends = [
-            reading_of(scene, own | {name: own[name] + side * step[name]}).at_meter(Z)
+            reading_of(scene.parts.setup, own | {name: own[name] + side * step[name]}).at_meter(Z)
             for side in (1, -1)
         ]
         slope = (ends[0] - ends[1]) / (2 * step[name])
@@ -69,8 +72,8 @@ def test_a_scene_with_reader_parameters_has_them_at_all_interfaces():
         assert each.load.capacitance == pytest.approx(15e-12)
         assert each.load.resistance == pytest.approx(1e8)
     assert parse_scene(scene_text(found), "again") == found
-    assert reader_values(found)["load_conductance"] == pytest.approx(1e-8)
+    assert reader_values(found.parts.setup)["load_conductance"] == pytest.approx(1e-8)
 
 
 def test_impedances_have_no_reader_parameters():
-    assert not reader_values(load_scene("strip-1x3"))
+    assert not reader_values(load_scene("strip-1x3").parts.setup)

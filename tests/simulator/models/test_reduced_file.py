@@ -15,7 +15,7 @@ from rcskin.tests.spoiling import share_refused
 
 @pytest.fixture(scope="module")
 def model():
-    return reduce(load_scene("strip-1x3"), 1e-2)
+    return reduce(load_scene("strip-1x3").parts, 1e-2)
 
 
 def test_a_flipped_bit_is_refused_or_changes_no_number(model, tmp_path):
@@ -33,7 +33,7 @@ def test_a_model_that_is_read_otherwise_is_so_in_its_file(tmp_path):
     scene, band = load_scene("strip-1x3"), np.array([1e3, 3e4])
     (own,) = scene.interfaces
     turned = own.model_copy(update={"high": own.low, "low": own.high})
-    model = read(trained(scene, 1e-2, frequency=band), [turned])
+    model = read(trained(scene.parts, 1e-2, frequency=band), [turned])
     save(model, tmp_path / "model.npz")
     again = load(tmp_path / "model.npz")
     assert (

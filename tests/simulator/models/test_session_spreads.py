@@ -32,7 +32,7 @@ def scene(make_scene, changed):
 
 
 def drawn(scene, sessions=3000):
-    skins = [drawn_skin(scene, 1, number, (1, 2), 1) for number in range(sessions)]
+    skins = [drawn_skin(scene.parts, 1, number, (1, 2), 1) for number in range(sessions)]
     top, bottom = (np.log([getattr(s.variation, n)[0] for s in skins]) for n in ("top", "bottom"))
     return {
         "sheet_resistance": -(top + bottom) / 2,
@@ -43,15 +43,17 @@ def drawn(scene, sessions=3000):
 
 
 def test_spreads_are_those_of_drawn_skins(scene):
-    spreads = session_spreads(scene)
+    spreads = session_spreads(scene.parts)
     for name, values in drawn(scene).items():
         assert spreads[name].deviation == pytest.approx(values.std(), rel=0.05)
         assert spreads[name].shift == pytest.approx(values.mean(), abs=0.1 * values.std())
 
 
 def test_calibration_limits_and_inversion_take_the_same_spreads(scene):
-    spreads = {name: each for name, each in session_spreads(scene).items() if each.deviation > 0}
-    prior = priors(measurements_of(scene, simulate(Solver(scene), [Press()])), "session")
+    spreads = {
+        name: each for name, each in session_spreads(scene.parts).items() if each.deviation > 0
+    }
+    prior = priors(measurements_of(scene, simulate(Solver(scene.parts), [Press()])), "session")
     for name, each in spreads.items():
         assert prior[name].deviation == each.deviation
         assert prior[name].center == each.shift
@@ -60,7 +62,7 @@ def test_calibration_limits_and_inversion_take_the_same_spreads(scene):
         FullFields(scene, 1e4), frequency, error_model(scene, frequency)
     ).deviations
     assert {name: limits[name] for name in spreads} == {n: s.deviation for n, s in spreads.items()}
-    inversion = UnknownSkin(Forward(scene, rtol=1e-3))
+    inversion = UnknownSkin(Forward(scene.parts, rtol=1e-3))
     assert {name: inversion.values[name] for name in spreads} == {
         n: s.shift for n, s in spreads.items()
     }
@@ -68,4 +70,6 @@ def test_calibration_limits_and_inversion_take_the_same_spreads(scene):
 
 def test_only_resistive_contacts_share_the_spread_of_contacts(make_scene):
     one = make_scene({"top-left": {"resistance": 200.0}, "bottom-left": {}})
-    assert session_spreads(one)["contact_resistance"].deviation == pytest.approx(0.04, rel=0.05)
+    assert session_spreads(one.parts)["contact_resistance"].deviation == pytest.approx(
+        0.04, rel=0.05
+    )

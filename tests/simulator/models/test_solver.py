@@ -18,7 +18,7 @@ ACROSS = parse_press("1,1", 2.0)
 @pytest.mark.parametrize("rtol", [0, -1e-3, np.nan, np.inf])
 def test_a_tolerance_is_finite_and_positive(make_scene, rtol):
     with pytest.raises(InputError, match="`rtol` must be finite and > 0, got"):
-        Solver(make_scene(), rtol)
+        Solver(make_scene().parts, rtol)
 
 
 @pytest.mark.parametrize(
@@ -41,26 +41,26 @@ def test_a_tolerance_is_finite_and_positive(make_scene, rtol):
 def test_what_is_no_line_is_refused_with_the_reason(make_scene, contacts, press, message):
     scene = make_scene(contacts, rows=2)
     with pytest.raises(InputError, match=message):
-        Solver(scene, model="line").solve(parse_press(press, 2.0))
+        Solver(scene.parts, model="line").solve(parse_press(press, 2.0))
 
 
 def test_a_resistor_has_no_lumped_capacitor(make_scene):
     scene = make_scene({"top-left": {}, "top-right": {}})
     with pytest.raises(InputError, match="the lumped model needs an interface between"):
-        Solver(scene, model="lumped").solve(Press())
-    assert Solver(scene).solve(Press()).model.startswith("2-D elements, two fields")
+        Solver(scene.parts, model="lumped").solve(Press())
+    assert Solver(scene.parts).solve(Press()).model.startswith("2-D elements, two fields")
 
 
 def test_a_model_chosen_by_name_is_not_replaced(make_scene):
     with pytest.raises(ToleranceError, match="one R and one C: estimated error"):
-        Solver(make_scene(frequencies=[1e5]), model="lumped").solve(Press())
-    answer = Solver(make_scene(), model="sheet").solve(Press())
+        Solver(make_scene(frequencies=[1e5]).parts, model="lumped").solve(Press())
+    answer = Solver(make_scene().parts, model="sheet").solve(Press())
     assert answer.model.startswith("2-D elements, one field")
     assert answer.rejected == ()
 
 
 def test_rejected_models_are_listed_in_order(make_scene):
-    answer = Solver(make_scene(rows=2)).solve(ACROSS)
+    answer = Solver(make_scene(rows=2).parts).solve(ACROSS)
     assert [reason.split(":")[0] for reason in answer.rejected] == [
         "line",
         "one R and one C",
@@ -70,35 +70,40 @@ def test_rejected_models_are_listed_in_order(make_scene):
 def test_answers_are_shaped_by_interface_and_frequency(make_scene):
     foils = {"top-left": {}, "bottom-left": {}, "top-right": {}}
     meters = {"a": ("top-left", "bottom-left"), "b": ("top-right", "bottom-left")}
-    answer = Solver(make_scene(foils, meters, rows=2)).solve(ACROSS)
+    answer = Solver(make_scene(foils, meters, rows=2).parts).solve(ACROSS)
     for each in (answer.Z, answer.Rs_error, answer.Cp_error):
         assert each.shape == (2, 3)
 
 
 def test_sweeps_carry_what_made_them():
     scene = load_scene("strip-1x3")
-    sweeps = check(simulate(Solver(scene, 1e-6), every_press(scene.parts.skin, scene.press)))
+    sweeps = check(simulate(Solver(scene.parts, 1e-6), every_press(scene.parts.skin, scene.press)))
     assert sweeps["press"].values.tolist() == ["none", "1,1:2.0", "1,2:2.0", "1,3:2.0"]
     assert sweeps["column"].values.tolist() == [0, 1, 2, 3]
     assert sweeps.attrs["model"] == "exact line"
     assert sweeps.attrs["rtol"] == 1e-6
     assert parse_scene(sweeps.attrs["scene"], "attribute") == scene
     np.testing.assert_array_equal(
-        sweeps["Rs"][0], Line(scene).impedance(Press(), scene.frequencies).real
+        sweeps["Rs"][0],
+        Line(scene.parts.skin, scene.parts.setup, scene.press)
+        .impedance(Press(), scene.frequencies)
+        .real,
     )
 
 
 def test_a_press_beside_the_pixels_is_refused(make_scene):
     with pytest.raises(InputError, match=r"row must be in 1\.\.1 on scene, got 2"):
-        simulate(Solver(make_scene()), [parse_press("2,1", 2.0)])
+        simulate(Solver(make_scene().parts), [parse_press("2,1", 2.0)])
 
 
 @pytest.mark.parametrize("model", ["auto", "sheet", "line", "lumped"])
 def test_given_frequencies_are_solved_like_those_of_the_scene(make_scene, model):
     requested = [10.0, 30.0] if model == "lumped" else [2e3, 7e3]
     scene = make_scene({"top-left": {}, "bottom-left": {}}, rows=1)
-    own = Solver(scene.with_({"sweep": {"frequencies": requested}}), model=model).solve(ACROSS)
-    solver = Solver(scene, model=model)
+    own = Solver(scene.with_({"sweep": {"frequencies": requested}}).parts, model=model).solve(
+        ACROSS
+    )
+    solver = Solver(scene.parts, model=model)
     solver.solve(ACROSS, 5.0)
     answer = solver.solve(ACROSS, requested)
     assert answer.model == own.model and answer.frequency.tolist() == requested
@@ -109,7 +114,7 @@ def test_given_frequencies_are_solved_like_those_of_the_scene(make_scene, model)
 @pytest.mark.parametrize("frequency", [[], 0.0, [2.0, 1.0], [1.0, 1.0], np.nan, [[1.0]]])
 def test_frequencies_that_are_none_are_refused(make_scene, frequency):
     with pytest.raises(InputError, match="`frequency` must be ascending and > 0"):
-        Solver(make_scene()).solve(Press(), frequency)
+        Solver(make_scene().parts).solve(Press(), frequency)
 
 
 def test_a_reduced_model_answers_between_its_scene_s_frequencies(make_scene):
@@ -117,10 +122,10 @@ def test_a_reduced_model_answers_between_its_scene_s_frequencies(make_scene):
     scene = make_scene()
     low, high = scene.frequencies[[0, -1]]
     requested = [low / 2, low, math.sqrt(low * high), high, 2 * high]
-    solver = Solver(scene, rtol=1e-3, model="reduced")
+    solver = Solver(scene.parts, rtol=1e-3, model="reduced")
     answer, truth = (
         solver.solve(ACROSS, requested),
-        Solver(scene, rtol=1e-5).solve(ACROSS, requested),
+        Solver(scene.parts, rtol=1e-5).solve(ACROSS, requested),
     )
     assert ["reduced" in model for model in answer.models] == [False, True, True, True, False]
     assert relative_difference(answer.Z, truth.Z).max() <= 1e-3

@@ -103,12 +103,12 @@ def test_presses_that_are_answered_needed_what_was_foreseen(press, foreseen, mon
         ),
     )
     scene = load_scene("foam")
-    Solver(scene, 1e-4).solve(parse_press(press, 2.0))
+    Solver(scene.parts, 1e-4).solve(parse_press(press, 2.0))
     assert max(foreseen) <= max(grown)
 
 
 def test_an_outline_needed_what_was_foreseen(foreseen):
-    answer = Solver(load_scene("l-shape"), 1e-5).solve(parse_press("none", 2.0))
+    answer = Solver(load_scene("l-shape").parts, 1e-5).solve(parse_press("none", 2.0))
     cells = [int(word) for word in answer.models[0].split() if word.isdigit()]
     assert max(foreseen) <= cells[0] <= 4 * min(foreseen)
 
@@ -116,5 +116,5 @@ def test_an_outline_needed_what_was_foreseen(foreseen):
 def test_a_press_out_of_reach_is_refused_on_a_small_mesh(monkeypatch):
     monkeypatch.setattr(adaptive, "MAX_PRESS_TRIANGLES", 3000)
     with pytest.raises(ToleranceError, match="more than 3000 triangles under the press") as refused:
-        Solver(load_scene("foam"), 1e-7).solve(parse_press("3,3:2mm", 2.0))
+        Solver(load_scene("foam").parts, 1e-7).solve(parse_press("3,3:2mm", 2.0))
     assert 1 < refused.value.times < 1e3

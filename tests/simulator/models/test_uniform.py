@@ -3,7 +3,6 @@
 import pytest
 from rcskin.simulator.models.uniform import (
     equivalent_press,
-    equivalent_scene,
     folded,
     require_uniform,
 )
@@ -34,25 +33,26 @@ NOT_PLAIN = {"l-shape", "mug", "stretched"}
 def test_a_plain_scene_is_returned_as_it_is(name):
     scene = load_scene(name)
     press = Press((Touch(1, 1, 2.0),))
-    assert scene.uniform
-    assert equivalent_scene(scene) is scene
-    assert equivalent_press(scene, press) is press
-    assert require_uniform(scene, "anything") is scene
+    assert scene.parts.skin.uniform
+    skin = scene.parts.skin
+    assert skin.electrical is skin
+    assert equivalent_press(skin, press) is press
+    require_uniform(skin, "anything")
 
 
 def test_a_stretch_gives_derived_values(make_scene):
     """J = 0.96; rubber of constant volume R J, foam J^(1/3) = J^(0.25 / 0.75)."""
     scene = skin_with(make_scene(rows=2, columns=3), stretch=STRETCH)
-    folded = equivalent_scene(scene)
-    assert not scene.uniform
+    folded = scene.parts.skin.electrical
+    assert not scene.parts.skin.uniform
     assert folded.uniform
-    assert folded.skin.sides == pytest.approx((0.12, 0.064))
-    assert folded.skin.top.sheet_resistance == pytest.approx(0.96 * 50e3)
-    assert folded.skin.bottom.sheet_resistance == pytest.approx(0.96 * 30e3)
-    assert folded.skin.foam.unpressed_capacitance_per_area == pytest.approx(5e-9 * 0.96 ** (1 / 3))
+    assert folded.sides == pytest.approx((0.12, 0.064))
+    assert folded.top.sheet_resistance == pytest.approx(0.96 * 50e3)
+    assert folded.bottom.sheet_resistance == pytest.approx(0.96 * 30e3)
+    assert folded.foam.unpressed_capacitance_per_area == pytest.approx(5e-9 * 0.96 ** (1 / 3))
     assert folded.contacts == scene.contacts
     assert folded.pixels == scene.pixels
-    assert equivalent_scene(folded) is folded
+    assert folded.electrical is folded
 
 
 def test_foam_of_known_thickness_thins_under_stretch(make_scene):
@@ -60,7 +60,7 @@ def test_foam_of_known_thickness_thins_under_stretch(make_scene):
     scene = skin_with(make_scene(), stretch=STRETCH)
     tables = scene.model_dump(by_alias=True, exclude_none=True)
     tables["skin"]["foam"] = foam
-    folded = equivalent_scene(Scene.model_validate(tables)).skin.foam
+    folded = Scene.model_validate(tables).parts.skin.electrical.foam
     assert folded.thickness == pytest.approx(4e-3 * 0.96 ** (-1 / 3))
     expected = VACUUM_PERMITTIVITY * 2.2 / folded.thickness
     assert folded.unpressed_capacitance_per_area == pytest.approx(expected)
@@ -73,11 +73,11 @@ def test_even_maps_and_directions_of_no_preference_are_folded(make_scene):
         foam={"map": {"kind": "grid", "values": [[0.5, 0.5]]}},
         shape=MUG,
     )
-    folded = equivalent_scene(scene)
+    folded = scene.parts.skin.electrical
     assert folded.uniform
-    assert folded.skin.shape is None
-    assert folded.skin.top.sheet_resistance == 100e3
-    assert folded.skin.foam.unpressed_capacitance_per_area == 2.5e-9
+    assert folded.shape is None
+    assert folded.top.sheet_resistance == 100e3
+    assert folded.foam.unpressed_capacitance_per_area == 2.5e-9
 
 
 @pytest.mark.parametrize(
@@ -92,43 +92,44 @@ def test_even_maps_and_directions_of_no_preference_are_folded(make_scene):
 )
 def test_what_is_not_plain_keeps_its_stretch_and_is_refused_by_its_key(make_scene, key, tables):
     scene = skin_with(make_scene(), stretch=STRETCH, **tables)
-    left = equivalent_scene(scene)
-    assert left.skin == scene.skin
+    left = scene.parts.skin.electrical
+    assert left == scene.parts.skin
     assert not left.uniform
-    assert equivalent_press(scene, Press((Touch(1, 1, 2.0),))) is None
+    assert equivalent_press(scene.parts.skin, Press((Touch(1, 1, 2.0),))) is None
     unstretched = skin_with(make_scene(), **tables)
     with pytest.raises(InputError, match=f"scene: a test cannot take `{key}`: it needs uniform"):
-        require_uniform(unstretched, "a test")
+        require_uniform(unstretched.parts.skin, "a test")
 
 
 def test_a_mug_around_what_is_not_plain_is_folded_all_the_same(make_scene):
     scene = skin_with(make_scene(), shape=MUG, top={"map": GRADIENT})
-    assert equivalent_scene(scene).skin == skin_with(make_scene(), top={"map": GRADIENT}).skin
+    flat = skin_with(make_scene(), top={"map": GRADIENT})
+    assert scene.parts.skin.electrical == flat.parts.skin
 
 
 def test_a_stretched_scene_needs_to_be_folded_first(make_scene):
     scene = skin_with(make_scene(), stretch=STRETCH)
     with pytest.raises(InputError, match="cannot take `skin.stretch`"):
-        require_uniform(scene, "a test")
-    assert folded(scene, "a test") == equivalent_scene(scene)
+        require_uniform(scene.parts.skin, "a test")
+    assert folded(scene, "a test").parts.skin == scene.parts.skin.electrical
 
 
 def test_presses_move_with_the_skin(make_scene):
     scene = skin_with(make_scene(rows=2, columns=2), stretch=STRETCH)
     press = Press((Touch(1, 2, 3.0), Rectangle(0.05, 0.04, 0.1, 0.02, 2.0)))
-    moved = equivalent_press(scene, press)
+    moved = equivalent_press(scene.parts.skin, press)
     assert moved is not None
     pixel, rectangle = moved.touches
     assert pixel == Touch(1, 2, 3.0)
     assert rectangle == Rectangle(0.06, 0.032, pytest.approx(0.12), 0.016, 2.0)
-    assert check_press(moved, equivalent_scene(scene).parts.skin) == moved
+    assert check_press(moved, scene.parts.skin.electrical) == moved
 
 
 @pytest.mark.parametrize(
     "text", ["1,1:2mm", "disc(0.05,0.04,0.01):2", "poly(0.01,0.01,0.02,0.01,0.02,0.02):2"]
 )
 def test_presses_beyond_the_plain_ones_have_no_plain_scene(make_scene, text):
-    assert equivalent_press(make_scene(), parse_press(text, 2.0)) is None
+    assert equivalent_press(make_scene().parts.skin, parse_press(text, 2.0)) is None
 
 
 def test_scenes_survive_being_written(make_scene):
@@ -141,5 +142,5 @@ def test_scenes_survive_being_written(make_scene):
         bottom={"map": {"kind": "grid", "values": [[0.1, 1 / 3], [1.0, 2.0]]}},
     )
     assert parse_scene(scene_text(scene), "kept") == scene
-    folded = equivalent_scene(skin_with(make_scene(), stretch=STRETCH))
+    folded = skin_with(make_scene(), stretch=STRETCH).parts.evened.scene
     assert parse_scene(scene_text(folded), "kept") == folded

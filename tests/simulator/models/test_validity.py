@@ -31,7 +31,10 @@ def with_foam(make_scene, **foam):
 
 @pytest.mark.parametrize("name", builtin_names())
 def test_the_papers_devices_are_within_the_model(name):
-    assert warnings(load_scene(name)) == []
+    assert (
+        warnings(load_scene(name).parts.skin, load_scene(name).parts.setup, load_scene(name).press)
+        == []
+    )
 
 
 def test_the_lateral_error_is_the_first_term_of_laplaces_equation():
@@ -51,14 +54,25 @@ def test_the_lateral_error_is_the_first_term_of_laplaces_equation():
 )
 def test_each_limit_is_reported(make_scene, scene, message):
     scene = with_foam(make_scene, thickness=4e-3, relative_permittivity=2.2, scene=scene)
-    (warning,) = warnings(scene)
+    (warning,) = warnings(scene.parts.skin, scene.parts.setup, scene.press)
     assert message in warning
 
 
 def test_a_capacitance_alone_is_of_a_foam_of_assumed_permittivity(make_scene):
     """3.5 mm at 5 nF/m² and a relative permittivity of 2."""
-    assert warnings(make_scene(frequencies=[1e5])) == []
-    (warning,) = warnings(make_scene(frequencies=[1e7]))
+    assert (
+        warnings(
+            make_scene(frequencies=[1e5]).parts.skin,
+            make_scene(frequencies=[1e5]).parts.setup,
+            make_scene(frequencies=[1e5]).press,
+        )
+        == []
+    )
+    (warning,) = warnings(
+        make_scene(frequencies=[1e7]).parts.skin,
+        make_scene(frequencies=[1e7]).parts.setup,
+        make_scene(frequencies=[1e7]).press,
+    )
     assert "the foam, 3.5 mm (relative permittivity 2 assumed)" in warning
 
 
@@ -68,19 +82,30 @@ def test_the_fringe_weighs_more_the_less_the_foam_holds(make_scene, permittivity
     size = {"length": 0.12, "width": 0.12}
     foam = {"thickness": 4e-3, "relative_permittivity": permittivity}
     scene = with_foam(make_scene, scene=size, **foam)
-    assert (rim_share(scene) > 0.1) == warned == bool(warnings(scene))
+    assert (
+        (rim_share(scene.parts.skin) > 0.1)
+        == warned
+        == bool(warnings(scene.parts.skin, scene.parts.setup, scene.press))
+    )
     stated = scene.with_({"surroundings": {"rim": True}})
-    assert warnings(stated) == []
+    assert warnings(stated.parts.skin, stated.parts.setup, stated.press) == []
 
 
 @pytest.mark.parametrize("key", ["rim", "thickness", "solved"])
 def test_an_assumed_thickness_is_reported_where_it_counts(key):
     scene = load_scene("sheet-5x5").with_({f"surroundings.{key}": True})
-    (warning,) = warnings(scene)
+    (warning,) = warnings(scene.parts.skin, scene.parts.setup, scene.press)
     assert (
         f"`surroundings.{key}` assumes that the foam is 3.6 mm (relative permittivity 2 " in warning
     )
-    assert warnings(scene.with_({"skin.foam.thickness": 4e-3})) == []
+    assert (
+        warnings(
+            scene.with_({"skin.foam.thickness": 4e-3}).parts.skin,
+            scene.with_({"skin.foam.thickness": 4e-3}).parts.setup,
+            scene.with_({"skin.foam.thickness": 4e-3}).press,
+        )
+        == []
+    )
 
 
 @pytest.mark.parametrize(
@@ -93,7 +118,7 @@ def test_an_assumed_thickness_is_reported_where_it_counts(key):
     ],
 )
 def test_earth_is_warned_of_where_nothing_is_said_of_it(changes, warned):
-    message = earth_left_out(load_scene("sheet-5x5").with_(changes))
+    message = earth_left_out(load_scene("sheet-5x5").with_(changes).parts.skin)
     assert (message is not None) == warned
     if message is not None:
         assert "`rcskin describe` states by how much" in message
@@ -117,9 +142,9 @@ def test_the_rim_of_wide_plates_is_kirchhoffs():
 
 def test_the_share_of_the_rim_is_that_of_the_paper_sheet():
     scene = load_scene("sheet-5x5").with_({"skin.foam.thickness": 4e-3})
-    assert rim_share(scene) == pytest.approx(0.056, abs=5e-4)
+    assert rim_share(scene.parts.skin) == pytest.approx(0.056, abs=5e-4)
     gamma = rim_per_length(0.12, 0.12, 4e-3)
-    assert rim_share(scene) == pytest.approx(2 * gamma / 4.861e-9 * (2 / 0.12))
+    assert rim_share(scene.parts.skin) == pytest.approx(2 * gamma / 4.861e-9 * (2 / 0.12))
 
 
 def test_the_walls_of_a_press_are_those_of_a_solve_in_three_dimensions():

@@ -28,7 +28,9 @@ def exact(own_frequencies):
     whole = own_frequencies.scene.with_(
         {"interface.1.frequencies": FREQUENCIES, "interface.2.frequencies": FREQUENCIES}
     )
-    return simulate(Solver(whole, 1e-5), [parse_press(press, 1.8) for press in ("none", PRESS)])
+    return simulate(
+        Solver(whole.parts, 1e-5), [parse_press(press, 1.8) for press in ("none", PRESS)]
+    )
 
 
 @pytest.fixture
@@ -105,7 +107,7 @@ def test_what_is_taken_away_is_what_is_read(opened, exact, tmp_path):
     found, truth = impedances(sweeps), impedances(exact)
     assert np.isnan(found[:, ~TAKEN]).all()
     assert np.abs(found / truth - 1)[:, TAKEN].max() < NEAR
-    again = impedances(simulate(Solver(scene, 1e-5), [parse_press(PRESS, 1.8)]))[0]
+    again = impedances(simulate(Solver(scene.parts, 1e-5), [parse_press(PRESS, 1.8)]))[0]
     assert np.isnan(again[~TAKEN]).all()
     np.testing.assert_allclose(again[TAKEN], truth[1][TAKEN], rtol=1e-4)
 

@@ -212,7 +212,7 @@ def cast_and_taken(page, folder, rtol):
     (folder / "sweep.csv").write_bytes(taken(page, "#csv").read_bytes())
     scene, measured = read_scene(folder / "cast.toml"), read(folder / "sweep.csv")
     presses = [parse_press(str(each), 2.0) for each in measured["press"].values]
-    return scene, measured, simulate(Solver(scene, rtol), presses)
+    return scene, measured, simulate(Solver(scene.parts, rtol), presses)
 
 
 def off(measured, exact):

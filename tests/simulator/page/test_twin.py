@@ -161,7 +161,14 @@ def test_fields_are_those_of_the_finite_elements(glove, in_node):
         "at": at,
     }
     (found,) = in_node(glove.data, [case])
-    exact = fields(scene, parse_press("2,3:2.5", 2.0), [float(scene.frequencies[at])], "left")
+    exact = fields(
+        scene.parts.skin,
+        scene.parts.setup,
+        scene.press,
+        parse_press("2,3:2.5", 2.0),
+        [float(scene.frequencies[at])],
+        "left",
+    )
     across = exact.potential[0, 0] - exact.potential[1, 0]
     raster = Raster(*scene.skin.sides, **{k: glove.data["raster"][k] for k in ("rows", "columns")})
     expected = LinearNDInterpolator(exact.x.T, across)(raster.points.T)
@@ -180,7 +187,14 @@ def test_fields_of_any_skin_are_those_of_the_finite_elements(paged_kind, in_node
     }
     (found,) = in_node(paged.data, [case])
     sheets = {"skin.top.sheet_resistance": 100e3, "skin.bottom.sheet_resistance": 20e3}
-    exact = fields(scene.with_(sheets), parse_press("1,2:2", 2.0), [1e5], "meter")
+    exact = fields(
+        scene.with_(sheets).parts.skin,
+        scene.with_(sheets).parts.setup,
+        scene.with_(sheets).press,
+        parse_press("1,2:2", 2.0),
+        [1e5],
+        "meter",
+    )
     across = exact.potential[0, 0] - exact.potential[1, 0]
     raster = Raster(*scene.skin.sides, **{k: paged.data["raster"][k] for k in ("rows", "columns")})
     on_skin = np.setdiff1d(np.arange(raster.points.shape[1]), paged.data["raster"]["beside"])
@@ -212,7 +226,7 @@ def test_fields_and_fingers_of_a_skin_with_surroundings_are_those_of_the_solver(
     press = press_on(scene.parts.skin, scene.press, "1,2:2.0")
     assert press.touches[0].finger == pytest.approx(finger, rel=1e-12)
     assert found["fingers"] == [pytest.approx(finger, rel=1e-5)]
-    assert np.abs(Z / Solver(scene, 1e-4).solve(press).Z - 1).max() < 1e-2
+    assert np.abs(Z / Solver(scene.parts, 1e-4).solve(press).Z - 1).max() < 1e-2
     skin = earthed.reduced.skin(None)
     s = laplace_variable(scene.frequencies[2:], skin.loss)
     drives = skin.solved(*touched_cells(scene.parts.skin, scene.press, press), s)

@@ -177,7 +177,7 @@ def test_no_solver_leaves_a_finger_out_without_a_word():
     scene, pressed = load_scene("sheet-3x3"), Press((Touch(1, 1, 2.0, 5e-12),))
     for model in ("auto", "sheet", "reduced", "line", "lumped"):
         with pytest.raises(InputError, match="needs the table"):
-            Solver(scene, 1e-2, model).solve(pressed)
+            Solver(scene.parts, 1e-2, model).solve(pressed)
 
 
 @pytest.mark.parametrize("text", ["2,3:2.0:rod", "2,3:2.0", "2,3:touch", "2,3", "2,3:rod+1,1:5pF"])

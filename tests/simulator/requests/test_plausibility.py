@@ -111,7 +111,9 @@ def test_a_scene_whose_unusual_numbers_are_intended_gives_no_warning():
 def test_the_cut_off_is_that_of_the_paper_at_the_far_end():
     strip = load_scene("strip-1x5")
     assert strip.reach() == pytest.approx(strip.skin.length)
-    assert cut_off_frequency(strip) == pytest.approx(strip.frequencies[0], rel=1e-3)
+    assert cut_off_frequency(strip.parts.skin, strip.parts.setup) == pytest.approx(
+        strip.frequencies[0], rel=1e-3
+    )
 
 
 def test_the_farthest_place_is_where_no_driven_foil_is_near():

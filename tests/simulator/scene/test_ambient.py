@@ -33,7 +33,7 @@ def test_both_act_as_factors_on_capacitance_and_sheets(strip):
             "skin.sheet_resistance": strip.skin.top.sheet_resistance * 0.99,
         }
     )
-    one, other = (Solver(scene).solve(Press()).Z for scene in (warm, by_hand))
+    one, other = (Solver(scene.parts).solve(Press()).Z for scene in (warm, by_hand))
     np.testing.assert_allclose(one, other, rtol=1e-12)
 
 
@@ -80,7 +80,7 @@ def test_sessions_draw_their_weather_after_all_else(strip):
     """A session at one temperature is the session without, times the factors."""
     drawn = strip.with_({**BOTH, "dataset.session.temperature": 30.0})
     grid = strip.pixels.shape
-    one, other = (drawn_skin(s, 1, 4, grid, 4) for s in (drawn, strip))
+    one, other = (drawn_skin(s.parts, 1, 4, grid, 4) for s in (drawn, strip))
     np.testing.assert_allclose(one.variation.capacitance, 1.02 * other.variation.capacitance)
     np.testing.assert_allclose(one.variation.top, other.variation.top / 0.99)
     assert one.leads == other.leads
@@ -89,7 +89,7 @@ def test_sessions_draw_their_weather_after_all_else(strip):
 def test_what_sessions_draw_counts_among_their_spread(strip):
     uniform = {"distribution": "uniform", "low": 10.0, "high": 30.0}
     drawn = strip.with_({**BOTH, "dataset.session.temperature": uniform})
-    more, less = session_spreads(drawn), session_spreads(strip)
+    more, less = session_spreads(drawn.parts), session_spreads(strip.parts)
     own = np.hypot(less["capacitance"].deviation, 2e-3 * 20 / np.sqrt(12))
     assert more["capacitance"].deviation == pytest.approx(own, rel=1e-3)
     assert more["sheet_mismatch"] == less["sheet_mismatch"]

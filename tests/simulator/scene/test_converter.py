@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.measure.readout import Meter
+from rcskin.simulator.measure.readout import MeterSession
 from rcskin.simulator.scene.readout.converter import Converter
 from rcskin.simulator.scene.readout.meter import Readout
 from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text
@@ -37,7 +37,9 @@ def test_the_noise_is_that_of_sampled_voltages(given):
 def test_readings_have_the_noise_of_the_converter():
     readout = Readout(converter=Converter(**VOLTS))
     gain = np.full((4000, 1, 2), [0.9, 0.1j])
-    measured = Meter(readout, 1, np.random.default_rng(1)).measure(gain, np.array([1e3, 2e3]))
+    measured = MeterSession(readout, 1, np.random.default_rng(1)).measure(
+        gain, np.array([1e3, 2e3])
+    )
     found = np.std(np.log(np.abs(measured)), axis=0)[0]
     np.testing.assert_allclose(found, readout.converter.deviation(gain[0, 0]), rtol=0.1)
     assert not readout.uniform and readout.noisy and not readout.exact

@@ -63,7 +63,7 @@ def test_a_scene_with_another_reader_says_nothing_of_a_multisine():
 
 def test_all_frequencies_of_an_interface_are_read_at_the_same_time():
     scene = multisine("sheet-5x5-two-interfaces", {**ELECTRONICS, "frames": 3})
-    moments, whole = reading_moments(scene)
+    moments, whole = reading_moments(scene.parts)
     assert whole == pytest.approx(2 * (0.02 + 0.024))
     np.testing.assert_allclose(moments - moments[:, :1], 0, atol=1e-15)
     assert moments[1, 0] - moments[0, 0] == pytest.approx(0.044)
@@ -72,7 +72,7 @@ def test_all_frequencies_of_an_interface_are_read_at_the_same_time():
 def test_readings_have_the_noise_of_the_electronics_and_other_noise_is_added():
     extra = {"readout.magnitude_noise": 1e-3, "readout.phase_noise": 2e-3}
     scene = multisine(**extra, **{"readout.display_digits": 15})
-    exact = simulate(Solver(scene), [Press()])
+    exact = simulate(Solver(scene.parts), [Press()])
     seen = read_out(exact.isel(sweep=np.zeros(3000, int)), scene.readout, np.random.default_rng(1))
     error = np.log(impedance(seen) / impedance(exact))
     expected = scene.readout.noise(impedance(exact), scene.frequencies)[:, 0]
@@ -83,6 +83,6 @@ def test_readings_have_the_noise_of_the_electronics_and_other_noise_is_added():
 
 def test_a_skin_that_drives_the_amplifier_beyond_its_range_is_refused():
     scene = multisine(electronics={"feedback_resistance": 1e9})
-    exact = simulate(Solver(scene), [Press()])
+    exact = simulate(Solver(scene.parts), [Press()])
     with pytest.raises(InputError, match=r"`readout.multisine.full_scale` must be >= .* V, the"):
         read_out(exact, scene.readout, np.random.default_rng(1))

@@ -109,7 +109,7 @@ def test_without_any_reading_interfaces_are_missing():
 
 def test_crossed_pairs_of_equal_sheets_repeat_readings():
     scene = read('[readings]\nall = ["pairs", "tied", "sheets"]')
-    assert repeated(scene) == [
+    assert repeated(scene.parts.skin, scene.parts.setup, scene.press) == [
         ("top-bottom to bottom-left", "top-left to bottom-bottom"),
         ("bottom-left to bottom-bottom", "top-left to top-bottom"),
     ]
@@ -120,7 +120,16 @@ def test_crossed_pairs_of_equal_sheets_repeat_readings():
 
 def test_a_reading_the_other_way_round_repeats_and_unlike_sheets_do_not():
     back = '[readings]\nnamed = ["top-left to bottom-left", "bottom-left to top-left"]'
-    assert repeated(read(back, top="20e3")) == [
-        ("bottom-left to top-left", "top-left to bottom-left")
-    ]
-    assert repeated(read('[readings]\nall = ["pairs", "sheets"]', top="20e3")) == []
+    assert repeated(
+        read(back, top="20e3").parts.skin,
+        read(back, top="20e3").parts.setup,
+        read(back, top="20e3").press,
+    ) == [("bottom-left to top-left", "top-left to bottom-left")]
+    assert (
+        repeated(
+            read('[readings]\nall = ["pairs", "sheets"]', top="20e3").parts.skin,
+            read('[readings]\nall = ["pairs", "sheets"]', top="20e3").parts.setup,
+            read('[readings]\nall = ["pairs", "sheets"]', top="20e3").press,
+        )
+        == []
+    )

@@ -99,9 +99,9 @@ def test_a_press_that_halves_the_impedance_changes_the_noise_by_its_square_at_mo
 
 
 def test_a_readout_by_tables_is_one_of_four_numbers_on_average():
-    sweeps = simulate(Solver(SCENE), [Press()] * 2)
+    sweeps = simulate(Solver(SCENE.parts), [Press()] * 2)
     table, flat = SCENE.with_({"readout": "E4980A"}), readout("IM3523")
-    found = reading_error(table, sweeps)
+    found = reading_error(table.parts.meter, sweeps)
     assert found.magnitude.shape == (sweeps.sizes["frequency"],)
     Z = np.full((3, 1, 2), 1e4 - 1e4j)
     own = flattened(table.readout, Z, np.array([1e3, 1e4]))

@@ -153,7 +153,7 @@ def test_uses_that_need_two_bare_sheets_refuse_others(changes, key):
     assert scene.beyond_uniform == [key]
     for model in ("line", "lumped"):
         with pytest.raises(InputError, match="cannot take `" + key.replace("[", r"\[")):
-            Solver(scene, 1e-2, model).solve(Press())
+            Solver(scene.parts, 1e-2, model).solve(Press())
 
 
 @pytest.mark.parametrize(
@@ -177,7 +177,11 @@ def test_uses_that_need_two_bare_sheets_refuse_others(changes, key):
 )
 def test_crossed_sheets_are_equal_if_their_surroundings_are(changes, exchanged):
     """Pixels (1, 2) and (2, 1) of two equal sheets, one fed at the left, one at the bottom edge."""
-    of = representative(load_scene("sheet-5x5-crossed").with_(changes))
+    of = representative(
+        load_scene("sheet-5x5-crossed").with_(changes).parts.skin,
+        load_scene("sheet-5x5-crossed").with_(changes).parts.setup,
+        load_scene("sheet-5x5-crossed").with_(changes).press,
+    )
     assert (of((2, 1)) == (1, 2)) == exchanged
 
 
@@ -188,9 +192,9 @@ def test_earth_alone_changes_nothing_until_a_finger_touches():
     rod, finger = (
         press_on(earthed.parts.skin, earthed.press, f"2,3:2:{by}") for by in ("rod", "1e-20pF")
     )
-    expected = Solver(scene, 1e-4).solve(rod).Z
-    np.testing.assert_array_equal(Solver(earthed, 1e-4).solve(rod).Z, expected)
-    np.testing.assert_allclose(Solver(earthed, 1e-4).solve(finger).Z, expected, rtol=2e-4)
+    expected = Solver(scene.parts, 1e-4).solve(rod).Z
+    np.testing.assert_array_equal(Solver(earthed.parts, 1e-4).solve(rod).Z, expected)
+    np.testing.assert_allclose(Solver(earthed.parts, 1e-4).solve(finger).Z, expected, rtol=2e-4)
 
 
 def test_the_press_of_a_scene_includes_its_finger(run, tmp_path):

@@ -152,7 +152,9 @@ def test_reported_terminals_are_those_that_are_solved(make_scene):
 
     def Z(high, span=(0.0, 1.0)):
         contacts = {"top-left": {}, "bottom-right": {}, "top-bottom": {"span": span}}
-        return Solver(make_scene(contacts, {"meter": (high, "bottom-right")})).solve(Press()).Z
+        return (
+            Solver(make_scene(contacts, {"meter": (high, "bottom-right")}).parts).solve(Press()).Z
+        )
 
     touching = Z("top-left")
     np.testing.assert_array_equal(touching, Z(("top-left", "top-bottom")))

@@ -58,7 +58,7 @@ CLOSING = {"thickness": 4e-3, "mechanics": FOAM, "capacitance_per_area": None}
 )
 def test_cells_creep_as_touches_do(foam):
     scene = strip(**foam)
-    state, memory, now = FoamState(scene), FoamMemory(scene, 3, 2), 0.0
+    state, memory, now = FoamState(scene.parts.skin), FoamMemory(scene, 3, 2), 0.0
     for touches, seconds in CHANGES:
         state = state.then(
             press_on(scene.parts.skin, scene.press, "+".join(touches) or "none"), now - state.since
@@ -76,7 +76,7 @@ def test_cells_creep_as_touches_do(foam):
 def test_a_fixed_depth_keeps_its_strain_and_leaves_a_trace():
     scene = strip(relaxation=TWO, **CLOSING)
     depth = scene.pressed_depth(1.8)
-    state = FoamState(scene).then(
+    state = FoamState(scene.parts.skin).then(
         press_on(scene.parts.skin, scene.press, f"1,2:{1e3 * depth!r}mm"), 0.0
     )
     memory = FoamMemory(scene, 3, 1)

@@ -84,7 +84,7 @@ def test_skins_in_one_pass_are_those_of_the_family_one_by_one():
     presses = ["1,1", None, "disc(0.05,0.01,0.004):1.5"]
     found, scene = own.step(presses, dt=0.02), own._own
     for skin, press in enumerate(presses):
-        drawn = drawn_skin(scene, 1, skin, own._family.grid, own._family.modes)
+        drawn = drawn_skin(scene.parts, 1, skin, own._family.grid, own._family.modes)
         cells = own._press(press).batch.one(0)
         Z = own._family.skin(drawn.variation).sweep(*cells)
         exact = scene.parts.setup.behind(drawn.leads).at_meter(Z)

@@ -122,7 +122,7 @@ def test_a_computed_rim_is_solved_for_like_one_that_is_given(skin):
     scene, found = skin("strip-1x5"), rim_densities(skin("strip-1x5").parts.skin)
     given = {"mutual": found.mutual, "top": found.top, "bottom": found.bottom}
     one, other = (
-        Solver(each, 1e-4).solve(Press()).Z
+        Solver(each.parts, 1e-4).solve(Press()).Z
         for each in (scene, scene.with_({"surroundings.rim": given}))
     )
     assert one == pytest.approx(other, rel=1e-12)

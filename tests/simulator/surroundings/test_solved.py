@@ -102,7 +102,8 @@ def ratios(scene, press="none"):
     """Of Rs and Cp to those without surroundings, shape (2, frequency)."""
     alone = scene.model_copy(update={"surroundings": None})
     one, other = (
-        Solver(each, 1e-5).solve(parse_press(press, 2.0, each)).Z[0] for each in (scene, alone)
+        Solver(each.parts, 1e-5).solve(parse_press(press, 2.0, each)).Z[0]
+        for each in (scene, alone)
     )
     return np.stack([one.real / other.real, (1 / one).imag / (1 / other).imag])
 
@@ -131,7 +132,7 @@ def test_what_is_solved_for_is_about_what_rim_and_thickness_leave(skin):
 
 def test_the_result_states_the_error_of_the_surroundings(skin):
     scene = around(skin)
-    told = Solver(scene, 1e-3).solve(Press()).lines()[0]
+    told = Solver(scene.parts, 1e-3).solve(Press()).lines()[0]
     assert f"surroundings solved to {surroundings_matrix(scene.parts.skin).error:.0e}" in told
 
 
@@ -156,13 +157,13 @@ OUTLINE = {
 def test_surroundings_that_cannot_be_solved_are_refused(skin, changes, line):
     scene = around(skin).with_(changes)
     with pytest.raises(InputError, match="strip-1x5: `surroundings.solved` " + line):
-        Solver(scene, 1e-3).solve(Press())
+        Solver(scene.parts, 1e-3).solve(Press())
 
 
 def test_reduced_models_hold_it_as_one_whole_matrix(skin):
     """Pressed or not: it depends on neither sheets nor presses."""
     scene = around(skin).with_({"sweep.frequencies": [1e3, 2e4]})
-    reduced, full = Solver(scene, 1e-3, "reduced"), Solver(scene, 1e-4)
+    reduced, full = Solver(scene.parts, 1e-3, "reduced"), Solver(scene.parts, 1e-4)
     for press in (Press(), Press((Touch(1, 3, 2.0),))):
         answer = reduced.solve(press)
         assert answer.model.startswith("reduced")

@@ -117,7 +117,7 @@ def test_a_skin_between_two_planes_is_solved_with_its_rim(skin):
     found = rim_densities(scene.parts.skin)
     given = {"mutual": found.mutual, "top": found.top, "bottom": found.bottom}
     one, other = (
-        Solver(each, 1e-3).solve(Press()).Z
+        Solver(each.parts, 1e-3).solve(Press()).Z
         for each in (scene, scene.with_({"surroundings.rim": given}))
     )
     assert one == pytest.approx(other, rel=1e-12)

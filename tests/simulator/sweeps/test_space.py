@@ -79,7 +79,7 @@ def test_pixels_that_need_more_than_there_is_are_refused_at_once(machine):
     machine(memory=16e9)
     many = load_scene("glove").with_({"pixels": {"rows": 1000, "columns": 1000}})
     with pytest.raises(InputError, match=r"1000 x 1000 cells would need \d+ GB.*at most 14 GB"):
-        Solver(many, 1e-2).solve(CORNER)
+        Solver(many.parts, 1e-2).solve(CORNER)
 
 
 def test_what_varies_by_place_is_refused_as_soon(machine):
@@ -87,16 +87,16 @@ def test_what_varies_by_place_is_refused_as_soon(machine):
     varied = {"skin.top.map": {"kind": "gradient", "x": 0.1}}
     many = load_scene("glove").with_({"pixels": {"rows": 1000, "columns": 1000}, **varied})
     with pytest.raises(InputError, match=r"1000 x 1000 cells would need \d+ GB.*at most 14 GB"):
-        Solver(many, 1e-2).solve(CORNER)
+        Solver(many.parts, 1e-2).solve(CORNER)
 
 
 def test_the_same_pixels_are_solved_where_memory_suffices(machine):
     few = load_scene("sheet-3x3")
     machine(memory=1e5)
     with pytest.raises(InputError, match="of memory"):
-        Solver(few, 1e-2).solve(CORNER)
+        Solver(few.parts, 1e-2).solve(CORNER)
     machine()
-    assert Solver(few, 1e-2).solve(CORNER).Z.shape == (1, 20)
+    assert Solver(few.parts, 1e-2).solve(CORNER).Z.shape == (1, 20)
 
 
 def test_commands_say_that_memory_or_disk_are_too_small(run, tmp_path, machine):

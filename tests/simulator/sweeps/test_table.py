@@ -27,7 +27,7 @@ finally:
 @pytest.fixture(scope="module")
 def table():
     scene = load_scene("strip-1x3")
-    solver = Solver(scene)
+    solver = Solver(scene.parts)
     return gather(
         solver,
         [(press, solver.solve(press)) for press in every_press(scene.parts.skin, scene.press)],

@@ -10,7 +10,7 @@ import numpy as np
 
 from ....arrays import Real
 from ....scene.foam.foam_mechanics import Mechanics
-from ....scene.scene import Scene
+from ....scene.parts import Skin
 from ....scene.skin_region import covers
 
 FINE, OF_TOUCH = 4, 16
@@ -96,28 +96,28 @@ class Lattice:
         return float(np.interp(-w, -self.w, self.distance))
 
 
-def lattice_of(scene: Scene, grid: tuple[int, int], smallest: float) -> Lattice:
+def lattice_of(skin: Skin, grid: tuple[int, int], smallest: float) -> Lattice:
     """Lattice of a scene whose foam has mechanics and whose skins have a tension.
 
     grid: rows and columns of cells for factors. smallest: side of the smallest applicator, m.
     """
-    return _lattice_of(scene, grid, smallest)  # pyright: ignore[reportArgumentType]
+    return _lattice_of(skin, grid, smallest)  # pyright: ignore[reportArgumentType]
 
 
 @lru_cache(maxsize=8)
-def _lattice_of(scene: Scene, grid: tuple[int, int], smallest: float) -> Lattice:
-    mechanics, thickness = scene.skin.foam.mechanics, scene.skin.foam.thickness
+def _lattice_of(skin: Skin, grid: tuple[int, int], smallest: float) -> Lattice:
+    mechanics, thickness = skin.foam.mechanics, skin.foam.thickness
     assert mechanics is not None and thickness is not None
     spread = math.sqrt(mechanics.tension * thickness / mechanics.young)
     coarsest = min(spread / FINE, smallest / OF_TOUCH)
-    (length, width), (rows, columns) = scene.skin.sides, grid
+    (length, width), (rows, columns) = skin.sides, grid
     along, across = (
         max(1, min(math.ceil(side / cells / coarsest), MAX_NODES_ALONG // cells))
         for side, cells in ((length, columns), (width, rows))
     )
     step_x, step_y = length / columns / along, width / rows / across
     x, y = _nodes(columns * along, step_x), _nodes(rows * across, step_y)
-    part, right, up = _skin_shares(scene, x, y)
+    part, right, up = _skin_shares(skin, x, y)
     distance, w = _profile(mechanics, thickness)
     ratio = step_y / step_x
     foam = mechanics, thickness
@@ -139,20 +139,20 @@ def _profile(mechanics: Mechanics, thickness: float) -> tuple[Real, Real]:
     return np.concatenate([[0.0], np.cumsum(falls)]), strain * thickness
 
 
-def _skin_shares(scene: Scene, x: Real, y: Real) -> tuple[Real, ...]:
+def _skin_shares(skin: Skin, x: Real, y: Real) -> tuple[Real, ...]:
     """Share of each node's area that is skin, and of each edge to the next node along x and y."""
     shape = len(y), len(x)
-    if scene.skin.rectangular:
+    if skin.rectangular:
         part, right, up = (np.ones(shape) for _ in range(3))
     else:
-        part, right, up = _cut(scene, x, y)
+        part, right, up = _cut(skin, x, y)
     right[:, -1], up[-1] = 0.0, 0.0
     return part, right, up
 
 
-def _cut(scene: Scene, x: Real, y: Real) -> tuple[Real, ...]:
+def _cut(skin: Skin, x: Real, y: Real) -> tuple[Real, ...]:
     """Shares as in `_skin_shares` for a skin of any outline, from samples near its edges."""
-    skin, (step_x, step_y) = scene.skin, (x[1] - x[0], y[1] - y[0])
+    skin, (step_x, step_y) = skin, (x[1] - x[0], y[1] - y[0])
     middle = covers(skin, np.stack(np.broadcast_arrays(x, y[:, None])))
     around = np.pad(middle, 1, mode="edge")
     views = [around[i : i + len(y), j : j + len(x)] for i in range(3) for j in range(3)]

@@ -8,7 +8,7 @@ from ....arrays import Real
 from ....press.batch import NOTHING, TouchedCells
 from ....press.press import Press, order
 from ....press.touch import Depth, Disc, Indentation, Rectangle
-from ....scene.scene import Scene
+from ....scene.parts import Skin
 from ....scene.skin_region import covers
 from ..indentation import deformation
 from .relaxed_presses import LatticeApplicators, window
@@ -20,7 +20,7 @@ POINTS = 24
 """Sample points along each side of a cell."""
 
 
-def traced(scene: Scene, lattice: Lattice, applied: LatticeApplicators) -> TouchedCells:
+def traced(skin: Skin, lattice: Lattice, applied: LatticeApplicators) -> TouchedCells:
     """Rises as `relaxed_presses.raised` returns them, with a tolerance of FACTOR_RTOL.
 
     A press takes some tenths of a second.
@@ -30,11 +30,11 @@ def traced(scene: Scene, lattice: Lattice, applied: LatticeApplicators) -> Touch
     here, grid = window(lattice, applied), lattice.grid
     y, x = (
         (np.arange(cells.start * POINTS, cells.stop * POINTS) + 0.5) * side / count / POINTS
-        for cells, side, count in zip(here, scene.skin.sides[::-1], grid, strict=True)
+        for cells, side, count in zip(here, skin.sides[::-1], grid, strict=True)
     )
     at = np.stack(np.broadcast_arrays(x, y[:, None]))
-    part = covers(scene.skin, at).astype(np.float64)
-    rise = part * (deformation(scene, as_press(applied), FACTOR_RTOL).factor(at) - 1)
+    part = covers(skin, at).astype(np.float64)
+    rise = part * (deformation(skin, as_press(applied), FACTOR_RTOL).factor(at) - 1)
     shape = len(y) // POINTS, POINTS, len(x) // POINTS, POINTS
     area, total = (each.reshape(shape).sum(axis=(1, 3)) for each in (part, rise))
     every: Real = np.zeros(grid)

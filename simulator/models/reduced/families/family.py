@@ -30,8 +30,8 @@ from ....mesh.domain import Domain
 from ....mesh.quadrilaterals import Resolution
 from ....press.parts import parts_of
 from ....scene.frequency import Loss
+from ....scene.parts import Skin
 from ....scene.readings.contacts import Contact
-from ....scene.scene import Scene
 from ....sweeps import InputError
 from ...heterogeneous.materials import gauged, gauges
 from ...parameters import HALF_WAVES, Variation, foam_parts, nominal
@@ -62,9 +62,9 @@ Mesh = Resolution | Triangulation
 class Family(ABC):
     """One mesh, the space of the scene's own skin, and the terms of K and M of every skin."""
 
-    def __init__(self, scene: Scene, circuit: Circuit, mesh: Mesh, modes: int) -> None:
+    def __init__(self, skin: Skin, circuit: Circuit, mesh: Mesh, modes: int) -> None:
         """modes: number of modes of each sheet's conductance, see `parameters.HALF_WAVES`."""
-        self.scene, self.circuit, self.mesh, self.modes = scene, circuit, mesh, modes
+        self.skin, self.circuit, self.mesh, self.modes = skin, circuit, mesh, modes
         self.system, self.order = self._built()
         self.space = Galerkin(self.system, circuit, self.order)
 
@@ -107,7 +107,7 @@ class Family(ABC):
         """Estimated error from the difference of two orders, shape (2, interface, frequency)."""
         return difference
 
-    def skin(self, weights: Weights) -> Galerkin:
+    def space_of(self, weights: Weights) -> Galerkin:
         """Space of one skin."""
         if weights is None:
             return self.space
@@ -127,8 +127,8 @@ class Family(ABC):
         factors: c over the scene's unpressed c, shape (part,). The error is the largest relative
         one of Rs and Cp, estimated by elements of one order more, see `impedance_with_error`.
         """
-        spaces = (self.skin(weights), self.mass), self.finer(weights)
-        in_air = np.flatnonzero(parts_of(self.scene.parts.skin).in_air)
+        spaces = (self.space_of(weights), self.mass), self.finer(weights)
+        in_air = np.flatnonzero(parts_of(self.skin).in_air)
 
         def with_air(factor: complex) -> NDArray:
             found = factors.astype(type(factor))
@@ -167,7 +167,7 @@ class Family(ABC):
 
     def foam_of(self, case: Case) -> Real:
         """Factors of a case's foam, as `mass` takes them."""
-        return case.map_on(self.scene)
+        return case.map_on(self.skin)
 
     @property
     def far(self) -> Real | None:
@@ -223,20 +223,20 @@ def _with_far(near: csc_matrix, far: Real | None, factors: NDArray) -> Mass:
 
 
 def weights_under(
-    variation: Variation | None, scene: Scene, circuit: Circuit, modes: int, pressed: Real
+    variation: Variation | None, skin: Skin, circuit: Circuit, modes: int, pressed: Real
 ) -> Weights:
     """Weights of the terms of K of a skin under touches.
 
     modes: number of modes of each sheet, see `parameters.HALF_WAVES`. pressed: factors on c by
     touches, shape (part,). Raises InputError as `weights_of` does.
     """
-    if not gauged(scene.skin):
-        return None if variation is None else weights_of(variation, scene, circuit)
-    return weights_of(variation or nominal(scene, modes), scene, circuit, pressed)
+    if not gauged(skin):
+        return None if variation is None else weights_of(variation, skin, circuit)
+    return weights_of(variation or nominal(skin, modes), skin, circuit, pressed)
 
 
 def weights_of(
-    variation: Variation, scene: Scene, circuit: Circuit, pressed: Real | None = None
+    variation: Variation, skin: Skin, circuit: Circuit, pressed: Real | None = None
 ) -> Real:
     """Weights of the terms of K: each field's sheet in its modes, then the films.
 
@@ -244,18 +244,18 @@ def weights_of(
     `weights_under`. Raises InputError if sheets vary in different ways and the circuit has one
     field.
     """
-    names = [contact.name for contact in scene.contacts]
+    names = [contact.name for contact in skin.contacts]
     films = [variation.films[names.index(contact.name)] for contact in resistive(circuit)]
-    sheets = _conductances(variation, scene, circuit)
-    if gauged(scene.skin):
-        factors = np.ones(foam_parts(scene.parts.skin)) if pressed is None else pressed
-        of_parts = gauges(scene.skin, factors)
+    sheets = _conductances(variation, skin, circuit)
+    if gauged(skin):
+        factors = np.ones(foam_parts(skin)) if pressed is None else pressed
+        of_parts = gauges(skin, factors)
         sheets = [np.outer(*each).ravel() for each in zip(sheets, of_parts, strict=False)]
     return np.concatenate([*sheets, films])
 
 
 def changes(
-    weights: Weights, scene: Scene, circuit: Circuit, modes: int
+    weights: Weights, skin: Skin, circuit: Circuit, modes: int
 ) -> tuple[NDArray[np.intp], Real]:
     """Indices of the terms of K whose weights differ from the scene's own, and the differences.
 
@@ -263,18 +263,18 @@ def changes(
     """
     if weights is None:
         return np.zeros(0, dtype=np.intp), np.zeros(0)
-    change = weights - weights_of(nominal(scene, modes), scene, circuit)
-    changed = np.flatnonzero(change) if gauged(scene.skin) else np.arange(change.size)
+    change = weights - weights_of(nominal(skin, modes), skin, circuit)
+    changed = np.flatnonzero(change) if gauged(skin) else np.arange(change.size)
     return changed, change[changed]
 
 
-def _conductances(variation: Variation, scene: Scene, circuit: Circuit) -> list[Real]:
+def _conductances(variation: Variation, skin: Skin, circuit: Circuit) -> list[Real]:
     top, bottom = variation.top, variation.bottom
     if circuit.fields == 2:
         return [top, bottom]
     if not variation.same_sheets:
         raise InputError("sheets that vary over the skin in different ways need two fields")
-    R = np.array(scene.skin.sheet_resistances)
+    R = np.array(skin.sheet_resistances)
     mean = R.sum() / (R / [top[0], bottom[0]]).sum()
     return [mean * top / top[0]]
 

@@ -20,7 +20,8 @@ from ....press.parts import Parts, parts_of
 from ....press.press import Press
 from ....press.touch import Touch
 from ....progress import ProgressCallback, silent
-from ....scene.scene import Scene
+from ....scene.parts import Plan, Skin
+from ....scene.pixel_grid import Pressing
 from ....sweeps import ToleranceError
 from ...heterogeneous.discretised import indicators, marked_cells
 from ...heterogeneous.square_meshes import Squares
@@ -41,16 +42,18 @@ CHOOSING = "choosing the mesh of a reduced model"
 """Label of the progress of `coarsest`."""
 
 
-def family_on(scene: Scene, circuit: Circuit, mesh: Mesh, modes: int) -> Family:
+def family_on(skin: Skin, circuit: Circuit, mesh: Mesh, modes: int) -> Family:
     """Family on a mesh, of the kind that belongs to the mesh."""
     if isinstance(mesh, Resolution):
-        kind = UniformFamily if scene.uniform else SquaresFamily
-        return kind(scene, circuit, mesh, modes)
-    return HeterogeneousFamily(scene, circuit, mesh, modes)
+        if skin.uniform:
+            return UniformFamily(skin, circuit, mesh, modes)
+        return SquaresFamily(skin, circuit, mesh, modes)
+    return HeterogeneousFamily(skin, circuit, mesh, modes)
 
 
 def resolved(
-    scene: Scene,
+    skin: Skin,
+    pressing: Pressing,
     circuit: Circuit,
     modes: int,
     rtol: float,
@@ -62,16 +65,12 @@ def resolved(
 
     frequency: Hz, ascending. progress: see `coarsest`. Raises ToleranceError if none does.
     """
-    parts = parts_of(scene.parts.skin)
+    parts = parts_of(skin)
     rise = max(_most(case, case.cells < parts.foam) for case in cases)
     finger = max(_most(case, case.cells >= parts.foam) for case in cases)
-    presses = [_everywhere(scene, rise)] if scene.uniform else _in_turns(scene, rise, finger)
-    families = finer_families(scene, circuit, modes, rtol, presses, frequency)
-    each = (
-        []
-        if scene.uniform
-        else alone(pixel_coverage(scene.parts.skin).numbers, rise, MAX_SINGLE_PIXELS)
-    )
+    presses = [_everywhere(skin, rise)] if skin.uniform else _in_turns(skin, rise, finger)
+    families = finer_families(skin, pressing, circuit, modes, rtol, presses, frequency)
+    each = [] if skin.uniform else alone(pixel_coverage(skin).numbers, rise, MAX_SINGLE_PIXELS)
     touched = [_by_finger(case, parts, finger) for case in each] if finger else each
     return coarsest(families, [*cases, *touched], rtol, frequency, progress)
 
@@ -114,36 +113,37 @@ def coarsest(
     )
 
 
-def unreduced(scene: Scene, circuit: Circuit, rtol: float, highest: float) -> Family:
+def unreduced(skin: Skin, plan: Plan, circuit: Circuit, rtol: float, highest: float) -> Family:
     """Family for presses up to a frequency in Hz, to be used without a reduction.
 
     For a uniform scene it is the first that often suffices, for others the first that suffices for
     a few presses.
     """
-    if scene.uniform:
-        hierarchy = ResolutionHierarchy(scene, circuit)
+    if skin.uniform:
+        hierarchy = ResolutionHierarchy(skin, plan.press, circuit)
         resolution = hierarchy.resolution(hierarchy.first(rtol), Press(), highest)
-        return UniformFamily(scene, circuit, resolution, modes=1)
-    draw, random = pixel_touches(scene), np.random.default_rng(0)
+        return UniformFamily(skin, circuit, resolution, modes=1)
+    draw, random = pixel_touches(skin, plan), np.random.default_rng(0)
     cases = [Case(None, *NOTHING), *(draw(random) for _ in range(FEW))]
-    return resolved(scene, circuit, 1, rtol / SHARE, cases, np.array([highest]))[0]
+    return resolved(skin, plan.press, circuit, 1, rtol / SHARE, cases, np.array([highest]))[0]
 
 
 def error_of(family: Family, case: Case, rtol: float, frequency: Real) -> float:
     """Estimated relative error of Rs and Cp by the mesh alone. frequency: Hz, ascending."""
-    loss = (case.variation or family.scene.skin.foam).loss
+    loss = (case.variation or family.skin.foam).loss
     weights, foam = weights_of_case(family, case), family.foam_of(case)
     return family.solved(weights, loss, foam, rtol, frequency, family.circuit.excitations)[1]
 
 
 def weights_of_case(family: Family, case: Case) -> Weights:
     """Weights of the terms of K in a case."""
-    pressed = touched(family.scene, case.cells, case.rises)
-    return weights_under(case.variation, family.scene, family.circuit, family.modes, pressed)
+    pressed = touched(family.skin, case.cells, case.rises)
+    return weights_under(case.variation, family.skin, family.circuit, family.modes, pressed)
 
 
 def finer_families(
-    scene: Scene,
+    skin: Skin,
+    pressing: Pressing,
     circuit: Circuit,
     modes: int,
     rtol: float,
@@ -151,22 +151,22 @@ def finer_families(
     frequency: Real,
 ) -> Iterator[Family]:
     """Families on finer and finer meshes, for these presses of pixels and frequencies in Hz."""
-    if scene.skin.torn:
-        press = _everywhere(scene, max(_rises(presses), default=0.0))
-        squares = Squares(scene, circuit, press, rtol)
+    if skin.torn:
+        press = _everywhere(skin, max(_rises(presses), default=0.0))
+        squares = Squares(skin, pressing, circuit, press, rtol)
         for level in range(squares.first, len(ONE_CELL)):
             found = squares.resolution(level, float(frequency[-1]))
             mesh = replace(found, order=found.order - 1, cells=1)
-            yield SquaresFamily(scene, circuit, mesh, modes)
+            yield SquaresFamily(skin, circuit, mesh, modes)
         return
-    if not scene.uniform:
-        for mesh in _triangulations(scene, circuit, rtol, presses, frequency):
-            yield HeterogeneousFamily(scene, circuit, mesh, modes)
+    if not skin.uniform:
+        for mesh in _triangulations(skin, circuit, rtol, presses, frequency):
+            yield HeterogeneousFamily(skin, circuit, mesh, modes)
         return
-    hierarchy = ResolutionHierarchy(scene, circuit)
+    hierarchy = ResolutionHierarchy(skin, pressing, circuit)
     for level in range(hierarchy.first(rtol), len(hierarchy.levels)):
         resolution = hierarchy.resolution(level, presses[0], frequency[-1])
-        yield UniformFamily(scene, circuit, resolution, modes)
+        yield UniformFamily(skin, circuit, resolution, modes)
 
 
 def _rises(presses: Sequence[Press]) -> Iterator[float]:
@@ -175,13 +175,13 @@ def _rises(presses: Sequence[Press]) -> Iterator[float]:
 
 
 def _triangulations(
-    scene: Scene, circuit: Circuit, rtol: float, presses: Sequence[Press], frequency: Real
+    skin: Skin, circuit: Circuit, rtol: float, presses: Sequence[Press], frequency: Real
 ) -> Iterator[Triangulation]:
     """Triangulations, each refined where the error of any press is largest on the one before."""
     ends = np.unique(frequency[[0, -1]])
-    bare = Triangles(scene, circuit, Press(), rtol)
+    bare = Triangles(skin, circuit, Press(), rtol)
     domain = bare.coarsest(float(ends[-1]))
-    each = [Triangles(scene, circuit, _on_skin(press, domain, scene), rtol) for press in presses]
+    each = [Triangles(skin, circuit, _on_skin(press, domain, skin), rtol) for press in presses]
     while domain.t.shape[1] <= MAX_TRIANGLES:
         yield Triangulation(domain, bare.order)
         marked = [marked_cells(_uncertain(press, domain, ends)) for press in each]
@@ -192,16 +192,16 @@ def _uncertain(press: Triangles, domain: Domain, ends: Real) -> Real:
     return indicators(press.discretised(domain), ends).sum(axis=0)
 
 
-def _on_skin(press: Press, domain: Domain, scene: Scene) -> Press:
+def _on_skin(press: Press, domain: Domain, skin: Skin) -> Press:
     """Press without touches of pixels that the outline leaves out."""
-    pixels, columns = set(domain.pixel.tolist()), scene.pixels.columns
+    pixels, columns = set(domain.pixel.tolist()), skin.pixels.columns
     pressed = [touch for touch in press.touches if isinstance(touch, Touch)]
     here = [each for each in pressed if (each.row - 1) * columns + each.column - 1 in pixels]
     return Press(tuple(here))
 
 
-def _everywhere(scene: Scene, rise: float) -> Press:
-    pixels = np.ndindex(scene.pixels.rows, scene.pixels.columns)
+def _everywhere(skin: Skin, rise: float) -> Press:
+    pixels = np.ndindex(skin.pixels.rows, skin.pixels.columns)
     return Press(tuple(Touch(i + 1, j + 1, 1 + rise) for i, j in pixels))
 
 
@@ -211,9 +211,9 @@ def alone(pixels: Integer, rise: float, most: int) -> list[Case]:
     return [Case(None, pixels[[k]], np.array([rise])) for k in some]
 
 
-def _in_turns(scene: Scene, rise: float, finger: float) -> list[Press]:
+def _in_turns(skin: Skin, rise: float, finger: float) -> list[Press]:
     """Press of every second pixel, and press of the others: c jumps at every edge in both."""
-    rows, columns = scene.pixels.shape
+    rows, columns = skin.pixels.shape
     every = [*product(range(rows), range(columns))]
     turns = [[(i, j) for i, j in every if (i + j) % 2 == turn] for turn in (0, 1)]
     presses = [

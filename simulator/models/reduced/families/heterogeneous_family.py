@@ -51,12 +51,12 @@ class HeterogeneousFamily(Family):
     @cached_property
     def elements(self) -> Elements:
         """Elements of the discretisation."""
-        return triangles(self.domain, self.mesh.order, self.scene.skin)
+        return triangles(self.domain, self.mesh.order, self.skin)
 
     @cached_property
     def _coefficients(self) -> PressCoefficients:
         unpressed = np.ones(self.elements.cells)
-        return PressCoefficients(Materials(self.scene), unpressed, None, self.circuit.fields)
+        return PressCoefficients(Materials(self.skin), unpressed, None, self.circuit.fields)
 
     @property
     def far(self) -> Real | None:
@@ -65,7 +65,7 @@ class HeterogeneousFamily(Family):
 
     def finer(self, weights: Weights) -> Checking:
         """Space of one order more on the same mesh, and its M."""
-        return self._finer.skin(weights), self._finer.mass
+        return self._finer.space_of(weights), self._finer.mass
 
     def estimated(self, difference: Real) -> Real:
         """Estimated error from the difference of two orders, with a safety factor for
@@ -79,7 +79,7 @@ class HeterogeneousFamily(Family):
 
     def masses_in(self, mode: int) -> Masses:
         """M of each part if c of its foam follows one of HALF_WAVES."""
-        mode_at_points = mode_values(self.scene, self.elements.surface.x, mode + 1)[mode]
+        mode_at_points = mode_values(self.skin, self.elements.surface.x, mode + 1)[mode]
         return Masses(self.system, self.order, [*self._parts(mode_at_points), *self._around(mode)])
 
     @cached_property
@@ -89,8 +89,8 @@ class HeterogeneousFamily(Family):
         If presses change the sheets, each part of the foam has terms of its own.
         """
         x = self.elements.surface.x
-        modes = mode_values(self.scene, x, self.modes)
-        parts = self._cells_of_parts if gauged(self.scene.skin) else [None]
+        modes = mode_values(self.skin, x, self.modes)
+        parts = self._cells_of_parts if gauged(self.skin) else [None]
         return [
             self._sheet_term(field, self._coefficients.conductance(field, x) * mode, within)
             for field in range(self.circuit.fields)
@@ -109,7 +109,7 @@ class HeterogeneousFamily(Family):
 
     @cached_property
     def _finer(self) -> HeterogeneousFamily:
-        return type(self)(self.scene, self.circuit, self._finer_mesh, self.modes)
+        return type(self)(self.skin, self.circuit, self._finer_mesh, self.modes)
 
     @property
     def _finer_mesh(self) -> Mesh:
@@ -123,9 +123,9 @@ class HeterogeneousFamily(Family):
 
     @property
     def _cells_of_parts(self) -> list[Mask]:
-        pixel, (rows, columns) = self._pixel_of_cell, self.scene.pixels.shape
+        pixel, (rows, columns) = self._pixel_of_cell, self.skin.pixels.shape
         part_of = np.where(pixel < 0, rows * columns, pixel)
-        return [part_of == part for part in range(foam_parts(self.scene.parts.skin))]
+        return [part_of == part for part in range(foam_parts(self.skin))]
 
     @property
     def _pixel_of_cell(self) -> Integer:
@@ -134,7 +134,7 @@ class HeterogeneousFamily(Family):
 
     def _around(self, mode: int) -> Iterator[Part]:
         """Parts around the foam; in cosine modes of the foam other than the mean they are empty."""
-        parts, unknowns = parts_of(self.scene.parts.skin), self.system.unknowns
+        parts, unknowns = parts_of(self.skin), self.system.unknowns
         if mode:
             return repeat(NOTHING, parts.count - parts.foam)
         where = self.circuit, self.elements, unknowns, self._coefficients
@@ -169,12 +169,12 @@ class SquaresFamily(HeterogeneousFamily):
 
     @cached_property
     def _squares(self) -> PixelMesh:
-        return pixel_mesh(self.scene.parts.skin, self.circuit.contacts, self.mesh)
+        return pixel_mesh(self.skin, self.circuit.contacts, self.mesh)
 
     @property
     def _pixel_of_cell(self) -> Integer:
         cells = self._squares.cells
         x, y = cells.p[:, cells.t].mean(axis=1)
-        lines = [pixel_lines(self.scene.parts.skin, axis)[1:-1] for axis in (0, 1)]
+        lines = [pixel_lines(self.skin, axis)[1:-1] for axis in (0, 1)]
         column, row = np.searchsorted(lines[0], x), np.searchsorted(lines[1], y)
-        return row * self.scene.pixels.columns + column
+        return row * self.skin.pixels.columns + column

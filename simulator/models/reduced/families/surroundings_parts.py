@@ -60,8 +60,8 @@ def _each(
 ) -> Iterator[Callable[[Real], None]]:
     """Functions that add each part to values in the pattern."""
     materials = coefficients.materials
-    scene, where = materials.scene, (elements, unknowns, materials)
-    surroundings = scene.surroundings
+    skin, where = materials.skin, (elements, unknowns, materials)
+    surroundings = skin.around
     if surroundings is None:
         return
     touched = circuit.field_alone(ELECTRODES.index(surroundings.touched))
@@ -78,7 +78,7 @@ def _each(
     for body in surroundings.body:
         yield lambda M, body=body: add_body(M, circuit, body, *where)
     if surroundings.rim is not False:
-        rim = rim_densities(scene.parts.skin)
+        rim = rim_densities(skin)
         yield lambda M: add_rim(M, rim, *where)
     if surroundings.solved:  # `Family.far`, which has no place in the pattern
         yield lambda M: None

@@ -41,7 +41,7 @@ class UniformFamily(Family):
     system: PixelSystem
 
     def _built(self) -> tuple[PixelSystem, int]:
-        return build_system(self.scene.parts.skin, self.circuit, self.mesh), self.mesh.order - 1
+        return build_system(self.skin, self.circuit, self.mesh), self.mesh.order - 1
 
     def finer(self, weights: Weights) -> Checking:
         """Space of one order more in the same system, and its M."""
@@ -51,7 +51,7 @@ class UniformFamily(Family):
     @cached_property
     def masses(self) -> Masses:
         """M of each unpressed part of the foam."""
-        pixels, c = self.scene.pixels, self.scene.skin.foam.unpressed_capacitance_per_area
+        pixels, c = self.skin.pixels, self.skin.foam.unpressed_capacitance_per_area
         return Masses(self.system, self.order, _parts(self.system, c, pixels.rows * pixels.columns))
 
     def masses_in(self, mode: int) -> Masses:
@@ -89,10 +89,10 @@ class UniformFamily(Family):
         rule, points, values_of_mode = self._mode_at_points(mode)
         system, c = (
             self.system,
-            self.scene.skin.foam.unpressed_capacitance_per_area * values_of_mode,
+            self.skin.foam.unpressed_capacitance_per_area * values_of_mode,
         )
         values = np.zeros(len(system.pattern.indices))
-        for pixel in range(self.scene.pixels.rows * self.scene.pixels.columns):
+        for pixel in range(self.skin.pixels.rows * self.skin.pixels.columns):
             own = np.flatnonzero(system.pixels.pixel == pixel)
             terms = mass_terms(rule, points.some(own), c[own], system.coupling)
             add_terms(values, system.slots[own], terms)
@@ -104,7 +104,7 @@ class UniformFamily(Family):
         more = EXTRA_ORDER if cells.twist.any() else MODE_DEGREE
         rule = gauss_rule(quadrilateral(order), 2 * order + more)
         points = surface(cells, rule)
-        return rule, points, mode_values(self.scene, points.x, mode + 1)[mode]
+        return rule, points, mode_values(self.skin, points.x, mode + 1)[mode]
 
 
 def _parts(system: PixelSystem, capacitance: float, pixels: int) -> Iterator[Part]:

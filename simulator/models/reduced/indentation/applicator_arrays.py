@@ -79,6 +79,6 @@ def arrays_from(archive: Mapping[str, NDArray]) -> StoredArrays | None:
 def with_arrays(model: Reduced, stored: StoredArrays) -> IndentationModel:
     """Model with the applicators and tables of its file."""
     of_pixels, tables, all_series = stored
-    known = PixelApplicators(scene=model.scene, all_series=all_series, **of_pixels)
+    known = PixelApplicators(skin=model.parts.skin, all_series=all_series, **of_pixels)
     own = {name: getattr(model, name) for name in Reduced.__dataclass_fields__}
     return IndentationModel(**own, applicators=known, tables=tables)

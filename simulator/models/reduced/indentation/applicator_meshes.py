@@ -12,7 +12,7 @@ from ....mesh.domain import Domain
 from ....mesh.refining.inverted_triangles import finer
 from ....press.press import Press
 from ....progress import ProgressCallback, silent
-from ....scene.scene import Scene
+from ....scene.parts import Skin
 from ...heterogeneous.discretised import indicators, marked_cells
 from ...heterogeneous.triangle_meshes import MAX_TRIANGLES, Triangles
 from ...mechanics.deformation import Deformation
@@ -27,15 +27,15 @@ TURNS = 2
 
 
 def family_on(
-    scene: Scene, circuit: Circuit, mesh: Mesh, modes: int, known: PixelApplicators, rtol: float
+    skin: Skin, circuit: Circuit, mesh: Mesh, modes: int, known: PixelApplicators, rtol: float
 ) -> IndentationFamily:
     """Family on a mesh."""
     assert isinstance(mesh, Triangulation)
-    return IndentationFamily(scene, circuit, mesh, modes, known, rtol)
+    return IndentationFamily(skin, circuit, mesh, modes, known, rtol)
 
 
 def resolved(
-    scene: Scene,
+    skin: Skin,
     circuit: Circuit,
     modes: int,
     rtol: float,
@@ -48,12 +48,12 @@ def resolved(
     frequency: Hz, ascending. progress: see `coarsest`. Raises ToleranceError if none does,
     InputError as `applicators` does.
     """
-    known = applicators(scene, rtol)
+    known = applicators(skin, rtol)
     rise = float(known.mechanics.factor(np.array(known.deepest / known.thickness))) - 1
     pixels = np.flatnonzero(known.of_pixel >= 0)
     in_turns = [_in_turns(known, turn) for turn in np.ndindex(TURNS, TURNS)]
-    meshes = _triangulations(scene, circuit, rtol, [e for e in in_turns if e], frequency)
-    families = (family_on(scene, circuit, mesh, modes, known, rtol) for mesh in meshes)
+    meshes = _triangulations(skin, circuit, rtol, [e for e in in_turns if e], frequency)
+    families = (family_on(skin, circuit, mesh, modes, known, rtol) for mesh in meshes)
     every = [*cases, *alone(pixels, rise, MAX_SINGLE_PIXELS)]
     return coarsest(families, every, rtol, frequency, progress)
 
@@ -64,13 +64,13 @@ def finer_families(
     """Families on finer and finer meshes, for a press at frequencies in Hz."""
     depth = family.applicators.depth(rises)
     press = _pressed(family.applicators, dict(zip(cells.tolist(), depth.tolist(), strict=True)))
-    given = family.scene, family.circuit
+    given = family.skin, family.circuit
     for mesh in _triangulations(*given, family.rtol, [press], frequency, family.domain):
         yield family_on(*given, mesh, family.modes, family.applicators, family.rtol)
 
 
 def _triangulations(
-    scene: Scene,
+    skin: Skin,
     circuit: Circuit,
     rtol: float,
     presses: Sequence[Deformation],
@@ -83,8 +83,8 @@ def _triangulations(
     it.
     """
     ends = np.unique(frequency[[0, -1]])
-    bare = Triangles(scene, circuit, Press(), rtol)
-    each = [Triangles(scene, circuit, Press(), rtol, press) for press in presses]
+    bare = Triangles(skin, circuit, Press(), rtol)
+    each = [Triangles(skin, circuit, Press(), rtol, press) for press in presses]
 
     def refined(domain: Domain) -> Domain:
         marked = [
@@ -100,7 +100,7 @@ def _triangulations(
 
 def _in_turns(known: PixelApplicators, turn: tuple[int, ...]) -> Deformation | None:
     """Press of every second pixel each way to the largest depth; None if there is no such pixel."""
-    columns = known.scene.pixels.columns
+    columns = known.skin.pixels.columns
     pixels = np.flatnonzero(known.of_pixel >= 0)
     row, column = np.divmod(pixels, columns)
     own = pixels[(row % TURNS == turn[0]) & (column % TURNS == turn[1])]

@@ -17,7 +17,7 @@ from ....arrays import Integer, Real
 from ....press.pixels import pixels_with_skin
 from ....press.touch import Touch
 from ....scene.foam.foam_mechanics import REACH_OF_APPLICATORS, Mechanics
-from ....scene.scene import Scene
+from ....scene.parts import Skin
 
 if TYPE_CHECKING:
     from ...mechanics.depth_series import DepthSeries
@@ -40,7 +40,7 @@ class PixelApplicators:
     far: distance beyond which an applicator has no effect, m.
     """
 
-    scene: Scene
+    skin: Skin
     all_series: tuple[DepthSeries, ...]
     of_pixel: Integer
     turn: Real
@@ -50,19 +50,19 @@ class PixelApplicators:
     @property
     def mechanics(self) -> Mechanics:
         """Mechanics of the foam."""
-        assert self.scene.skin.foam.mechanics is not None
-        return self.scene.skin.foam.mechanics
+        assert self.skin.foam.mechanics is not None
+        return self.skin.foam.mechanics
 
     @property
     def thickness(self) -> float:
         """Thickness of the foam, m."""
-        assert self.scene.skin.foam.thickness is not None
-        return self.scene.skin.foam.thickness
+        assert self.skin.foam.thickness is not None
+        return self.skin.foam.thickness
 
     @cached_property
     def deepest(self) -> float:
         """Largest depth, m."""
-        return deepest(self.scene)
+        return deepest(self.skin)
 
     def depth(self, rises: Real) -> Real:
         """Depth in m at which the factor under an applicator is 1 + rises."""
@@ -92,29 +92,29 @@ class PixelApplicators:
         return found
 
 
-def deepest(scene: Scene) -> float:
+def deepest(skin: Skin) -> float:
     """Largest depth of a scene's applicators, m."""
-    mechanics, thickness = scene.skin.foam.mechanics, scene.skin.foam.thickness
+    mechanics, thickness = skin.foam.mechanics, skin.foam.thickness
     assert mechanics is not None and thickness is not None
     return REACH_OF_APPLICATORS * mechanics.elastic.greatest_strain * thickness
 
 
-def applicators(scene: Scene, rtol: float) -> PixelApplicators:
+def applicators(skin: Skin, rtol: float) -> PixelApplicators:
     """Applicators on all pixels; the scene's foam has mechanics and its skins have tension.
 
     rtol: tolerance of Rs and Cp. Raises what `depth_series` raises.
     """
     from ...mechanics.depth_series import spread
 
-    rows, columns = scene.pixels.shape
-    count, lengths = rows * columns, np.array(scene.skin.sides)
+    rows, columns = skin.pixels.shape
+    count, lengths = rows * columns, np.array(skin.sides)
     of_pixel, turn, shift = np.full(count, -1), np.ones((count, 2)), np.zeros((count, 2))
     known: dict[tuple[int, int], int] = {}
-    far = spread(scene) * math.log(1 / (NEGLIGIBLE * rtol))
-    for row, column in pixels_with_skin(scene.parts.skin):
+    far = spread(skin) * math.log(1 / (NEGLIGIBLE * rtol))
+    for row, column in pixels_with_skin(skin):
         pixel, place = (row - 1) * columns + column - 1, (column - 1, row - 1)
         equivalent = place
-        if scene.skin.rectangular:
+        if skin.rectangular:
             pitch = lengths / (columns, rows)
             equivalent = (
                 _equivalent_index(place[0], columns, pitch[0], far),
@@ -126,17 +126,17 @@ def applicators(scene: Scene, rtol: float) -> PixelApplicators:
             moved = (np.array(equivalent) - nearest) * pitch
             shift[pixel] = np.where(flipped, lengths, 0.0) + moved
         of_pixel[pixel] = known.setdefault(equivalent, len(known))
-    found = [_computed_series(scene, place, rtol) for place in known]
-    return PixelApplicators(scene, tuple(found), of_pixel, turn, shift, far)
+    found = [_computed_series(skin, place, rtol) for place in known]
+    return PixelApplicators(skin, tuple(found), of_pixel, turn, shift, far)
 
 
-def _computed_series(scene: Scene, place: Sequence[int], rtol: float) -> DepthSeries:
+def _computed_series(skin: Skin, place: Sequence[int], rtol: float) -> DepthSeries:
     from ...mechanics.depth_series import depth_series
 
     column, row = place
     factor_rtol = min(COARSEST, FACTOR_SHARE * rtol)
     pixel = Touch(row + 1, column + 1, 1.0)
-    return depth_series(scene, pixel, deepest(scene), factor_rtol, DEPTH_SHARE * rtol)
+    return depth_series(skin, pixel, deepest(skin), factor_rtol, DEPTH_SHARE * rtol)
 
 
 def _equivalent_index(index: int, count: int, pitch: float, far: float) -> int:

@@ -10,71 +10,72 @@ from ....arrays import Mask
 from ....mesh.pixel_coverage import pixel_coverage
 from ....press.parts import parts_of
 from ....press.walls import require_no_walls
-from ....scene.scene import Scene
+from ....scene.parts import Skin
+from ....scene.pixel_grid import Pressing
 from ....sweeps import InputError
 from ...heterogeneous.materials import gauged
 from ..cases import Case, Draw
 from .applicators import deepest
 
 
-def spreading(scene: Scene, by_depth: bool | None = None) -> bool:
+def spreading(skin: Skin, pressing: Pressing, by_depth: bool | None = None) -> bool:
     """True if pixels are pressed by depth or force, and the skins spread such presses.
 
     by_depth: True if they are pressed in this way; by default as the scene presses them. Raises
     InputError if such a press also changes a sheet's resistance or the field across the foam, or if
     surroundings are solved.
     """
-    by_depth = not scene.press.by_factor if by_depth is None else by_depth
-    if not (by_depth and spreads(scene)):
+    by_depth = not pressing.by_factor if by_depth is None else by_depth
+    if not (by_depth and spreads(skin)):
         return False
-    if gauged(scene.skin):
+    if gauged(skin):
         raise InputError(
-            f"{scene.name}: sheets with `piezoresistance` do not reduce where tension spreads a "
+            f"{skin.name}: sheets with `piezoresistance` do not reduce where tension spreads a "
             "press; give `press.capacitance_factor` here; the full solver of `sweep` takes them"
         )
-    around = scene.surroundings
+    around = skin.around
     if around is not None and (around.thickness or around.solved):
         key = "thickness" if around.thickness else "solved"
         raise InputError(
-            f"{scene.name}: `surroundings.{key}` does not reduce where tension spreads a "
+            f"{skin.name}: `surroundings.{key}` does not reduce where tension spreads a "
             "press; leave it out here or give `press.capacitance_factor`; the full solver of "
             "`sweep` takes it"
         )
     return True
 
 
-def scene_spreads_presses(scene: Scene) -> bool:
+def scene_spreads_presses(skin: Skin, pressing: Pressing) -> bool:
     """True if the scene presses by depth or force, and its skins spread such presses."""
-    return not scene.press.by_factor and spreads(scene)
+    return not pressing.by_factor and spreads(skin)
 
 
-def spreads(scene: Scene) -> bool:
+def spreads(skin: Skin) -> bool:
     """True if a press by depth or force deflects the foam next to its applicator."""
-    mechanics = scene.skin.foam.mechanics
+    mechanics = skin.foam.mechanics
     return mechanics is not None and bool(mechanics.tension)
 
 
-def require_whole_pixels(scene: Scene, what: str) -> None:
+def require_whole_pixels(skin: Skin, pressing: Pressing, what: str) -> None:
     """Raises InputError if presses of the scene spread beyond pixels or have walls.
 
     what: name of the feature, which rasterizes touches onto cells.
     """
-    require_no_walls(scene.parts.skin, what)
-    if spreading(scene):
+    require_no_walls(skin, what)
+    if spreading(skin, pressing):
         raise InputError(
-            f"{scene.name}: {what} cannot be pressed by `press.depth`, which is for whole pixels; "
+            f"{skin.name}: {what} cannot be pressed by `press.depth`, which is for whole pixels; "
             "it needs `press.capacitance_factor`"
         )
 
 
-def separated_draws(draw: Draw, scene: Scene) -> Draw:
+def separated_draws(draw: Draw, skin: Skin) -> Draw:
     """Draws on separate pixels with skin, with rises from 0 to that of the deepest applicator.
 
     Rises are clipped to this range. If touches are on pixels that meet, only the first is left;
     touches on pixels without skin are left out.
     """
-    on_skin, parts = pixel_coverage(scene.parts.skin).part > 0, parts_of(scene.parts.skin)
-    columns, most = scene.pixels.columns, scene.factor_at(deepest(scene)) - 1
+    on_skin, parts = pixel_coverage(skin).part > 0, parts_of(skin)
+    columns, most = skin.pixels.columns, skin.factor_at(deepest(skin)) - 1
 
     def drawn(random: np.random.Generator) -> Case:
         case = draw(random)

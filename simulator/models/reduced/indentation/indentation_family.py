@@ -16,7 +16,7 @@ from ....method_cache import cached_method
 from ....press.parts import Parts, parts_of
 from ....press.press import Press
 from ....press.touch import Depth, Indentation, Touch
-from ....scene.scene import Scene
+from ....scene.parts import Skin
 from ...heterogeneous.pressed_system import add_foam
 from ..cases import Case
 from ..families.family import Triangulation
@@ -50,7 +50,7 @@ class IndentationFamily(HeterogeneousFamily):
 
     def __init__(
         self,
-        scene: Scene,
+        skin: Skin,
         circuit: Circuit,
         mesh: Triangulation,
         modes: int,
@@ -60,19 +60,19 @@ class IndentationFamily(HeterogeneousFamily):
         """rtol: tolerance of Rs and Cp, for coupled applicators."""
         self.applicators, self.rtol = applicators, rtol
         self._known: dict[int, RiseField] = {}
-        super().__init__(scene, circuit, mesh, modes)
+        super().__init__(skin, circuit, mesh, modes)
 
     def foam_of(self, case: Case) -> Real:
         """Factors of a case's foam, see the class."""
         rest = self.parts.resting
         if case.variation is not None:
-            rest = rest * case.variation.factors(self.scene)
+            rest = rest * case.variation.factors(self.skin)
         return self.pressed(rest, case.cells, case.rises)
 
     def pressed(self, rest: Real, cells: Integer, rises: Real) -> Real:
         """Unpressed parts with the fingers of a press, followed by rises under applicators."""
         foam, fingers = self.parts.by_kind(cells, rises)
-        under = np.zeros(self.scene.pixels.rows * self.scene.pixels.columns)
+        under = np.zeros(self.skin.pixels.rows * self.skin.pixels.columns)
         under[foam.cells] = foam.rises
         touched = (
             np.bincount(fingers.cells, fingers.rises, len(rest)) if len(fingers.cells) else 0.0
@@ -143,7 +143,7 @@ class IndentationFamily(HeterogeneousFamily):
     @cached_property
     def parts(self) -> Parts:
         """Numbering of the parts of M."""
-        return parts_of(self.scene.parts.skin)
+        return parts_of(self.skin)
 
     @cached_property
     def unpressed_capacitance(self) -> Real:
@@ -155,13 +155,13 @@ class IndentationFamily(HeterogeneousFamily):
     def part_of(self) -> Integer:
         """Part of the foam that each cell belongs to, shape (cell,)."""
         pixel = self.domain.pixel
-        return np.where(pixel < 0, self.scene.pixels.rows * self.scene.pixels.columns, pixel)
+        return np.where(pixel < 0, self.skin.pixels.rows * self.skin.pixels.columns, pixel)
 
     @cached_property
     def _finer(self) -> IndentationFamily:
         finer = Triangulation(self.domain, self.mesh.order + 1)
         known = self.applicators, self.rtol
-        return IndentationFamily(self.scene, self.circuit, finer, self.modes, *known)
+        return IndentationFamily(self.skin, self.circuit, finer, self.modes, *known)
 
     def _alone(self, pixel: int, rise: float) -> PressRise:
         own = self.field(pixel)
@@ -174,13 +174,13 @@ class IndentationFamily(HeterogeneousFamily):
         """Rise of c from the mechanics of the whole press."""
         from ...mechanics.indentation import deformation
 
-        domain, columns = self.domain, self.scene.pixels.columns
+        domain, columns = self.domain, self.skin.pixels.columns
         depths = self.applicators.depth(np.array(rises)).tolist()
         touches = tuple(
             Indentation(Touch(k // columns + 1, k % columns + 1, 1.0), Depth(depth))
             for k, depth in sorted(zip(pixels, depths, strict=True))
         )
-        found = deformation(self.scene, Press(touches), min(COARSEST, FACTOR_SHARE * self.rtol))
+        found = deformation(self.skin, Press(touches), min(COARSEST, FACTOR_SHARE * self.rtol))
         far = self.applicators.far
         cells = np.unique(np.concatenate([near(domain, domain.pixel == k, far) for k in pixels]))
         x = self.elements.surface.x[:, cells]

@@ -48,7 +48,7 @@ class IndentationModel(Reduced):
         if isinstance(self.built, IndentationFamily):
             return self.built
         assert self.applicators is not None
-        given = self.scene, self.circuit, self.mesh, self.modes
+        given = self.parts.skin, self.circuit, self.mesh, self.modes
         return family_on(*given, self.applicators, self.rtol)
 
     def skin(self, variation: Variation | None, pressed: Real | None = None) -> IndentationSkin:
@@ -208,7 +208,7 @@ class IndentationSkin(ReducedSkin):
         known, most = self._applicators, self._most
         if len(rises) and not (rises.min() >= 0 and rises.max() <= (most - 1) * (1 + ROUNDING)):
             raise InputError(
-                f"{self.reduced.scene.name}: the factor under an applicator must be from 1 to "
+                f"{self.reduced.parts.skin.name}: the factor under an applicator must be from 1 to "
                 f"{most:.4g}, at {known.deepest:.4g} m, got {1 + rises.min():.4g} to "
                 f"{1 + rises.max():.4g}"
             )

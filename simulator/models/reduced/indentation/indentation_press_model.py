@@ -11,7 +11,7 @@ from ....arrays import Integer, Real
 from ....press.capacitance import fingers
 from ....press.press import Press
 from ....press.touch import Depth, Indentation, Touch
-from ....scene.scene import Scene
+from ....scene.parts import SceneParts
 from ....sweeps import InputError
 from ...solution import ModelResult
 from ..cases import pixel_touches
@@ -30,8 +30,8 @@ class IndentationPressModel:
     rtol: tolerance of Rs and Cp. frequency: Hz, ascending.
     """
 
-    def __init__(self, scene: Scene, rtol: float, frequency: Real) -> None:
-        self.scene, self.rtol, self.frequency = scene, rtol, frequency
+    def __init__(self, parts: SceneParts, rtol: float, frequency: Real) -> None:
+        self.parts, self.rtol, self.frequency = parts, rtol, frequency
 
     def result(self, press: Press, frequency: Real) -> ModelResult:
         """Result at frequencies in Hz within those of the model, with its error.
@@ -40,7 +40,7 @@ class IndentationPressModel:
         go.
         """
         cells, rises, uncertainty = self.cells(press)
-        touched = fingers(self.scene.parts.skin, self.scene.press, press)
+        touched = fingers(self.parts.skin, self.parts.plan.press, press)
         cells, rises = np.append(cells, touched.cells), np.append(rises, touched.rises)
         known = certified_result(self._skin, cells, rises, frequency)
         return replace(known, error=known.error + uncertainty)
@@ -51,7 +51,7 @@ class IndentationPressModel:
         The uncertainty is relative; it comes from the depths under given forces.
         """
         pixels = self._pixels(press)
-        columns, known = self.scene.pixels.columns, self._skin.reduced.applicators
+        columns, known = self.parts.skin.pixels.columns, self._skin.reduced.applicators
         assert known is not None
         cells, depths, uncertainty = [], [], 0.0
         for place, touch in pixels:
@@ -79,8 +79,8 @@ class IndentationPressModel:
             if not isinstance(touch, Indentation) or not isinstance(touch.place, Touch):
                 raise InputError(f"the model takes pixels by depth or force only, got {press}")
             if isinstance(touch.by, Depth):
-                _check_depth(touch.by.value, deepest(self.scene), touch)
-            check_finger(touch, self.scene)
+                _check_depth(touch.by.value, deepest(self.parts.skin), touch)
+            check_finger(touch, self.parts.skin, self.parts.plan)
             found.append((touch.place, touch))
         return found
 
@@ -95,9 +95,10 @@ class IndentationPressModel:
 
     @cached_property
     def _skin(self) -> IndentationSkin:
-        scene, most = self.scene, deepest(self.scene)
-        trained = pixel_touches(scene, (scene.factor_at(SHALLOW * most), scene.factor_at(most)))
-        model = reduce(scene, self.rtol, trained, frequency=self.frequency, by_depth=True)
+        skin, most = self.parts.skin, deepest(self.parts.skin)
+        factors = skin.factor_at(SHALLOW * most), skin.factor_at(most)
+        trained = pixel_touches(skin, self.parts.plan, factors)
+        model = reduce(self.parts, self.rtol, trained, frequency=self.frequency, by_depth=True)
         assert isinstance(model, IndentationModel)
         return model.skin(None)
 

@@ -29,7 +29,7 @@ def test_times_of_simulated_sweeps_are_those_of_the_meter(data, tmp_path):
 
     export(data, tmp_path / "out", "lerobot")
     frames = pd.read_parquet(tmp_path / "out/data/chunk-000/file-000.parquet")
-    moments, whole = reading_moments(scene_of_sweeps(read(data)))
+    moments, whole = reading_moments(scene_of_sweeps(read(data)).parts)
     np.testing.assert_allclose(frames["skin_time"], whole * np.arange(50))
     assert frames["frame_index"].max() < 49  # several sessions
     np.testing.assert_allclose(frames["timestamp"], whole * frames["frame_index"], rtol=2e-6)

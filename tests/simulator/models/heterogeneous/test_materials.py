@@ -38,16 +38,16 @@ def test_conductance_is_positive_definite_and_its_determinant_knows_no_anisotrop
     """det S = 1 / R'² : neither the metric nor the anisotropy, of determinant 1, is in it."""
     scene = data.draw(made(changed, make_scene))
     strain = data.draw(st.floats(0, 0.9))
-    S = Materials(scene).conductance("top", X, strain)
+    S = Materials(scene.parts.skin).conductance("top", X, strain)
     assert S.shape == (3, *X.shape[1:])
     determinant = S[0] * S[1] - S[2] ** 2
     assert (S[0] > 0).all()
     assert (determinant > 0).all()
-    top, J = scene.skin.top, metric(scene, X).area
+    top, J = scene.skin.top, metric(scene.parts.skin, X).area
     factor = top.map.factors(X, scene.skin.sides) if top.map else 1.0
     R = top.sheet_resistance * factor * J * (1 + top.piezoresistance * strain)
     np.testing.assert_allclose(determinant, R**-2, rtol=1e-9)
-    assert (Materials(scene).capacitance(X) > 0).all()
+    assert (Materials(scene.parts.skin).capacitance(X) > 0).all()
 
 
 @given(ratio=st.floats(0.1, 10), angle=st.floats(-3, 3), turn=st.floats(-3, 3))
@@ -58,7 +58,9 @@ def test_turned_anisotropy_turns_the_conductance(ratio, angle, turn, changed, ma
 
     def conductance(ratio, angle):
         keys = {"skin.top.anisotropy": {"ratio": ratio, "angle": angle}}
-        xx, yy, xy = Materials(changed(make_scene(), keys)).conductance("top", np.zeros(2))
+        xx, yy, xy = Materials(changed(make_scene(), keys).parts.skin).conductance(
+            "top", np.zeros(2)
+        )
         return np.array([[xx, xy], [xy, yy]])
 
     first, second = conductance(ratio, angle), conductance(ratio, angle + turn)
@@ -68,7 +70,7 @@ def test_turned_anisotropy_turns_the_conductance(ratio, angle, turn, changed, ma
 
 
 def test_a_plain_skin_is_what_the_scene_says(make_scene):
-    materials = Materials(make_scene())
+    materials = Materials(make_scene().parts.skin)
     np.testing.assert_array_equal(materials.conductance("bottom", X)[:2], 1 / 30e3)
     np.testing.assert_array_equal(materials.conductance("bottom", X)[2], 0)
     np.testing.assert_array_equal(materials.capacitance(X), 5e-9)
@@ -79,7 +81,7 @@ def test_a_plain_skin_is_what_the_scene_says(make_scene):
 def test_conductance_scales_as_one_over_resistance_and_not_with_the_foam(changed, make_scene):
     keys = {"skin.shape": SPHERE, "skin.top.map": RANDOM, "skin.top.anisotropy": {"ratio": 3.0}}
     one, twice = (
-        Materials(changed(make_scene(top=top, c=c), keys))
+        Materials(changed(make_scene(top=top, c=c), keys).parts.skin)
         for top, c in ((50e3, 5e-9), (100e3, 15e-9))
     )
     np.testing.assert_allclose(
@@ -91,8 +93,10 @@ def test_conductance_scales_as_one_over_resistance_and_not_with_the_foam(changed
 def test_conductance_does_not_depend_on_size_where_all_lengths_grow_equally(changed, make_scene):
     """Two dimensions: a sphere, its skin and its places three times as large."""
     radius = {"kind": "sphere", "radius": 0.12}
-    small = Materials(changed(make_scene(), {"skin.shape": SPHERE}))
-    large = Materials(changed(make_scene(length=0.3, width=0.24), {"skin.shape": radius}))
+    small = Materials(changed(make_scene(), {"skin.shape": SPHERE}).parts.skin)
+    large = Materials(
+        changed(make_scene(length=0.3, width=0.24), {"skin.shape": radius}).parts.skin
+    )
     np.testing.assert_allclose(
         large.conductance("top", 3 * X), small.conductance("top", X), rtol=1e-12
     )
@@ -100,7 +104,7 @@ def test_conductance_does_not_depend_on_size_where_all_lengths_grow_equally(chan
 
 
 def test_piezoresistance_follows_the_strain_place_by_place(changed, make_scene):
-    materials = Materials(changed(make_scene(), {"skin.top.piezoresistance": 2.0}))
+    materials = Materials(changed(make_scene(), {"skin.top.piezoresistance": 2.0}).parts.skin)
     strain = np.linspace(0, 0.8, X[0].size).reshape(X[0].shape)
     S = materials.conductance("top", X, strain)
     np.testing.assert_allclose(S[0], 1 / (50e3 * (1 + 2 * strain)), rtol=1e-14)
@@ -116,7 +120,7 @@ def test_strain_of_a_factor_at_constant_permittivity():
 
 def test_sheets_are_the_same_if_all_that_varies_is_equal(changed, make_scene):
     def same(keys):
-        return Materials(changed(make_scene(), keys)).same_sheets
+        return Materials(changed(make_scene(), keys).parts.skin).same_sheets
 
     both = {f"skin.{name}.map": RANDOM for name in ("top", "bottom")}
     turned = {"ratio": 2.0, "angle": 0.3}
@@ -139,30 +143,30 @@ def test_sheets_are_the_same_if_all_that_varies_is_equal(changed, make_scene):
 def test_lines_and_lengths_are_those_of_all_maps(changed, make_scene):
     finer = {"kind": "grid", "values": [[1.0] * 4 + [2.0], [1.0] * 5, [1.0] * 5]}
     keys = {"skin.top.map": GRID, "skin.foam.map": finer}
-    materials = Materials(changed(make_scene(), keys))
+    materials = Materials(changed(make_scene(), keys).parts.skin)
     np.testing.assert_allclose(materials.lines[0], [0.025, 0.05, 0.075])
     np.testing.assert_allclose(materials.lines[1], [0.04])
     assert materials.shortest == pytest.approx(0.025)
     with_field = changed(make_scene(), {**keys, "skin.bottom.map": RANDOM})
-    assert Materials(with_field).shortest == 0.02
+    assert Materials(with_field.parts.skin).shortest == 0.02
 
 
 def test_a_mug_leaves_everything_as_it_is_but_its_place(changed, make_scene):
     keys = {"skin.top.map": RANDOM, "skin.top.anisotropy": {"ratio": 3.0, "angle": 1.0}}
-    flat = Materials(changed(make_scene(), keys))
-    bent = Materials(changed(make_scene(), {**keys, "skin.shape": MUG}))
+    flat = Materials(changed(make_scene(), keys).parts.skin)
+    bent = Materials(changed(make_scene(), {**keys, "skin.shape": MUG}).parts.skin)
     np.testing.assert_array_equal(bent.conductance("top", X), flat.conductance("top", X))
     np.testing.assert_array_equal(bent.capacitance(X), flat.capacitance(X))
-    assert np.ptp(position(bent.scene, X)[2]) > 0.01
+    assert np.ptp(position(bent.scene.parts.skin, X)[2]) > 0.01
 
 
 @pytest.mark.parametrize("direction", [0.0, 0.4, 2.0])
 def test_line_stretch_is_the_length_of_the_line_in_space(changed, make_scene, direction):
     scene = changed(make_scene(), {"skin.shape": SPHERE, "skin.stretch": STRETCH})
     along, step = np.array([np.cos(direction), np.sin(direction)])[:, None, None], 1e-6
-    ends = [position(scene, X + sign * step / 2 * along) for sign in (1, -1)]
+    ends = [position(scene.parts.skin, X + sign * step / 2 * along) for sign in (1, -1)]
     expected = np.sqrt(np.sum((ends[0] - ends[1]) ** 2, axis=0)) / step
-    found = Materials(scene).line_stretch(X, 5 * along)
+    found = Materials(scene.parts.skin).line_stretch(X, 5 * along)
     np.testing.assert_allclose(found, expected, rtol=1e-6)
 
 
@@ -176,7 +180,7 @@ def test_a_ring_on_a_sphere_conducts_as_its_closed_form_says(changed, make_scene
     for turn in (0.0, 0.7, 2.1):
         away = np.array([np.cos(turn), np.sin(turn)])
         x = np.array([[0.05], [0.04]]) + radius * angle * away[:, None]
-        xx, yy, xy = Materials(scene).conductance("top", x)
+        xx, yy, xy = Materials(scene.parts.skin).conductance("top", x)
         radial = away[0] ** 2 * xx + away[1] ** 2 * yy + 2 * away[0] * away[1] * xy
         found = np.sum(weights / (2 * np.pi * angle * radial)) * (b - a) / 2
         expected = 50e3 / (2 * np.pi) * np.log(np.tan(b / 2) / np.tan(a / 2))
@@ -190,6 +194,8 @@ def test_all_the_capacitance_on_a_sphere_is_that_of_its_area(changed, make_scene
     nodes, weights = np.polynomial.legendre.leggauss(20)
     distance = 0.03 * (1 + nodes) / 2
     x = np.stack([0.05 + distance, np.full_like(distance, 0.04)])
-    found = np.sum(weights * Materials(scene).capacitance(x) * 2 * np.pi * distance) * 0.015
+    found = (
+        np.sum(weights * Materials(scene.parts.skin).capacitance(x) * 2 * np.pi * distance) * 0.015
+    )
     expected = 5e-9 * 2 * np.pi * 0.04**2 * (1 - np.cos(0.03 / 0.04))
     assert found == pytest.approx(expected, rel=1e-12)

@@ -24,7 +24,10 @@ def l_shape():
 
 def finer(scene, press, rtol):
     """Cells and answer of each mesh until a tolerance is kept."""
-    meshes, found = Triangles(scene, circuit_of(scene), press, rtol), []
+    meshes, found = (
+        Triangles(scene.parts.skin, circuit_of(scene.parts.skin, scene.parts.setup), press, rtol),
+        [],
+    )
     while True:
         mesh = meshes.finer(scene.frequencies)
         rung = mesh.result(scene.frequencies, rtol)
@@ -62,9 +65,13 @@ def test_a_mesh_that_just_does_not_serve_is_followed_by_a_finer_one(
     on the same mesh here."""
     monkeypatch.setattr(of_triangles, "SECOND", np.inf)
     loose = {2: 1.0, 3: 1e-3}[order]
-    first = Triangles(l_shape, circuit_of(l_shape), Press(), loose).finer(l_shape.frequencies)
+    first = Triangles(
+        l_shape.parts.skin, circuit_of(l_shape.parts.skin, l_shape.parts.setup), Press(), loose
+    ).finer(l_shape.frequencies)
     rtol = share * float(first.result(l_shape.frequencies, loose).error.max())
-    meshes = Triangles(l_shape, circuit_of(l_shape), Press(), rtol)
+    meshes = Triangles(
+        l_shape.parts.skin, circuit_of(l_shape.parts.skin, l_shape.parts.setup), Press(), rtol
+    )
     meshes.order = order
     cells = []
     for _ in range(3):
@@ -79,7 +86,12 @@ def test_a_mesh_that_just_does_not_serve_is_followed_by_a_finer_one(
 
 def test_parts_of_an_error_by_the_vectors_of_a_sweep_are_those_of_solves_of_their_own(l_shape):
     ends, rtol = l_shape.frequencies[[0, -1]], 1e-4
-    mesh = Triangles(l_shape, circuit_of(l_shape), parse_press("2,1", 2.0), rtol).finer(ends)
+    mesh = Triangles(
+        l_shape.parts.skin,
+        circuit_of(l_shape.parts.skin, l_shape.parts.setup),
+        parse_press("2,1", 2.0),
+        rtol,
+    ).finer(ends)
     own = indicators(mesh, ends)
     assert not any(each.kept.steps for each in (mesh.coarse, mesh.fine))
     mesh.result(l_shape.frequencies, rtol)
@@ -103,7 +115,9 @@ def test_pixels_that_are_not_pressed_cost_nothing(l_shape):
 
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_functions_are_the_same_by_the_next_order(l_shape, order):
-    mesh = Triangles(l_shape, circuit_of(l_shape), Press(), 1e-2).coarsest(1e3)
+    mesh = Triangles(
+        l_shape.parts.skin, circuit_of(l_shape.parts.skin, l_shape.parts.setup), Press(), 1e-2
+    ).coarsest(1e3)
     low, high = (triangles(mesh, each).element for each in (order, order + 1))
     points = np.random.default_rng(order).dirichlet([1, 1, 1], 20).T[:2]
     own, next_order = (

@@ -49,10 +49,10 @@ DEAR = (
 def test_estimates_hold(scene, name, piezoresistance):
     sheet = scene.skin.top.model_copy(update={"piezoresistance": piezoresistance})
     scene = scene.model_copy(update={"skin": scene.skin.model_copy(update={"top": sheet})})
-    solver = Solver(scene, RTOL)
+    solver = Solver(scene.parts, RTOL)
     for text in PRESSES[name]:
         press = parse_press(text, 2.0)
-        answer, true = solver.solve(press), Solver(scene, CLOSELY).solve(press)
+        answer, true = solver.solve(press), Solver(scene.parts, CLOSELY).solve(press)
         off = relative_difference(answer.Z, true.Z)
         estimated = np.stack(answer.relative_errors)
         assert (off <= estimated + CLOSELY).all() and estimated.max() <= RTOL
@@ -60,24 +60,24 @@ def test_estimates_hold(scene, name, piezoresistance):
 
 def test_the_same_presses_in_the_same_order_give_the_same_bytes(scene):
     presses = [parse_press(text, 2.0) for text in ("1,2:2mm", "1,1:1mm", "1,2:1mm", "1,2:1.7mm")]
-    first, second = (Solver(scene, RTOL) for _ in range(2))
+    first, second = (Solver(scene.parts, RTOL) for _ in range(2))
     for press in presses:
         assert first.solve(press).Z.tobytes() == second.solve(press).Z.tobytes()
 
 
 @pytest.mark.parametrize("text", ["1,2:1.7mm", "1,2:4N"])
 def test_a_repeated_press_gives_the_same_bytes(scene, text):
-    solver, press = Solver(scene, RTOL), parse_press(text, 2.0)
+    solver, press = Solver(scene.parts, RTOL), parse_press(text, 2.0)
     once = solver.solve(press).Z
     solver.solve(parse_press("1,2:0.8mm", 2.0))
     assert solver.solve(press).Z.tobytes() == once.tobytes()
 
 
 def test_other_frequencies_are_answered_within_the_tolerance(scene):
-    solver = Solver(scene, RTOL)
+    solver = Solver(scene.parts, RTOL)
     solver.solve(parse_press("1,2:2mm", 2.0), 1e3)
     press = parse_press("1,2:1mm", 2.0)
-    true = Solver(scene, CLOSELY).solve(press, 1e6)
+    true = Solver(scene.parts, CLOSELY).solve(press, 1e6)
     assert relative_difference(solver.solve(press, 1e6).Z, true.Z).max() <= RTOL
 
 
@@ -96,7 +96,7 @@ def test_no_more_places_are_kept_than_there_is_room_for(monkeypatch):
 
 def test_steps_by_factors_of_another_depth_lead_to_the_same_rest(scene):
     mechanics, thickness = scene.skin.foam.mechanics, scene.skin.foam.thickness
-    contact = straight_contact_mesh(scene, [Touch(1, 2, 1.0)], 0)
+    contact = straight_contact_mesh(scene.parts.skin, [Touch(1, 2, 1.0)], 0)
     press = parse_press("1,2:2mm", 2.0)
     found = adaptive.adaptive_deflection(press, contact, mechanics, thickness, 1e-2)
     body, clamped, w = found.membrane, found.clamped, found.solution.w
@@ -115,7 +115,7 @@ def test_steps_by_factors_of_another_depth_lead_to_the_same_rest(scene):
 
 
 def test_places_in_triangles_have_the_elements_own_shares(scene):
-    contact = straight_contact_mesh(scene, [Touch(1, 2, 1.0)], 0)
+    contact = straight_contact_mesh(scene.parts.skin, [Touch(1, 2, 1.0)], 0)
     found = adaptive.adaptive_deflection(
         parse_press("1,2:2mm", 2.0), contact, scene.skin.foam.mechanics, 4e-3, 1e-2
     )

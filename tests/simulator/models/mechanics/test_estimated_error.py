@@ -50,10 +50,10 @@ def test_capacitance_of_foam_that_nearly_closes(foam_scene, part):
     pixels = scene.pixels.model_copy(update={"rows": 5, "columns": 5})
     scene = scene.model_copy(update={"sweep": low, "pixels": pixels})
     press = parse_press(f"3,3:{1e3 * part * CLOSED}mm", 2.0)
-    answer = Solver(scene, 1e-4).solve(press)
+    answer = Solver(scene.parts, 1e-4).solve(press)
     skin = scene.skin
     c, area = skin.foam.unpressed_capacitance_per_area, skin.length * skin.width
-    true = c * (area + integral(deformation(scene, press, 5e-3)))
+    true = c * (area + integral(deformation(scene.parts.skin, press, 5e-3)))
     Cp = parallel_capacitance(answer.Z, answer.frequency)
     assert (np.abs(Cp / true - 1) <= answer.relative_errors[1] + 2e-6).all()
 
@@ -66,10 +66,10 @@ def test_the_effect_of_the_error_of_mechanics(foam_scene, place):
     scene = scene.model_copy(update={"skin": scene.skin.model_copy(update={"top": top})})
     press, f = parse_press(f"{place}:2.5mm", 2.0), np.array([1e1, 1e4, 1e6])
     circuit, coarse, close = (
-        circuit_of(scene),
-        *(deformation(scene, press, e) for e in (1e-2, 1e-3)),
+        circuit_of(scene.parts.skin, scene.parts.setup),
+        *(deformation(scene.parts.skin, press, e) for e in (1e-2, 1e-3)),
     )
-    found = Triangles(scene, circuit, press, 1e-3, coarse).finer(f)
+    found = Triangles(scene.parts.skin, circuit, press, 1e-3, coarse).finer(f)
     felt = found.changes(raised_by_deflection(found.coefficients), f, 1e-5)
     other = replace(found.coefficients, pressed=close, _spread={})
     Z = [impedance(found, each, f) for each in (found.coefficients, other)]

@@ -21,7 +21,7 @@ def press_of(text):
 
 def test_a_press_without_depth_or_force_leaves_the_foam_alone(foam_scene):
     press = press_of("1,2:3+disc(0.02,0.02,0.01)")
-    found = deformation(foam_scene(), press, 1e-3)
+    found = deformation(foam_scene().parts.skin, press, 1e-3)
     assert found.sharp is press
     np.testing.assert_array_equal(found.factor(PLACES), np.ones(X.shape))
 
@@ -29,7 +29,9 @@ def test_a_press_without_depth_or_force_leaves_the_foam_alone(foam_scene):
 @BOTH_REGIMES
 def test_without_tension_a_press_is_as_sharp_as_its_applicator(foam_scene, stress_strain):
     scene = foam_scene(0.0, stress_strain)
-    found = deformation(scene, press_of("1,2:2mm+disc(0.02,0.02,0.01):1mm+1,3:1.5"), 1e-6)
+    found = deformation(
+        scene.parts.skin, press_of("1,2:2mm+disc(0.02,0.02,0.01):1mm+1,3:1.5"), 1e-6
+    )
     mechanics = scene.skin.foam.mechanics
     two, one = mechanics.factor(np.array([0.5, 0.25]))
     assert str(found.sharp) == f"1,2:{two!s}+1,3:1.5+disc(0.02,0.02,0.01):{one!s}"
@@ -46,15 +48,19 @@ def test_without_tension_a_press_is_as_sharp_as_its_applicator(foam_scene, stres
 @pytest.mark.parametrize("tension", [0.0, 50.0])
 def test_the_force_of_a_depth_takes_it_there(foam_scene, tension, stress_strain):
     scene = foam_scene(tension, stress_strain)
-    by_depth = deformation(scene, press_of("disc(0.06,0.02,0.01):1.3mm"), 1e-2)
-    by_force = deformation(scene, press_of(f"disc(0.06,0.02,0.01):{by_depth.force[0]!r}N"), 1e-2)
+    by_depth = deformation(scene.parts.skin, press_of("disc(0.06,0.02,0.01):1.3mm"), 1e-2)
+    by_force = deformation(
+        scene.parts.skin, press_of(f"disc(0.06,0.02,0.01):{by_depth.force[0]!r}N"), 1e-2
+    )
     assert by_force.depth[0] == pytest.approx(1.3e-3, rel=1e-4)
 
 
 @BOTH_REGIMES
 def test_more_depth_takes_more_force_and_deflects_more_everywhere(foam_scene, stress_strain):
     scene = foam_scene(50.0, stress_strain)
-    each = [deformation(scene, press_of(f"1,2:{depth}mm"), 1e-2) for depth in (0.5, 1.5, 2.5)]
+    each = [
+        deformation(scene.parts.skin, press_of(f"1,2:{depth}mm"), 1e-2) for depth in (0.5, 1.5, 2.5)
+    ]
     assert (np.diff([found.force[0] for found in each]) > 0).all()
     assert (np.diff([found.deflection(PLACES) for found in each], axis=0) >= -1e-7).all()
     for found in each:
@@ -62,7 +68,7 @@ def test_more_depth_takes_more_force_and_deflects_more_everywhere(foam_scene, st
 
 
 def test_linear_foam_deflects_in_proportion(foam_scene):
-    one, two = (deformation(foam_scene(), press_of(f"1,2:{d}mm"), 1e-3) for d in (1, 2))
+    one, two = (deformation(foam_scene().parts.skin, press_of(f"1,2:{d}mm"), 1e-3) for d in (1, 2))
     assert two.force[0] == pytest.approx(2 * one.force[0], rel=1e-6)
     np.testing.assert_allclose(two.w(PLACES), 2 * one.w(PLACES), atol=1e-6)
 
@@ -70,7 +76,8 @@ def test_linear_foam_deflects_in_proportion(foam_scene):
 def test_distant_linear_presses_add_up(foam_scene):
     texts = "disc(0.02,0.02,0.005):1mm", "disc(0.1,0.02,0.005):2mm"
     first, second, both = (
-        deformation(foam_scene(20.0), press_of(text), 1e-3) for text in (*texts, "+".join(texts))
+        deformation(foam_scene(20.0).parts.skin, press_of(text), 1e-3)
+        for text in (*texts, "+".join(texts))
     )
     np.testing.assert_allclose(both.force, (*first.force, *second.force), rtol=1e-5)
     np.testing.assert_allclose(both.w(PLACES), first.w(PLACES) + second.w(PLACES), atol=2e-6)
@@ -79,7 +86,7 @@ def test_distant_linear_presses_add_up(foam_scene):
 @BOTH_REGIMES
 def test_a_press_in_the_middle_is_as_symmetric_as_the_skin(foam_scene, stress_strain):
     found = deformation(
-        foam_scene(50.0, stress_strain), press_of("rect(0.06,0.02,0.02,0.01):2mm"), 1e-3
+        foam_scene(50.0, stress_strain).parts.skin, press_of("rect(0.06,0.02,0.02,0.01):2mm"), 1e-3
     )
     factor = found.factor(PLACES)
     np.testing.assert_allclose(factor, factor[::-1], rtol=3e-3)
@@ -89,7 +96,9 @@ def test_a_press_in_the_middle_is_as_symmetric_as_the_skin(foam_scene, stress_st
 def test_a_polygon_of_four_corners_is_the_rectangle(foam_scene):
     rectangle = press_of("rect(0.06,0.02,0.02,0.01):2mm")
     polygon = press_of("poly(0.05,0.015,0.05,0.025,0.07,0.025,0.07,0.015):2mm")
-    one, other = (deformation(foam_scene(), press, 1e-3) for press in (rectangle, polygon))
+    one, other = (
+        deformation(foam_scene().parts.skin, press, 1e-3) for press in (rectangle, polygon)
+    )
     assert one.force == pytest.approx(other.force, rel=1e-6)
     np.testing.assert_allclose(one.factor(PLACES), other.factor(PLACES), rtol=2e-3)
 
@@ -97,7 +106,7 @@ def test_a_polygon_of_four_corners_is_the_rectangle(foam_scene):
 @pytest.mark.parametrize("tension", [0.0, 50.0])
 def test_the_deeper_of_two_over_each_other_counts(foam_scene, tension):
     press = press_of("rect(0.05,0.02,0.02,0.02):2mm+rect(0.055,0.02,0.02,0.02):1mm")
-    found = deformation(foam_scene(tension), press, 1e-2)
+    found = deformation(foam_scene(tension).parts.skin, press, 1e-2)
     assert found.sharp is None
     deflection = found.deflection(np.array([[0.055, 0.0649], [0.02, 0.02]]))
     assert deflection[0] == pytest.approx(2e-3, rel=1e-12)
@@ -105,7 +114,7 @@ def test_the_deeper_of_two_over_each_other_counts(foam_scene, tension):
 
 
 def test_skins_of_much_tension_and_short_sides_go_down_whole(foam_scene):
-    found = deformation(foam_scene(1e7), press_of("1,2:1mm"), 1e-3)
+    found = deformation(foam_scene(1e7).parts.skin, press_of("1,2:1mm"), 1e-3)
     np.testing.assert_allclose(found.deflection(PLACES), 1e-3, rtol=1e-3)
     assert found.force[0] == pytest.approx(30e3 / 4 * 0.12 * 0.04, rel=1e-3)
 
@@ -123,10 +132,10 @@ def test_holes_press_nothing(foam_scene):
     given = scene.model_dump(by_alias=True, exclude_none=True)
     given["skin"]["outline"], given["contact"] = outline, contacts
     scene = type(scene).model_validate(given)
-    found = deformation(scene, press_of("disc(0.06,0.02,0.01):2mm"), 1e-2)
+    found = deformation(scene.parts.skin, press_of("disc(0.06,0.02,0.01):2mm"), 1e-2)
     assert found.force[0] == pytest.approx(30e3 * 0.5 * np.pi * (0.01**2 - 0.005**2), rel=1e-9)
     with pytest.raises(InputError, match=r"disc\(0.06,0.02,0.001\): must touch the skin"):
-        deformation(scene, press_of("disc(0.06,0.02,0.001):1N"), 1e-2)
+        deformation(scene.parts.skin, press_of("disc(0.06,0.02,0.001):1N"), 1e-2)
 
 
 @pytest.mark.parametrize("tension", [0.0, 50.0])
@@ -141,19 +150,19 @@ def test_holes_press_nothing(foam_scene):
 )
 def test_impossible_presses_are_refused(foam_scene, tension, text, message):
     with pytest.raises(InputError, match=message):
-        deformation(foam_scene(tension, "elastomer"), press_of(text), 1e-2)
+        deformation(foam_scene(tension, "elastomer").parts.skin, press_of(text), 1e-2)
 
 
 def test_a_spread_too_short_to_resolve_is_refused(foam_scene):
     with pytest.raises(
         ToleranceError, match="if the tension hardly spreads the press, set it to 0"
     ):
-        deformation(foam_scene(1e-7), press_of("1,2:2mm"), 1e-3)
+        deformation(foam_scene(1e-7).parts.skin, press_of("1,2:2mm"), 1e-3)
 
 
 def test_depths_need_mechanics(make_scene):
     with pytest.raises(InputError, match="depth and force need the table skin.foam.mechanics"):
-        deformation(make_scene(), press_of("1,1:2mm"), 1e-2)
+        deformation(make_scene().parts.skin, press_of("1,1:2mm"), 1e-2)
 
 
 def test_every_press_is_as_the_scene_says(foam_scene):
@@ -173,5 +182,5 @@ def test_a_tolerance_out_of_reach_is_refused_before_meshes_grow(foam_scene, monk
 
     monkeypatch.setattr(adaptive, "Membrane", noted)
     with pytest.raises(ToleranceError, match="more than 60000 triangles"):
-        deformation(foam_scene(stress_strain="elastomer"), press_of("1,2:2mm"), 1e-11)
+        deformation(foam_scene(stress_strain="elastomer").parts.skin, press_of("1,2:2mm"), 1e-11)
     assert max(sizes) < 5_000

@@ -38,7 +38,7 @@ def lattice_on(make_scene):
                 **dict(more),
             }
         )
-        return lattice_of(scene, grid, smallest)
+        return lattice_of(scene.parts.skin, grid, smallest)
 
     return lattice_on
 

@@ -14,7 +14,7 @@ from rcskin.simulator.sweeps import InputError, impedance
 @pytest.mark.parametrize(
     "feature",
     [
-        lambda scene: planned_presses(scene, np.random.default_rng(1)),
+        lambda scene: planned_presses(scene.parts.skin, scene.parts.plan, np.random.default_rng(1)),
         own_presses,
         lambda scene: strength_prior(scene, "press"),
     ],
@@ -28,9 +28,15 @@ def test_a_force_is_refused_by_its_key(foam_scene, feature):
 def test_a_depth_is_counted_by_the_factor_under_its_applicator(foam_scene):
     scene = foam_scene(press={"depth": 1e-3})
     factor = float(scene.skin.foam.mechanics.factor(np.array(1e-3 / scene.skin.foam.thickness)))
-    assert own_presses(scene).low == own_presses(scene).high == pytest.approx(factor)
+    assert (
+        own_presses(scene.parts.skin, scene.press).low
+        == own_presses(scene.parts.skin, scene.press).high
+        == pytest.approx(factor)
+    )
     assert strength_prior(scene, "press")[0] == pytest.approx([factor])
-    press, *_ = planned_presses(scene, np.random.default_rng(1))[scene.experiment.repetitions :]
+    press, *_ = planned_presses(scene.parts.skin, scene.parts.plan, np.random.default_rng(1))[
+        scene.experiment.repetitions :
+    ]
     assert press.touches[0].by.value == pytest.approx(1e-3)
 
 
@@ -43,7 +49,7 @@ def test_without_a_tension_a_depth_is_its_factor(foam_scene):
 
 def test_presses_that_do_not_say_how_strongly_are_pressed_as_the_scene_presses(foam_scene):
     scene = foam_scene(press={"depth": 1e-3})
-    truth = simulate(Solver(scene), [parse_press("1,1:1mm", 2.0)])
+    truth = simulate(Solver(scene.parts), [parse_press("1,1:1mm", 2.0)])
     named = truth.assign(press=("sweep", np.array(["1,1"], dtype=object)))
     again = resimulated(named, scene, scene.frequencies)
     np.testing.assert_allclose(impedance(again), impedance(truth), rtol=1e-12)

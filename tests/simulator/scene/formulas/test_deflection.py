@@ -26,7 +26,7 @@ def test_deflection_and_force_of_a_long_rim(on_foam, rng, law):
     """
     T, depth = rng.uniform(20, 200), rng.uniform(0.5e-3, 2e-3)
     scene = on_foam(tension=T, stress_strain=law)
-    found = deformation(scene, parse_press(f"{STRIP}:{depth!r}m", 2.0), 1e-3)
+    found = deformation(scene.parts.skin, parse_press(f"{STRIP}:{depth!r}m", 2.0), 1e-3)
 
     def p(w):
         return scene.skin.foam.mechanics.elastic.stress(w / D)
@@ -51,7 +51,7 @@ def test_how_far_a_press_spreads(on_foam, rng):
     """
     T, depth = rng.uniform(1, 5), 1e-3
     scene = on_foam(tension=T, stress_strain="linear")
-    found = deformation(scene, parse_press(f"{STRIP}:{depth!r}m", 2.0), 1e-3)
+    found = deformation(scene.parts.skin, parse_press(f"{STRIP}:{depth!r}m", 2.0), 1e-3)
     x = np.linspace(0, 0.03, 100)
     exact = depth * np.exp(-x / np.sqrt(T * D / E))
     np.testing.assert_allclose(found.deflection(places(X2 + x)), exact, atol=0.01 * depth)
@@ -63,7 +63,7 @@ def test_an_applicator_pushes_and_never_pulls(on_foam, rng):
     """
     shallow, deep = sorted(rng.uniform(1e-4, 2e-3, 2).tolist())
     press = f"rect(0.03,0.02,0.06,0.04):{shallow!r}m+rect(0.09,0.02,0.06,0.04):{deep!r}m"
-    found = deformation(on_foam(tension=50.0), parse_press(press, 2.0), 1e-3)
+    found = deformation(on_foam(tension=50.0).parts.skin, parse_press(press, 2.0), 1e-3)
     w = found.deflection(places(np.linspace(0, L, 500)))
     assert (w[:250] >= shallow - 1e-3 * D).all() and w[:250].max() > shallow + 1e-3 * D
     np.testing.assert_allclose(w[250:], deep)
@@ -78,7 +78,7 @@ def test_force_without_tension(on_foam, rng, law):
     width, height, depth = *rng.uniform(0.005, 0.03, 2), rng.uniform(1e-4, 2.4e-3)
     scene = on_foam(stress_strain=law)
     found = deformation(
-        scene, parse_press(f"rect(0.06,0.02,{width},{height}):{depth!r}m", 2.0), 1e-3
+        scene.parts.skin, parse_press(f"rect(0.06,0.02,{width},{height}):{depth!r}m", 2.0), 1e-3
     )
     p = scene.skin.foam.mechanics.elastic.stress(np.array(depth / D))
     assert found.force[0] == pytest.approx(width * height * float(p), rel=1e-9)
@@ -90,7 +90,7 @@ def test_stretch_does_not_enter_the_mechanics(on_foam, changed, tension):
     pulled = changed(rest, {"skin.stretch.x": 1.3})
     bent = changed(rest, {"skin.shape.kind": "sphere", "skin.shape.radius": 0.1})
     press = parse_press(f"{STRIP}:1mm", 2.0)
-    one, *others = (deformation(scene, press, 1e-2) for scene in (rest, pulled, bent))
+    one, *others = (deformation(scene.parts.skin, press, 1e-2) for scene in (rest, pulled, bent))
     assert [each.force for each in others] == [one.force, one.force]
 
 

@@ -137,9 +137,9 @@ def test_range_of_depth(on_foam, law, most, tension):
     """
     scene = on_foam(stress_strain=law, densification_strain=0.5, tension=tension)
     deepest = most * 0.5 * 4e-3
-    within = deformation(scene, parse_press(f"1,1:{(1 - 1e-9) * deepest!r}m", 2.0), 1e-2)
+    within = deformation(scene.parts.skin, parse_press(f"1,1:{(1 - 1e-9) * deepest!r}m", 2.0), 1e-2)
     assert within.depth == pytest.approx([deepest])
     with pytest.raises(InputError, match="depth must be <= "):
-        deformation(scene, parse_press(f"1,1:{(1 + 1e-9) * deepest!r}m", 2.0), 1e-2)
+        deformation(scene.parts.skin, parse_press(f"1,1:{(1 + 1e-9) * deepest!r}m", 2.0), 1e-2)
     with pytest.raises(InputError, match="force must leave the depth <= "):
-        deformation(scene, parse_press("1,1:1e6N", 2.0), 1e-2)
+        deformation(scene.parts.skin, parse_press("1,1:1e6N", 2.0), 1e-2)

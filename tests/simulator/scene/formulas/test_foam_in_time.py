@@ -34,7 +34,7 @@ def test_creep_and_recovery(creeping, solids, rng):
     e = y_1 exp(-t / t_1) + y_2 exp(-t / t_2)
     """
     (s, T), (held, t) = solids, rng.uniform(0.1, 5.0, 2)
-    pressed = FoamState(creeping).then(
+    pressed = FoamState(creeping.parts.skin).then(
         press_on(creeping.parts.skin, creeping.press, "1,2:2.0"), 0.0
     )
     x = 0.5

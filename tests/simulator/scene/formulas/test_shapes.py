@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from rcskin.simulator.models.heterogeneous.materials import Materials, position
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.uniform import equivalent_scene
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.form.shape import Cylinder, Sphere, Stretch
 from rcskin.simulator.scene.frequency import laplace_variable
@@ -40,7 +39,7 @@ def test_uniform_stretch(make_scene, changed, rng):
     """
     keys, (lx, ly, nu, nu_f) = stretched(rng)
     rest = make_scene(top=R0, c=C0)
-    found = equivalent_scene(changed(rest, {"skin.stretch": keys})).skin
+    found = changed(rest, {"skin.stretch": keys}).parts.skin.electrical
     J = lx * ly
     assert found.sides == pytest.approx((lx * rest.skin.length, ly * rest.skin.width))
     assert found.top.sheet_resistance == pytest.approx(R0 * J ** (nu / (1 - nu)))
@@ -60,7 +59,7 @@ def test_contact_resistance_of_a_stretched_strip(make_scene, changed, rng, solve
     R, c = R0 * J ** (nu / (1 - nu)), C0 * J ** (nu_f / (1 - nu_f))
     Q = L * np.sqrt(laplace_variable(scene.frequencies) * c * 2 * R)
     Z = 2 * R * L / W / np.tanh(Q) / Q + 2 * r / W
-    np.testing.assert_allclose(Solver(scene, 1e-6).solve(Press()).Z[0], Z, rtol=2e-6)
+    np.testing.assert_allclose(Solver(scene.parts, 1e-6).solve(Press()).Z[0], Z, rtol=2e-6)
 
 
 def test_where_a_bent_skin_lies(make_scene, changed, rng):
@@ -92,7 +91,9 @@ def test_where_a_bent_skin_lies(make_scene, changed, rng):
     ]
     for shape, expected in shapes:
         scene = changed(rest, {"skin.stretch": keys, "skin.shape": {**shape, "radius": R}})
-        np.testing.assert_allclose(position(scene, np.stack([x, y])), expected, atol=1e-15)
+        np.testing.assert_allclose(
+            position(scene.parts.skin, np.stack([x, y])), expected, atol=1e-15
+        )
 
 
 @pytest.mark.parametrize("kind", ["sphere", "cylinder"])
@@ -120,7 +121,8 @@ def test_conductance_and_unpressed_capacitance_of_a_bent_skin(make_scene, change
     x = rng.uniform(0, 1, 2) * scene.skin.sides
     F = np.stack(
         [
-            position(scene, (x + step)[:, None])[:, 0] - position(scene, (x - step)[:, None])[:, 0]
+            position(scene.parts.skin, (x + step)[:, None])[:, 0]
+            - position(scene.parts.skin, (x - step)[:, None])[:, 0]
             for step in 1e-6 * np.eye(2)
         ],
         axis=1,
@@ -130,7 +132,7 @@ def test_conductance_and_unpressed_capacitance_of_a_bent_skin(make_scene, change
     turn = np.array([[np.cos(theta), -np.sin(theta)], [np.sin(theta), np.cos(theta)]])
     A = turn @ np.diag([rho**0.5, rho**-0.5]) @ turn.T
     S = J * inverse @ A @ inverse / (R0 * J ** (nu / (1 - nu)))
-    materials = Materials(scene)
+    materials = Materials(scene.parts.skin)
     xx, yy, xy = materials.conductance("top", x[:, None])[:, 0]
     np.testing.assert_allclose([[xx, xy], [xy, yy]], S, rtol=1e-7)
     c = C0 * J ** (1 / (1 - nu_f))

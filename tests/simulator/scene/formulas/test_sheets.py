@@ -33,7 +33,7 @@ def test_two_sheets_fed_from_opposite_ends(make_scene, rng):
     part = 1 / np.sqrt(sC * (R1 + R2))
     Z = R1 * R2 / (R1 + R2) * (1 + 2 * part / np.sinh(1 / part))
     Z += part * (R1**2 + R2**2) / (R1 + R2) / np.tanh(1 / part)
-    np.testing.assert_allclose(Solver(scene, 1e-6).solve(Press()).Z[0], Z, rtol=2e-6)
+    np.testing.assert_allclose(Solver(scene.parts, 1e-6).solve(Press()).Z[0], Z, rtol=2e-6)
 
 
 def test_a_strip_with_contact_resistance(make_scene, rng):
@@ -48,7 +48,7 @@ def test_a_strip_with_contact_resistance(make_scene, rng):
     L, W = scene.skin.sides
     Q = L * np.sqrt(s_of(scene) * c * (R_t + R_b))
     Z = (R_t + R_b) * L / W / np.tanh(Q) / Q + (r_t + r_b) / W
-    np.testing.assert_allclose(Solver(scene, 1e-6).solve(Press()).Z[0], Z, rtol=2e-6)
+    np.testing.assert_allclose(Solver(scene.parts, 1e-6).solve(Press()).Z[0], Z, rtol=2e-6)
 
 
 def test_anisotropy(make_scene, changed, rng):
@@ -63,7 +63,7 @@ def test_anisotropy(make_scene, changed, rng):
     for electrode in ("top", "bottom"):
         keys = {f"skin.{electrode}.anisotropy": {"ratio": rho, "angle": theta}}
         scene = changed(make_scene(top=R, bottom=R), keys)
-        xx, yy, xy = Materials(scene).conductance(electrode, AT)
+        xx, yy, xy = Materials(scene.parts.skin).conductance(electrode, AT)
         own = np.sqrt(rho), 1 / np.sqrt(rho)
         cos, sin = np.cos(theta), np.sin(theta)
         np.testing.assert_allclose(xx, (own[0] * cos**2 + own[1] * sin**2) / R)
@@ -82,7 +82,7 @@ def test_the_angle_is_counted_from_x(make_scene, changed):
         turned = {"ratio": 9.0, "angle": angle}
         scene = changed(whole, {f"skin.{each}.anisotropy": turned for each in ("top", "bottom")})
         same = make_scene(top=factor * 1e5, bottom=factor * 1e5)
-        Z, expected = (Solver(each, 1e-5).solve(Press()).Z for each in (scene, same))
+        Z, expected = (Solver(each.parts, 1e-5).solve(Press()).Z for each in (scene, same))
         np.testing.assert_allclose(Z, expected, rtol=2e-5)
 
 
@@ -95,7 +95,7 @@ def test_resistance_by_map_and_strain(make_scene, changed, rng):
     scene = changed(make_scene(top=R0), keys)
     m = 1 + slope * (AT[0] / scene.skin.length - 0.5)
     R = R0 * m * (1 + k_p * e)
-    np.testing.assert_allclose(Materials(scene).conductance("top", AT, e)[0], 1 / R)
+    np.testing.assert_allclose(Materials(scene.parts.skin).conductance("top", AT, e)[0], 1 / R)
 
 
 @pytest.mark.parametrize("factor", [0.7, 1.0, 1.5, 2.5])
@@ -109,8 +109,8 @@ def test_strain_of_a_factor_without_mechanics(make_scene, changed, factor):
     scene = changed(make_scene(top=R, bottom=R, c=c), keys)
     R *= 1 + k_p * max(1 - 1 / factor, 0)
     same = make_scene(top=R, bottom=R, c=factor * c)
-    pressed = Solver(scene, 1e-5).solve(parse_press(f"1,1:{factor}", 2.0)).Z
-    np.testing.assert_allclose(pressed, Solver(same, 1e-5).solve(Press()).Z, rtol=2e-5)
+    pressed = Solver(scene.parts, 1e-5).solve(parse_press(f"1,1:{factor}", 2.0)).Z
+    np.testing.assert_allclose(pressed, Solver(same.parts, 1e-5).solve(Press()).Z, rtol=2e-5)
 
 
 @pytest.mark.parametrize("by", ["factor", "depth"])
@@ -128,5 +128,5 @@ def test_strain_with_mechanics(on_foam, make_scene, changed, rng, by):
     R *= 1 + k_p * e
     c = factor * scene.skin.foam.unpressed_capacitance_per_area
     same = make_scene(length=0.12, width=0.04, top=R, bottom=R, c=c)
-    pressed = Solver(scene, 1e-5).solve(parse_press(f"1,1:{strength}", 2.0)).Z
-    np.testing.assert_allclose(pressed, Solver(same, 1e-5).solve(Press()).Z, rtol=2e-5)
+    pressed = Solver(scene.parts, 1e-5).solve(parse_press(f"1,1:{strength}", 2.0)).Z
+    np.testing.assert_allclose(pressed, Solver(same.parts, 1e-5).solve(Press()).Z, rtol=2e-5)

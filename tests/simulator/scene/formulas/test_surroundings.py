@@ -30,7 +30,7 @@ def drawn(rng, make_scene):
 
 def cp(scene, press=None):
     """Cp in F of a press at the lowest frequency."""
-    found = Solver(scene, 1e-6).solve(press or Press())
+    found = Solver(scene.parts, 1e-6).solve(press or Press())
     return float((1 / found.Z).imag[0, 0] / (2 * np.pi * LOW[0]))
 
 
@@ -82,7 +82,7 @@ def test_field_across_the_foam(rng, drawn):
     along = 2 * eps * d / 6 * (G_t**2 + G_t * G_b + G_b**2)
     series = 1 / (1 / R + s * along)
     q = np.sqrt(s * series * 5e-9) * 0.1
-    found = Solver(thick, 1e-6).solve(Press()).Z.item()
+    found = Solver(thick.parts, 1e-6).solve(Press()).Z.item()
     assert found == pytest.approx(series * 0.1 / 0.06 / q / np.tanh(q), rel=1e-5)
 
 
@@ -142,5 +142,5 @@ def test_sizes(rng, make_scene):
     C, P, pi = 5e-9 * L * W, 2 * (L + W), np.pi
     w_m = (L**-1.5 + W**-1.5) ** (-2 / 3)
     gamma = 8.8541878128e-12 / (2 * pi) * (1 + np.log(2 * pi * (w_m / d + 1 / 2)))
-    assert rim_share(scene) == pytest.approx(P * gamma / C)
+    assert rim_share(scene.parts.skin) == pytest.approx(P * gamma / C)
     assert straight_share(d, delta) == pytest.approx((d / delta) ** 2 / 6)

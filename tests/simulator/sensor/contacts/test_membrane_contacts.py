@@ -34,7 +34,7 @@ def test_the_table_of_a_disc_has_the_depths_of_the_membrane(rasterizer, membrane
     table = radial_table(scene, rasterizer.foam, 5e-3, np.inf, membrane.reach)
     for force in (0.1, 4.0):
         press = press_on(scene.parts.skin, scene.press, f"disc(0.06,0.06,0.005):{force}N")
-        (depth,) = deformation(scene, press, 1e-3).depth
+        (depth,) = deformation(scene.parts.skin, press, 1e-3).depth
         assert np.interp(force, table.force, table.depth) == pytest.approx(depth, rel=2e-3)
 
 
@@ -43,7 +43,7 @@ def test_a_disc_alone_presses_cells_as_the_membrane_does(rasterizer, membrane):
     applied = LatticeApplicators(
         np.array([[x - r, x + r, y - r, y + r]]), np.array([r]), np.array([depth])
     )
-    exact = dense(traced(rasterizer.scene, membrane._lattice(2 * r), applied))
+    exact = dense(traced(rasterizer.scene.parts.skin, membrane._lattice(2 * r), applied))
     found = rasterizer(PointContacts(x, y, radius=r, depth=depth)).batch.one(0)
     assert np.abs(dense(found) - exact).max() <= 3e-3 * exact.max()
     assert dense(found).sum() == pytest.approx(exact.sum(), rel=1e-3)
@@ -80,7 +80,9 @@ def test_near_edges_and_neighbours_the_depths_are_those_of_the_membrane(
     rasterizer, membrane, text, contacts
 ):
     exact = deformation(
-        rasterizer.scene, press_on(rasterizer.scene.parts.skin, rasterizer.scene.press, text), 1e-3
+        rasterizer.scene.parts.skin,
+        press_on(rasterizer.scene.parts.skin, rasterizer.scene.press, text),
+        1e-3,
     ).depth
     found = membrane.under_points(contacts, 0)
     np.testing.assert_allclose(found.depth, exact, rtol=3e-3)

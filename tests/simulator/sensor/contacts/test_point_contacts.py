@@ -30,7 +30,7 @@ def dense(batch, grid=GRID):
 @pytest.mark.parametrize("text", PRESSED)
 def test_they_are_the_touches_of_a_press(sharp, text):
     press = press_on(sharp.parts.skin, sharp.press, text)
-    factors = deformation(sharp, press, 1e-3).sharp if press.indented else press
+    factors = deformation(sharp.parts.skin, press, 1e-3).sharp if press.indented else press
     expected = dense(PressBatch.of([touched_cells(sharp.parts.skin, sharp.press, factors, GRID)]))
     found = dense(to_cells(sharp, GRID, PRESSED[text]))
     np.testing.assert_allclose(found, expected, rtol=2e-6, atol=1e-12)
