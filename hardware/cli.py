@@ -209,8 +209,8 @@ def _served_skin(
         return served_skin.recorded(read_joined(recorded), interfaces)
     assert scene is not None
     requested = requested_scene(scene)
-    served = served_skin.simulated(requested, interfaces, seed)
-    note_if_noise_free(requested.name, requested)
+    served = served_skin.simulated(requested.parts, interfaces, seed)
+    note_if_noise_free(requested.name, requested.parts.setup, requested.parts.meter)
     return served
 
 

@@ -26,7 +26,8 @@ from .options import (
 from .record.recording_output import explain_resuming, finish, summary_remarks
 
 if TYPE_CHECKING:
-    from ..simulator.scene.scene import Scene
+    from ..simulator.scene.parts import SceneParts, Skin
+    from ..simulator.scene.readings.setup import Setup
     from .record.operators import Operator
     from .record.press_order import PressStep
     from .record.recording_journal import RecordingHeader
@@ -95,11 +96,11 @@ def record(
     interfaces = requested.parts.setup.checked_names(interface)
     options = SourceOptions(resource, timeout, baud, accuracy, reader)
     if not (interface or switch or switch_with or options.is_reader):
-        _check_one_interface(requested)
-    steps = _steps(order, requested, repetitions)
+        _check_one_interface(requested.parts.skin, requested.parts.setup)
+    steps = _steps(order, requested.parts.skin, repetitions)
     settings = _settings(speed, averaging, level, amplitude, range_, delay, cable)
     several = len(interfaces) > 1
-    header = header_of(requested, interfaces, steps, settings, session)
+    header = header_of(requested.parts, interfaces, steps, settings, session)
     faults = EventCounter(lambda text: say(f"rcskin: {text}", err=True))
     source = source_setup(
         options,
@@ -126,7 +127,7 @@ def record(
         ),
         conditions=source.conditions,
     )
-    warn_of_earth(scene, requested)
+    warn_of_earth(scene, requested.parts.skin)
     journal = RecordingJournal(output)
     with orderly_termination() as report, journal.lock(), explain_resuming(journal):
         checked_output(output)
@@ -139,7 +140,7 @@ def record(
 
 
 def header_of(
-    scene: Scene,
+    parts: SceneParts,
     interfaces: Sequence[str],
     steps: Sequence[PressStep],
     settings: Mapping[str, Any] | None = None,
@@ -149,20 +150,18 @@ def header_of(
 
     settings: requested settings of the meter. session: name of the mounting, or empty.
     """
-    from ..simulator.scene.readings.changed_readings import restricted_to_interfaces
-    from ..simulator.scene.scene_files import scene_text
     from .record.recording_journal import RecordingHeader
 
-    read = restricted_to_interfaces(scene, interfaces)
-    whole = tuple(read.frequencies.tolist())
-    own = {name: tuple(each) for name, each in read.parts.setup.own.items()}
+    setup = parts.setup.of(interfaces)
+    whole = tuple(setup.frequency.tolist())
+    own = {name: tuple(each) for name, each in setup.own.items()}
     return RecordingHeader(
-        scene=scene_text(scene),
-        name=scene.name,
+        scene=parts.text,
+        name=parts.skin.name,
         interfaces=tuple(interfaces),
         frequencies=whole,
-        rows=scene.pixels.rows,
-        columns=scene.pixels.columns,
+        rows=parts.skin.pixels.rows,
+        columns=parts.skin.pixels.columns,
         order=tuple(step.press for step in steps),
         asked=dict(settings or {}),
         session=session,
@@ -170,30 +169,30 @@ def header_of(
     )
 
 
-def _check_one_interface(scene: Scene) -> None:
+def _check_one_interface(skin: Skin, setup: Setup) -> None:
     """Raises InputError if the scene has several interfaces and no option selects any."""
     from ..simulator.sweeps import InputError
 
-    names = scene.parts.setup.names
+    names = setup.names
     if len(names) > 1:
         raise InputError(
-            f"{scene.name}: has the interfaces {', '.join(names)}, and a meter connects to one "
+            f"{skin.name}: has the interfaces {', '.join(names)}, and a meter connects to one "
             "at a time; --switch or --switch-with measures all in turn (--switch ask: you "
             f"reconnect the meter), --interface {names[0]} measures that one alone"
         )
 
 
-def _steps(order: Path | None, scene: Scene, repetitions: int) -> list[PressStep]:
+def _steps(order: Path | None, skin: Skin, repetitions: int) -> list[PressStep]:
     from itertools import product
 
     from ..simulator.press.pixels import pixels_with_skin
     from .record.press_order import read_order, standard_order
 
-    rows, columns = scene.pixels.shape
+    rows, columns = skin.pixels.shape
     if order:
         return read_order(order, rows, columns)
     every = product(range(1, rows + 1), range(1, columns + 1))
-    without = set(every) - set(pixels_with_skin(scene.parts.skin))
+    without = set(every) - set(pixels_with_skin(skin))
     return standard_order(rows, columns, repetitions, without)
 
 

@@ -31,7 +31,7 @@ from rcskin.simulator.calibration.results.sheet_intervals import sheets
 from rcskin.simulator.calibration.run import Calibration, calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
-from rcskin.simulator.models.parameters import FACTORS, VALUES, own_values, scene_with
+from rcskin.simulator.models.parameters import FACTORS, VALUES, own_values, parts_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.readout.meter import FrequencyGrid
@@ -77,7 +77,9 @@ def main(run: Run) -> int:
     asked = run.asked
     case, twins = CASES[asked.skin], asked.twins or run.sized(TWINS, FEWEST)
     scene = case.at_few_frequencies()
-    known = model_of(scene, model_tolerance(scene.readout)) if asked.truth == "scene" else None
+    known = (
+        model_of(scene.parts, model_tolerance(scene.readout)) if asked.truth == "scene" else None
+    )
     share = asked.outliers / 100
     trials = [_trial(case, scene, asked.prior, known, number, share) for number in range(twins)]
     held = pd.DataFrame([each for each in trials if each is not None])
@@ -152,7 +154,7 @@ def _drawn_twin(
     truth = own_values(scene.parts.skin, scene.parts.setup)
     for names in (FACTORS, VALUES):
         sweeps = _read(replace(case, read=_read_out), scene, truth, np.random.default_rng(0))
-        known = priors(measurements_of(scene, sweeps), kind)
+        known = priors(measurements_of(scene.parts, sweeps), kind)
         truth |= {name: _drawn(known[name], random) for name in names if name in known}
     return truth
 
@@ -173,7 +175,9 @@ def _read(
     factors = 1 + rise * (1 + spread * random.standard_normal(len(case.pixels)))
     pressed = [f"{pixel}:{factor:.6g}" for pixel, factor in zip(case.pixels, factors, strict=True)]
     at_rest = ["none"] * AT_REST
-    return case.read(scene_with(scene, truth), at_rest + pressed, [*at_rest, *case.pixels], random)
+    return case.read(
+        parts_with(scene.parts, truth).scene, at_rest + pressed, [*at_rest, *case.pixels], random
+    )
 
 
 def _read_out(
@@ -191,7 +195,7 @@ def _held(
 ) -> Iterator[tuple[str, bool]]:
     for name, (low, high) in found.intervals.items():
         yield name, low <= truth[name] <= high
-    true = {each.name: each.value for each in sheets(scene, truth)}
+    true = {each.name: each.value for each in sheets(scene.parts.skin, scene.parts.setup, truth)}
     for each in found.quantities:
         if each.name in true:
             yield each.name, each.low <= true[each.name] <= each.high

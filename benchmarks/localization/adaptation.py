@@ -99,7 +99,9 @@ def recorded(trial: Trial, family: Reduced, number: int) -> xr.Dataset:
     """Two sessions of a twin."""
     parts = [
         read_at_once(
-            Mounted(family_scene(trial), family, SEED, number, trial.hand, mounting=each),
+            Mounted(
+                family_parts(trial.parts).scene, family, SEED, number, trial.hand, mounting=each
+            ),
             trial.recording(np.random.default_rng([SEED, number, each])),
             each,
         )
@@ -108,7 +110,7 @@ def recorded(trial: Trial, family: Reduced, number: int) -> xr.Dataset:
     return concatenate(parts).assign_attrs(scene=scene_text(trial.believed))
 
 
-def family_scene(trial: Trial) -> Scene:
+def family_parts(trial: Trial) -> Scene:
     """The twins' own."""
     return built(trial.believed)
 
@@ -148,10 +150,10 @@ def main(run: Run) -> None:
     table = []
     for case in run.sized(CASES, CASES[:1]):
         scene = spread_by(case.trial.believed, case.spread)
-        sweeps = simulated(scene, reduced(scene, RTOL), run.sized(TRAINING, FEW_TRAINING))
+        sweeps = simulated(scene, reduced(scene.parts, RTOL), run.sized(TRAINING, FEW_TRAINING))
         target = case.trial.target
         model = train(sweeps, target, case.estimator, quantities=case.quantities).for_any_skin()
-        family = reduced(family_scene(case.trial), RTOL)
+        family = reduced(family_parts(case.trial.parts).parts, RTOL)
         for number in range(run.sized(case.twins, 1)):
             sweeps = recorded(case.trial, family, number)
             table += rows(case, model, sweeps, run.sized(TOUCHES, FEW_TOUCHES))

@@ -101,10 +101,10 @@ def bounds(pixels: int, wires: int, draws: int) -> Iterator[dict[str, object]]:
     scene = skin(pixels, wires)
     own = float(scene.frequencies[0]), float(scene.frequencies[-1])
     asked = Design(sheet_resistance=(min(SHEETS), max(SHEETS)), sheet_ratio=1.0, casts=1)
-    trained = TrainedSkins(scene, asked, own, SEED)
+    trained = TrainedSkins(scene.parts, asked, own, SEED)
     judges = {
         error: CommonDraws(
-            erring(scene, error), "pixel", seed=SEED, draws=draws, against_rest=RESTS
+            erring(scene, error).parts, "pixel", seed=SEED, draws=draws, against_rest=RESTS
         )
         for error in ERRORS
     }

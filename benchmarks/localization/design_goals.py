@@ -91,7 +91,7 @@ def row(goal: Goal, folder: Path, usual: tuple[str, ...]) -> dict[str, object]:
     told = searched(goal.scene, (*goal.options, *usual), folder)
     steps = json.loads((told / "design.json").read_text(encoding="utf-8"))["steps"]
     before, after = steps[0], [each for each in steps[1:] if each["taken"]][-1]
-    scale = scale_of(goal.scene, Design(target=goal.target))
+    scale = scale_of(goal.scene.parts, Design(target=goal.target))
     sheets = " and ".join(f"{each:.0f}" for each in _sheets(after))
     return {
         "goal": goal.name,

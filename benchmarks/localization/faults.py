@@ -20,7 +20,7 @@ from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train
 from rcskin.localization.trust.diagnosis import NO_FAULT, faults_of
 from rcskin.simulator.chart_style import COLOURS, chart
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.memory_dataset import in_memory
 from rcskin.simulator.measure.skin_faults import kind_of_fault
 from rcskin.simulator.scene.scene_files import load_scene
@@ -45,7 +45,7 @@ def drawn(name: str, odds: dict[str, float], run: Run) -> xr.Dataset:
         session["faults"] = {**odds, "tears": TEARS}
     changes = {f"dataset.session.{key}": value for key, value in session.items()}
     sessions = run.sized(SESSIONS, FEW_SESSIONS)
-    return in_memory(Plan(load_scene(name).with_(changes), sessions * SWEEPS, 1, RTOL))
+    return in_memory(DatasetPlan(load_scene(name).with_(changes).parts, sessions * SWEEPS, 1, RTOL))
 
 
 def outcomes(model: Model, sweeps: xr.Dataset) -> pd.DataFrame:

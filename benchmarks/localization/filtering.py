@@ -100,7 +100,7 @@ def localizer(model: Model, filters: bool, asks: bool) -> LiveLocalizer:
     certain = CERTAIN if asks else None
     follower = Follower(model, certain=certain) if filters else None
     asker = AdaptivePolicy(model, certain, follower) if asks else None
-    return LiveLocalizer(model, model.known_scene, follower, asker)
+    return LiveLocalizer(model, model.known_scene.parts.skin, follower, asker)
 
 
 def session(way: LiveLocalizer, link: Any, stage: Any) -> LiveSession:
@@ -233,7 +233,7 @@ def main(run: Run) -> None:
 def asked(run: Run, question: Question) -> None:
     """One question, on all twins."""
     scene = question.scene
-    family, plain = reduced(built(scene), RTOL), reduced(scene, RTOL)
+    family, plain = reduced(built(scene).parts, RTOL), reduced(scene.parts, RTOL)
     sweeps = simulated(scene, plain, run.sized(TRAINING, 400))
     models = {
         name: train(sweeps, question.target, name, quantities=WHOLE)

@@ -47,18 +47,18 @@ def by_finger(among: list[Hypothesis], C: float) -> list[Hypothesis]:
 
 def rows(scene: Scene, target: str, run: Run) -> list[dict[str, object]]:
     """Of one scene, a row for each capacitance and each factor."""
-    readings = TouchReadings(scene, Normal(mean=FACTORS[-1], deviation=0.2), RESTS)
+    readings = TouchReadings(scene.parts, Normal(mean=FACTORS[-1], deviation=0.2), RESTS)
     told, draws = [], run.sized(DRAWS, FEW_DRAWS)
     for C in run.sized(CAPACITANCES, FEW):
         for factor in FACTORS:
             rise = factor - 1
             presses = Normal(mean=factor, deviation=SPREAD * rise) if rise else Fixed(value=1.0)
-            among = by_finger(hypotheses(scene, target), 1e-12 * C)
+            among = by_finger(hypotheses(scene.parts.skin, scene.parts.plan, target), 1e-12 * C)
             right = bayes(readings, among, presses, 1, draws)
             row: dict[str, object] = {"finger (pF)": C, "factor": factor}
             row |= {"right at most (%)": 100 * right.share, "error": 100 * right.error}
             if C and rise:
-                ways = [each for each in kinds(scene)]
+                ways = [each for each in kinds(scene.parts.skin, scene.parts.plan)]
                 ways = [
                     each if not each.fingers else replace(each, fingers=(1e-12 * C,))
                     for each in ways

@@ -22,7 +22,7 @@ from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inputs.sweep_files import read_first
 from rcskin.localization.inversion.estimators import MODEL_BASED, chosen
 from rcskin.localization.trust.fitting import learn_classes, learn_positions
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene
@@ -127,7 +127,7 @@ def sweeps_of(case: Case, cases: tuple[Case, ...], folder: Path) -> xr.Dataset:
     most = max(each.sweeps for each in cases if same_data(each, case))
     path = folder / f"{kind}-{most}.zarr"
     if not path.exists():
-        generate(Plan(drawn_scene(case), most, 1, RTOL), path, processes=1)
+        generate(DatasetPlan(drawn_scene(case).parts, most, 1, RTOL), path, processes=1)
     return read_first(path, case.sweeps)
 
 

@@ -131,8 +131,10 @@ def accuracies(reader: Reader, target: str, sweeps: int, skins: Reduced) -> dict
 def row(reader: Reader, target: str, draws: int, sweeps: int, skins: Reduced) -> dict[str, object]:
     """One row of the table; accuracies in per cent. skins: reduced model of all skins."""
     deviation = noise(reader.scene)
-    limit, error = bayes_accuracy(reader.scene, target, draws=draws, against_rest=RESTS)
-    position = position_bound(reader.scene, against_rest=RESTS, max_places=PLACES).median_error()
+    limit, error = bayes_accuracy(reader.scene.parts, target, draws=draws, against_rest=RESTS)
+    position = position_bound(
+        reader.scene.parts, against_rest=RESTS, max_places=PLACES
+    ).median_error()
     return {
         "skin": reader.scene.name,
         "target": target,
@@ -183,7 +185,7 @@ def main(run: Run) -> int:
     rows = []
     for name, target in CASES.items():
         scene = load_scene(name)
-        skins = reduced(scene.with_(SESSIONS), RTOL)
+        skins = reduced(scene.with_(SESSIONS).parts, RTOL)
         for reader in readers(scene, run.sized(VOLTAGES, FEW_VOLTAGES)):
             rows.append(row(reader, target, draws, sweeps, skins))
             print(*rows[-1].values(), flush=True)

@@ -22,7 +22,7 @@ from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.localization.several_parts.best import KnownSkin, log_ratio
 from rcskin.localization.inputs.sweep_files import read_first
 from rcskin.localization.model.training import train
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.measure.sweep_touches import counts_of
 from rcskin.simulator.scene.draws.draw_distributions import Fixed, Lognormal, Normal
@@ -84,7 +84,7 @@ def sweeps_of(session: Session, count: int, seed: int) -> xr.Dataset:
     """So many of a data set, as the scene's meter shows them."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "sweeps.zarr"
-        generate(Plan(scene_of(session), count, seed, RTOL), path)
+        generate(DatasetPlan(scene_of(session).parts, count, seed, RTOL), path)
         return read_first(path, count).load()
 
 

@@ -30,7 +30,7 @@ from rcskin.benchmarks.localization.torch_parts.networks import (
 )
 from rcskin.benchmarks.localization.torch_parts.rates import rates
 from rcskin.localization.streaming.sweep_stream import SweepStream
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.memory_dataset import in_memory
 from rcskin.simulator.scene.scene import Scene
 
@@ -45,7 +45,7 @@ def networks(scene: Scene, run: Run) -> list[Progress]:
     start = time.process_time()
     stream = SweepStream(scene, "pixel", QUANTITIES, batch=BATCH, seed=21, rtol=RTOL)
     seconds = time.process_time() - start
-    unseen = in_memory(Plan(stream.plan.scene, tested, 31, RTOL), stream.family)
+    unseen = in_memory(DatasetPlan(stream.plan.scene.parts, tested, 31, RTOL), stream.family)
     test = tensors(stream, unseen)
     with tempfile.TemporaryDirectory() as folder:
         others = from_disk(stream, sizes, steps, test, Path(folder))

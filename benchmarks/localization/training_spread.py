@@ -62,7 +62,7 @@ def spread_by(scene: Scene, factor: float) -> Scene:
 def twins(spread: float, count: int) -> xr.Dataset:
     """Recordings of so many, each a session of its own."""
     scene = spread_by(built(TRIAL.believed), spread)
-    family = reduced(scene, RTOL)
+    family = reduced(scene.parts, RTOL)
     found = [
         read_at_once(
             Twin(scene, family, SEED, number, TRIAL.hand),
@@ -77,7 +77,7 @@ def twins(spread: float, count: int) -> xr.Dataset:
 def scores(asked: Mapping[float, xr.Dataset], spread: float, numbers: Sequence[int]) -> list[dict]:
     """Of localizers that learned from skins of that spread: a row for each twin."""
     scene = spread_by(TRIAL.believed, spread)
-    sweeps = simulated(scene, reduced(scene, RTOL), max(numbers) * SWEEPS_PER_SESSION)
+    sweeps = simulated(scene, reduced(scene.parts, RTOL), max(numbers) * SWEEPS_PER_SESSION)
     rows = []
     for features, quantities in FEATURES.items():
         known = samples_of(sweeps, TRIAL.target, quantities)

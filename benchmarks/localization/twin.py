@@ -56,7 +56,7 @@ class Prepared:
 def prepared(trials: tuple[Trial, ...]) -> Prepared:
     """Everything that is the same for all skins."""
     scene = trials[0].believed
-    family, believed = reduced(built(scene), RTOL), reduced(scene, RTOL)
+    family, believed = reduced(built(scene).parts, RTOL), reduced(scene.parts, RTOL)
     models = tuple(trained(trial, believed) for trial in trials)
     return Prepared(trials, family, believed, models)
 

@@ -31,7 +31,7 @@ SKINS = 20
 def limits(trial: Trial, counts: tuple[int, ...], draws: int) -> list[dict[str, object]]:
     """The limit of a trial's question: pixels hit whole, then by more and more samples."""
     presses = Normal(mean=2.0, deviation=trial.hand.strength)
-    whole = RandomPresses.of_pixels(trial.believed, presses, against_rest=RECENT)
+    whole = RandomPresses.of_pixels(trial.believed.parts, presses, against_rest=RECENT)
     beside = whole.with_offset(trial.hand.offset)
     return [
         _accuracy(trial, whole, 0.0, counts[-1], draws),
@@ -42,7 +42,7 @@ def limits(trial: Trial, counts: tuple[int, ...], draws: int) -> list[dict[str, 
 def _accuracy(
     trial: Trial, hand: RandomPresses, offset: float, samples: int, draws: int
 ) -> dict[str, object]:
-    among = hypotheses(trial.believed, trial.target)
+    among = hypotheses(trial.believed.parts.skin, trial.believed.parts.plan, trial.target)
     found = accuracy_of_presses(hand, among, draws=draws, samples=samples)
     least, most, error = (100 * value for value in found)
     return _row(trial, offset, samples, least, most, error, "% right")

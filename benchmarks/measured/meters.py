@@ -86,13 +86,13 @@ def _row(what: str, meter: str, alone: str, compared: str) -> dict[str, str]:
 
 def _accuracy(scene: Scene, readout: Any, target: str, draws: int, rests: int) -> str:
     own = scene.with_({"readout": readout})
-    share, error = bayes_accuracy(own, target, draws=draws, against_rest=rests)
+    share, error = bayes_accuracy(own.parts, target, draws=draws, against_rest=rests)
     return f"{100 * share:.1f} ± {100 * error:.1f} %"
 
 
 def _position(scene: Scene, readout: Any, places: int | None, rests: int) -> str:
     own = scene.with_({"readout": readout})
-    bound = position_bound(own, size=0.024, factor=2.0, against_rest=rests, max_places=places)
+    bound = position_bound(own.parts, size=0.024, factor=2.0, against_rest=rests, max_places=places)
     return f"{1e3 * bound.median_error():.2f} mm"
 
 

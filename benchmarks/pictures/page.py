@@ -71,8 +71,8 @@ class Page:
 
 def made(scene: Scene, folder: Path) -> Page:
     """The page of a scene."""
-    start, plain = time.perf_counter(), folded(scene, "a page")
-    text = document(page_data(plain, reduced_for_page(plain, RTOL, CELLS)))
+    start, plain = time.perf_counter(), folded(scene.parts, "a page")
+    text = document(page_data(plain, reduced_for_page(plain.parts, RTOL, CELLS)))
     path = folder / f"{scene.name}.html"
     path.write_text(text, encoding="utf-8")
     return Page(path, len(text) / 1e6, time.perf_counter() - start)

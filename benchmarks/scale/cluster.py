@@ -21,7 +21,7 @@ from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.scale.cluster_parts.crowd import Busy, busy
 from rcskin.benchmarks.scale.cluster_parts.hostile import Trouble, made
 from rcskin.benchmarks.scale.dataset import MEGABYTE, SCENE, digest
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.dataset.workers import MAX_TASK_BLOCKS
 from rcskin.simulator.scene.scene_files import load_scene
@@ -76,7 +76,7 @@ class Scheduling(NamedTuple):
         return self.task * tasks + self.worker * workers
 
 
-def alone(plan: Plan, folder: Path) -> Alone:
+def alone(plan: DatasetPlan, folder: Path) -> Alone:
     """Measured on the blocks of a plan but the first, which begins after the training."""
     output, ends = folder / "alone.zarr", list[float]()
     generate(plan, output, progress=lambda *told: ends.append(time.perf_counter()))
@@ -130,7 +130,7 @@ def needed(workers: int, one: Alone, scheduler: Scheduling) -> dict[str, str]:
     }
 
 
-def in_trouble(plan: Plan, folder: Path, troubles: dict[str, Trouble]) -> pd.DataFrame:
+def in_trouble(plan: DatasetPlan, folder: Path, troubles: dict[str, Trouble]) -> pd.DataFrame:
     """The same plan made by a cluster of two workers in every trouble; RuntimeError where bytes
     differ from those of one process alone."""
     generate(plan, folder / "true.zarr")
@@ -159,8 +159,8 @@ def main(run: Run) -> None:
     sizes, troubles = run.sized((2**17, 2**15), (2**14, 2**14)), run.sized(TROUBLES, FEW_TROUBLES)
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
-        one = alone(Plan(scene, sweeps, 1, RTOL, sizes[0]), folder)
-        table = in_trouble(Plan(scene, sweeps, 2, RTOL, sizes[1]), folder, troubles)
+        one = alone(DatasetPlan(scene.parts, sweeps, 1, RTOL, sizes[0]), folder)
+        table = in_trouble(DatasetPlan(scene.parts, sweeps, 2, RTOL, sizes[1]), folder, troubles)
     publish(run.results, "cluster_trouble", "A data set by two workers of a cluster", table)
     found = [
         Crowd(blocks, busy(workers, blocks * one.seconds, run.sized(TASKS_EACH, FEW_TASKS)))

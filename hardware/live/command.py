@@ -127,14 +127,16 @@ def live(
         frequencies_of(localizer.model),
         follows=True,
         report=faults,
-        kind=localizer.scene.parts.setup.kind,
+        kind=localizer.parts.setup.kind,
     )
     connect = partial(
         LiveMeter,
         localizer,
         source.connect,
         source.table,
-        SweepLimits(drift=drift, two_terminal=localizer.scene.two_terminal and source.checks_laws),
+        SweepLimits(
+            drift=drift, two_terminal=localizer.parts.skin.two_terminal and source.checks_laws
+        ),
         patience,
         source.switch_or(
             lambda: switch_from_options(switch, switch_with, settle, localizer.model.interfaces),

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from ...localization.filtering.touch_dynamics import TouchDynamics
     from ...localization.inversion.region import Region
     from ...localization.model.localizer_model import Model
-    from ...simulator.scene.scene import Scene
+    from ...simulator.scene.parts import SceneParts
 
 TOUCH_CHANGED = "the touch changed in mid-sweep"
 
@@ -40,7 +40,7 @@ def localizer_of(
     note_version(model, path)
     follower = Follower(model, touching, certain) if touching else None
     policy = AdaptivePolicy(model, certain, follower, within) if adaptive else None
-    return LiveLocalizer(model, model.known_scene, follower, policy)
+    return LiveLocalizer(model, model.known_scene.parts, follower, policy)
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class LiveLocalizer:
     """
 
     model: Model
-    scene: Scene
+    parts: SceneParts
     follower: Follower | None = None
     policy: AdaptivePolicy | None = None
 
@@ -120,7 +120,9 @@ class LiveLocalizer:
 
     def _class_answer(self, label: str, chances: NDArray) -> TouchAnswer:
         names = [str(each) for each in self.model.classes]
-        return answer_of_classes(self.model.target, label, names, chances, self.scene.pixels.shape)
+        return answer_of_classes(
+            self.model.target, label, names, chances, self.parts.skin.pixels.shape
+        )
 
 
 def _position_answer(found: NDArray, deviations: NDArray, region: Region | None) -> TouchAnswer:

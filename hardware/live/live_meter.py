@@ -187,7 +187,7 @@ class LiveMeter:
         return wait
 
     def _begin(self, meter: ReadingSource) -> None:
-        model, pixels = self._localizer.model, self._localizer.scene.pixels
+        model, pixels = self._localizer.model, self._localizer.parts.skin.pixels
         measured = check_frequencies(meter, model.frequencies)
         settings = meter.snapshot()
         restore_settings(meter, settings)

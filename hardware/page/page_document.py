@@ -27,7 +27,7 @@ class PageDocument:
         from ...simulator.page.linked import linked_page
 
         placeholder = secrets.token_urlsafe(16)
-        return cls(linked_page(scene, kind, placeholder), placeholder)
+        return cls(linked_page(scene.parts, kind, placeholder), placeholder)
 
     def sent(self) -> tuple[Mapping[str, str], bytes]:
         """Headers and body of a response."""

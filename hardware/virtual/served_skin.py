@@ -20,6 +20,7 @@ from .virtual_models import VIRTUAL_MODELS, virtual_model
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ...simulator.scene.parts import SceneParts
     from ...simulator.scene.scene import Scene
     from ..reader.line_format import LineFormat
     from .measurement import Skin
@@ -62,25 +63,24 @@ class ServedSkin:
         return True
 
 
-def simulated(scene: Scene, interfaces: Sequence[str] | None = None, seed: int = 1) -> ServedSkin:
+def simulated(
+    parts: SceneParts, interfaces: Sequence[str] | None = None, seed: int = 1
+) -> ServedSkin:
     """Simulated skin of a scene at these or all interfaces, with the errors of a session.
 
     Raises InputError for other interfaces.
     """
     from ...simulator.measure.specimen import MeterSessionErrors, Specimen
-    from ...simulator.scene.readings.changed_readings import (
-        restricted_to_interfaces,
-    )
 
-    names = scene.parts.setup.checked_names(interfaces)
-    read = restricted_to_interfaces(scene, names)
-    whole, errors = Specimen(scene.parts, names[0]), MeterSessionErrors(scene.parts.meter, seed)
+    names = parts.setup.checked_names(interfaces)
+    setup = parts.setup.of(names)
+    whole, errors = Specimen(parts, names[0]), MeterSessionErrors(parts.meter, seed)
     return ServedSkin(
         {name: whole.at(name) for name in names},
         lambda Z, conditions: errors.read(Z, conditions.frequency, conditions.range),
-        *scene.pixels.shape,
-        read.sweep.frequencies[0],
-        read,
+        *parts.skin.pixels.shape,
+        float(setup.frequency[0]),
+        parts.read(setup).scene,
     )
 
 
@@ -163,7 +163,7 @@ def reader(served: ServedSkin, line_format: LineFormat, pace: float = 1.0) -> Vi
             f"{served.scene.name}: reads the {kind.name}, and the reader's "
             f"file describes the {line_format.kind.name}; change one of them"
         )
-    _check_rate(served.scene, line_format)
+    _check_rate(served.scene.parts, line_format)
     own = served.scene.parts.setup.own
     whole = tuple(served.scene.frequencies.tolist())
     made = VirtualReader(
@@ -179,19 +179,20 @@ def reader(served: ServedSkin, line_format: LineFormat, pace: float = 1.0) -> Vi
     return made
 
 
-def _check_rate(scene: Scene, line_format: LineFormat) -> None:
+def _check_rate(parts: SceneParts, line_format: LineFormat) -> None:
     """Raises InputError if a reader sends lines faster than a multisine has frames."""
-    if scene.readout.multisine is None:
+    if parts.meter.readout.multisine is None:
         return
-    interfaces = len(scene.interfaces)
+    interfaces = len(parts.setup.interfaces)
     lines = (interfaces if line_format.terminal else 1) * (
-        1 if line_format.lines == "sweeps" else len(scene.frequencies)
+        1 if line_format.lines == "sweeps" else len(parts.setup.frequency)
     )
-    fastest = lines / (interfaces * scene.readout.multisine.seconds)
+    fastest = lines / (interfaces * parts.meter.readout.multisine.seconds)
     if line_format.rate > fastest * (1 + ROUNDING):
         raise InputError(
             f"`rate` of the reader's file must be <= {fastest:.6g} lines per second, as a sweep of "
-            f"{scene.name} takes {1e3 * interfaces * scene.readout.multisine.seconds:.6g} ms, got "
+            f"{parts.skin.name} takes "
+            f"{1e3 * interfaces * parts.meter.readout.multisine.seconds:.6g} ms, got "
             f"{line_format.rate:g}"
         )
 

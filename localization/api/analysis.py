@@ -49,12 +49,12 @@ def limits(
     from ...simulator.limits.limit import Limit
     from ...simulator.models.mechanics.force_depths import foldable
 
-    known = foldable(scene_of(scene), "a limit")
-    factors = _factors(known, presses)
+    known = foldable(scene_of(scene).parts, "a limit")
+    factors = _factors(known.scene, presses)
     share, error = bayes_accuracy(
         known, target, factors, seed=seed, draws=draws, against_rest=against_rest
     )
-    return Limit(target, share, error, best_guess(hypotheses(known, target)))
+    return Limit(target, share, error, best_guess(hypotheses(known.skin, known.plan, target)))
 
 
 def _factors(

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from ...simulator.models.reduced.reduced_model import Reduced
     from ...simulator.models.solver import ModelName
     from ...simulator.press.press import Press
+    from ...simulator.scene.parts import Skin
+    from ...simulator.scene.pixel_grid import Pressing
     from ...simulator.scene.scene import Scene
 
 LOG = logging.getLogger(__name__)
@@ -58,22 +60,21 @@ def sweep(
     if isinstance(presses, Sequence) and not isinstance(presses, str):
         check_fits(scene.parts.setup, len(presses))
     parsed = (
-        every_press(scene.parts.skin, scene.press) if presses is None else _presses(scene, presses)
+        every_press(scene.parts.skin, scene.press)
+        if presses is None
+        else _presses(scene.parts.skin, scene.press, presses)
     )
     check_fits(scene.parts.setup, len(parsed))
     return with_view(simulate(Solver(scene.parts, rtol, checked_model(model)), parsed))
 
 
-def _presses(scene: Scene, given: Sequence[str | Press]) -> list[Press]:
+def _presses(skin: Skin, pressing: Pressing, given: Sequence[str | Press]) -> list[Press]:
     from ...simulator.press.press import Press, press_on
 
     each = [given] if isinstance(given, str | Press) else given
     if not isinstance(each, Sequence) or not all(isinstance(one, str | Press) for one in each):
         refuse("presses", 'a list of texts such as "2,3" or of Press', given)
-    return [
-        press_on(scene.parts.skin, scene.press, one) if isinstance(one, str) else one
-        for one in each
-    ]
+    return [press_on(skin, pressing, one) if isinstance(one, str) else one for one in each]
 
 
 @checked
@@ -110,14 +111,18 @@ def dataset(
     warning if all sweeps are of one skin, and if the meter has no noise. Raises InputError if a
     number is out of range, ToleranceError if rtol cannot be kept.
     """
-    from ...simulator.dataset.dataset_plan import Plan
+    from ...simulator.dataset.dataset_plan import DatasetPlan
     from ...simulator.dataset.memory_dataset import in_memory
     from ...simulator.models.mechanics.force_depths import foldable
     from ...simulator.requests.requested_scene import noise_free
 
-    plan = Plan(foldable(scene_of(scene), "a data set", creeps=True), sweeps, seed, rtol)
-    for text in filter(None, (noise_free(plan.scene), plan.one_skin("sweeps={}"))):
-        LOG.warning("%s: %s", plan.scene.name, text)
+    plan = DatasetPlan(
+        foldable(scene_of(scene).parts, "a data set", creeps=True).parts, sweeps, seed, rtol
+    )
+    for text in filter(
+        None, (noise_free(plan.parts.setup, plan.parts.meter), plan.one_skin("sweeps={}"))
+    ):
+        LOG.warning("%s: %s", plan.parts.skin.name, text)
     return with_view(in_memory(plan))
 
 

@@ -93,7 +93,7 @@ def gap(
     write_report(output, findings, ending)
     _show(findings, output / HTML)
     if pair.scene is not None:
-        warn_of_earth(pair.scene.name, pair.scene)
+        warn_of_earth(pair.scene.name, pair.scene.parts.skin)
 
 
 def _show(findings: GapFindings, report: Path) -> None:

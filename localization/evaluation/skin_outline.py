@@ -16,6 +16,6 @@ def draw_skin_outline(axes: Axes, scene: Scene | None) -> None:
 
     axes.grid(False)
     if scene is not None and scene.skin.mesh is None:
-        draw_outline(axes, scene, color="0.35", zorder=0.5)
-        draw_foils(axes, scene, 3.0, clip_on=False, zorder=0.7)
+        draw_outline(axes, scene.parts.skin, color="0.35", zorder=0.5)
+        draw_foils(axes, scene.parts.skin, 3.0, clip_on=False, zorder=0.7)
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16))

@@ -68,14 +68,14 @@ def simulated_sweeps(model: Model, count: int = SWEEPS) -> xr.Dataset:
 
     Raises InputError if the scene is unknown or has no such interfaces.
     """
-    from ...simulator.dataset.dataset_plan import Plan
+    from ...simulator.dataset.dataset_plan import DatasetPlan
     from ...simulator.dataset.memory_dataset import in_memory
     from ...simulator.models.mechanics.force_depths import foldable
 
-    scene = model.known_scene
-    if tuple(scene.frequencies) != model.frequencies:
-        scene = scene.with_({"sweep.frequencies": list(model.frequencies)})
-    plan = Plan(foldable(scene, "a comparison", creeps=True), count, 1, RTOL)
+    parts = model.known_scene.parts
+    if tuple(parts.setup.frequency) != model.frequencies:
+        parts = parts.read(parts.setup.at(np.array(model.frequencies)))
+    plan = DatasetPlan(foldable(parts, "a comparison", creeps=True).parts, count, 1, RTOL)
     return at_interfaces(in_memory(plan), model.interfaces)
 
 

@@ -87,7 +87,7 @@ def cell_grid_of(model: Model) -> CellGrid:
     step = model.predictor
     if isinstance(step, INVERTING_POSITIONS):
         return CellGrid(model.learned, step.bounds[:2], step.mask)
-    return CellGrid(model.learned, sides_of(model.known_scene))
+    return CellGrid(model.learned, sides_of(model.known_scene.parts.skin))
 
 
 def _interval_moments(mean: Real, deviation: Real, edges: Real) -> tuple[Real, Real, Real]:

@@ -218,7 +218,7 @@ def _causes(
         return None, []
     sweeps = _one_of_each(trial.pair.other)
     try:
-        causes = gap_by_parameter(trial.pair.scene, sweeps, progress=progress)
+        causes = gap_by_parameter(trial.pair.scene.parts, sweeps, progress=progress)
     except (InputError, ToleranceError) as error:
         return None, [f"No causes: {error}."]
     return causes, [f"{remark[0].upper()}{remark[1:]}." for remark in causes.remarks]

@@ -168,7 +168,7 @@ def _at_frequencies_of(
             f"others {g.size} of {g[0]:.6g} to {g[-1]:.6g} Hz; give --scene to simulate them again"
         )
     notes.append("The presses were simulated again at the other side's frequencies.")
-    anew = resimulated(simulated, scene, g)
+    anew = resimulated(simulated, scene.parts, g)
     return anew.sel(interface=simulated["interface"].values)
 
 

@@ -59,7 +59,7 @@ def versions_of(pair: SweepPair, reserved: Mask, seed: int) -> Versions:
     try:
         found = calibrate(pair.scene, pair.other.isel(sweep=reserved))
         frequency = pair.simulated["frequency"].values
-        exact = resimulated(pair.simulated, found.scene, frequency)
+        exact = resimulated(pair.simulated, found.scene.parts, frequency)
     except (InputError, ToleranceError) as error:
         return Versions({BEFORE: before}, (), [*notes_before, f"No calibration: {error}."])
     after = Version(exact, read_by_meter(exact, pair.scene.parts.meter, seed))

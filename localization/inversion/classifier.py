@@ -39,7 +39,7 @@ def simulated(text: str, *arguments: Any, **options: Any) -> Mapping[str, NDArra
     scene = carried_scene(text, "the model's scene")
     if scene is None:
         raise InputError("`scene` must be the TOML text of a scene, got none")
-    return templates(scene, *arguments, **options)
+    return templates(scene.parts, *arguments, **options)
 
 
 def novelty_limit(significance: float, numbers: int) -> float:

@@ -14,6 +14,7 @@ from .position import ModelBasedPosition
 from .region import MAX_DEVIATIONS, PlaceDistribution, Region, region_of
 
 if TYPE_CHECKING:
+    from ...simulator.scene.parts import Skin
     from ...simulator.scene.scene import Scene
 
 PROBABILITY = 0.95
@@ -32,7 +33,7 @@ def places_of(learned: Regressor, X: Real, scene: Scene | None) -> list[PlaceDis
         return own.places(X)
     positions, deviation = (each[:, :2] for each in learned.positions(X))
     deviation = np.maximum(deviation, MIN_DEVIATION)
-    bounds = _reach(positions, deviation) if scene is None else sides_of(scene)
+    bounds = _reach(positions, deviation) if scene is None else sides_of(scene.parts.skin)
     positions = np.clip(positions, *bounds.T)
     pairs = zip(positions, deviation, strict=True)
     return [
@@ -45,9 +46,9 @@ def regions_of(learned: Regressor, X: Real, scene: Scene | None) -> list[Region]
     return [region_of(each, PROBABILITY) for each in places_of(learned, X, scene)]
 
 
-def sides_of(scene: Scene) -> Real:
+def sides_of(skin: Skin) -> Real:
     """Lowest and highest x and y on a skin in mm, shape (2, 2)."""
-    return 1e3 * np.array([[0.0, scene.skin.length], [0.0, scene.skin.width]])
+    return 1e3 * np.array([[0.0, skin.length], [0.0, skin.width]])
 
 
 def _reach(places: NDArray, deviation: NDArray) -> Real:

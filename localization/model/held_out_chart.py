@@ -15,7 +15,7 @@ from ..trust.rates import CountedRate, with_intervals
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from ...simulator.scene.scene import Scene
+    from ...simulator.scene.parts import Skin
     from .localizer_model import Model
 
 PLACES = 100
@@ -35,20 +35,20 @@ def held_out_chart(model: Model) -> SmallChart | None:
         }
         return rate_bars(with_intervals(rates), 1 / len(learned.classes))
     scene, error = model.scene, learned.median_error
-    return scene and SmallChart(lambda figure: _draw(figure, scene, error))
+    return scene and SmallChart(lambda figure: _draw(figure, scene.parts.skin, error))
 
 
-def _draw(figure: Figure, scene: Scene, error: float) -> None:
+def _draw(figure: Figure, skin: Skin, error: float) -> None:
     """The skin from above, with a circle of the median error in mm around its middle."""
     from ...simulator.report.from_above import MM, draw_foils, draw_outline, draw_pixels
 
     axes = figure.subplots()
     axes.set_aspect("equal")
     axes.grid(False)
-    draw_pixels(axes, scene)
-    draw_outline(axes, scene)
-    draw_foils(axes, scene, linewidth=2)
-    middle, turn = MM * np.array(scene.skin.sides) / 2, np.linspace(0, 2 * np.pi, PLACES)
+    draw_pixels(axes, skin)
+    draw_outline(axes, skin)
+    draw_foils(axes, skin, linewidth=2)
+    middle, turn = MM * np.array(skin.sides) / 2, np.linspace(0, 2 * np.pi, PLACES)
     circle = middle[0] + error * np.cos(turn), middle[1] + error * np.sin(turn)
     axes.fill(*circle, color=COLOURS[2], alpha=0.6)
     axes.set_title(f"Circle: median error, {error:.3g} mm")

@@ -11,6 +11,9 @@ import numpy as np
 from ...simulator.arrays import Integer
 from ...simulator.models.line import HALF_POWER, PAPER_CONSTANT, interrogation_frequency
 from ...simulator.scene.foam.foam import VACUUM_PERMITTIVITY
+from ...simulator.scene.parts import SceneParts, Skin
+from ...simulator.scene.pixel_grid import Pressing
+from ...simulator.scene.readings.setup import Setup
 from ...simulator.scene.readout.meter import Readout
 from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import load_scene
@@ -81,16 +84,16 @@ def all_claims(results: Results) -> list[Claim]:
     drawn, mean = ([noise_of(each.readout, n) for each in (strip, sheet)] for n in (1, DRAWS))
     return [
         _constant(),
-        *(_frequencies(scenes[name]) for name in STRIPS),
+        *(_frequencies(scenes[name].parts.skin, scenes[name].parts.setup) for name in STRIPS),
         _sheet_resistance(strip),
         _capacitances(strip, sheet),
-        _foam(sheet),
-        _press(strip),
-        _meter(sheet),
-        _equal_at_low_frequency(strip),
-        _first_pixel(strip),
-        _beyond_cutoff(strip),
-        _cutoffs(strip),
+        _foam(sheet.parts.skin),
+        _press(strip.press),
+        _meter(sheet.parts.setup),
+        _equal_at_low_frequency(strip.parts),
+        _first_pixel(strip.parts),
+        _beyond_cutoff(strip.parts),
+        _cutoffs(strip.parts.skin),
         _enough_frequencies(results.fewest, mean[0]),
         *(
             _strip_accuracy(name, confusions[name], mean_share(noise, name), drawn[0])
@@ -130,18 +133,18 @@ def _constant() -> Claim:
     )
 
 
-def _frequencies(strip: Scene) -> Claim:
-    device, n = totals(strip), strip.pixels.columns
-    ends = strip.skin.length * np.arange(1, n + 1) / n
-    per_metre = device.R / strip.skin.length, device.C / strip.skin.length
+def _frequencies(skin: Skin, setup: Setup) -> Claim:
+    device, n = totals(skin), skin.pixels.columns
+    ends = skin.length * np.arange(1, n + 1) / n
+    per_metre = device.R / skin.length, device.C / skin.length
     f = np.sort(interrogation_frequency(ends, *per_metre))
     return _claim(
         (
             f"Interrogation frequencies of the 1x{n} strip",
             "III, Eq 6 with 50 kohm/mm and 108 fF/mm",
         ),
-        (f"{listed(np.asarray(strip.frequencies), '.0f')} Hz", f"{listed(f, '.1f')} Hz"),
-        (near(f, strip.frequencies), "number"),
+        (f"{listed(np.asarray(setup.frequency), '.0f')} Hz", f"{listed(f, '.1f')} Hz"),
+        (near(f, setup.frequency), "number"),
         "Eq 6 evaluated with the loop resistance and capacitance of the scene.",
     )
 
@@ -149,8 +152,10 @@ def _frequencies(strip: Scene) -> Claim:
 def _sheet_resistance(strip: Scene) -> Claim:
     f = strip.frequencies[-1]
     stated = strip.with_({"skin.sheet_resistance": STATED_SHEET_RESISTANCE})
-    ours, theirs = (100 * capacitance_changes(scene, f) for scene in (strip, stated))
-    loop, stated_loop = (totals(scene).R / strip.skin.length / 1e6 for scene in (strip, stated))
+    ours, theirs = (100 * capacitance_changes(scene.parts, f) for scene in (strip, stated))
+    loop, stated_loop = (
+        totals(scene.parts.skin).R / strip.skin.length / 1e6 for scene in (strip, stated)
+    )
     return _claim(
         ("Sheet resistance of the strip's electrodes", "II: 50 kohm/sq; III: 50 kohm/mm"),
         (
@@ -168,7 +173,7 @@ def _sheet_resistance(strip: Scene) -> Claim:
 
 def _capacitances(strip: Scene, sheet: Scene) -> Claim:
     of_sheet = sheet.skin.foam.unpressed_capacitance_per_area * strip.skin.width * 1e12
-    of_strip = totals(strip).C / strip.skin.length * 1e12
+    of_strip = totals(strip.parts.skin).C / strip.skin.length * 1e12
     return _claim(
         ("Capacitance of strip and sheet", "figure 1: 70 pF; III: 108 fF/mm"),
         (f"{of_strip:.0f} pF/m on a width of 20 mm", f"{of_sheet:.1f} pF/m from the sheet's 70 pF"),
@@ -177,11 +182,11 @@ def _capacitances(strip: Scene, sheet: Scene) -> Claim:
     )
 
 
-def _foam(sheet: Scene) -> Claim:
-    area = sheet.skin.length * sheet.skin.width
+def _foam(skin: Skin) -> Claim:
+    area = skin.length * skin.width
     mixed = ((1 - POROSITY) * SILICONE ** (1 / 3) + POROSITY) ** 3
     expected = VACUUM_PERMITTIVITY * mixed * area / THICKNESS
-    stated = totals(sheet).C
+    stated = totals(skin).C
     needed = stated * THICKNESS / (VACUUM_PERMITTIVITY * area)
     return _claim(
         (
@@ -196,7 +201,7 @@ def _foam(sheet: Scene) -> Claim:
     )
 
 
-def _press(strip: Scene) -> Claim:
+def _press(pressing: Pressing) -> Claim:
     plates = THICKNESS / (THICKNESS - PRESS_DEPTH)
     solid = 1 - POROSITY
     unpressed, pressed = (
@@ -205,40 +210,40 @@ def _press(strip: Scene) -> Claim:
     return _claim(
         ("A press of 2 mm doubles the capacitance", "IV-A"),
         ("2", f"{plates:.0f} to {plates * pressed / unpressed:.1f}"),
-        (bool(plates <= strip.press.capacitance_factor <= plates * pressed / unpressed), "number"),
+        (bool(plates <= pressing.capacitance_factor <= plates * pressed / unpressed), "number"),
         "Half the thickness at constant permittivity doubles it; closing pores raise the "
         "permittivity and the factor with it. The scenes take 2.",
     )
 
 
-def _meter(sheet: Scene) -> Claim:
+def _meter(setup: Setup) -> Claim:
     low, high = METER_RANGE
     return _claim(
         ("Frequencies of the meter", "IV-A, IV-D"),
         ("1 kHz to 200 kHz by a Hioki IM3253", f"Hioki IM3523, {low:g} Hz to {high / 1e3:g} kHz"),
-        (bool(low <= sheet.frequencies[0] and sheet.frequencies[-1] <= high), "number"),
+        (bool(low <= setup.frequency[0] and setup.frequency[-1] <= high), "number"),
         "No IM3253 is known; the IM3523 is Hioki's LCR meter of that description, and 200 kHz, "
         "where the paper's sweep ends, is its highest frequency.",
     )
 
 
-def _equal_at_low_frequency(strip: Scene) -> Claim:
-    changes = 100 * capacitance_changes(strip, LOW)
-    at_lowest = 100 * capacitance_changes(strip, strip.frequencies[0])
-    R = low_frequency_resistances(strip) / 1e6
+def _equal_at_low_frequency(parts: SceneParts) -> Claim:
+    changes = 100 * capacitance_changes(parts, LOW)
+    at_lowest = 100 * capacitance_changes(parts, parts.setup.frequency[0])
+    R = low_frequency_resistances(parts.skin, parts.setup, parts.plan.press) / 1e6
     return _claim(
         ("At low frequency Cp does not depend on which pixel is pressed", "IV-C, figure 3"),
         ("the same for all pixels", f"dCp/Cp {listed(changes, '+.2f')} % at {LOW:g} Hz"),
         (near(changes, changes.mean()), "number"),
         f"Cp(0) is the total capacitance. At the lowest interrogation frequency, "
-        f"{strip.frequencies[0]:.0f} Hz, it is {listed(at_lowest, '+.1f')} % already. And Rs "
+        f"{parts.setup.frequency[0]:.0f} Hz, it is {listed(at_lowest, '+.1f')} % already. And Rs "
         f"depends on the pixel even at zero frequency: {R[0]:.4f} Mohm unpressed, "
         f"{listed(R[1:], '.4f')} Mohm with pixel 1 to 5 pressed.",
     )
 
 
-def _first_pixel(strip: Scene) -> Claim:
-    first = [100 * capacitance_changes(strip, f)[0] for f in strip.frequencies]
+def _first_pixel(parts: SceneParts) -> Claim:
+    first = [100 * capacitance_changes(parts, f)[0] for f in parts.setup.frequency]
     return _claim(
         ("Pixel 1 raises the capacitance at all interrogation frequencies", "IV-C"),
         ("larger than unpressed", f"dCp/Cp {listed(first, '+.1f')} %"),
@@ -247,21 +252,21 @@ def _first_pixel(strip: Scene) -> Claim:
     )
 
 
-def _beyond_cutoff(strip: Scene) -> Claim:
-    f = strip.frequencies[-1]
-    changes = 100 * capacitance_changes(strip, f)
+def _beyond_cutoff(parts: SceneParts) -> Claim:
+    f = parts.setup.frequency[-1]
+    changes = 100 * capacitance_changes(parts, f)
     return _claim(
         ("Above its cut-off a distant pixel is not seen", "IV-C"),
         ("no change", f"dCp/Cp {listed(changes, '+.1f')} % at {f / 1e3:.1f} kHz, pixel 1 to 5"),
-        (bool(np.abs(changes[1:]).max() < 100 * strip.readout.magnitude_noise), "comparison"),
+        (bool(np.abs(changes[1:]).max() < 100 * parts.meter.readout.magnitude_noise), "comparison"),
         "It is seen, with the other sign: a distant capacitance is charged through the sheets' "
         "resistance, and the larger it is the more it turns current from capacitive to resistive. "
         "Pixels 4 and 5 are nearly equal, as reported.",
     )
 
 
-def _cutoffs(strip: Scene) -> Claim:
-    infinite, finite = paper_frequencies(strip), open_line_frequencies(strip)
+def _cutoffs(skin: Skin) -> Claim:
+    infinite, finite = paper_frequencies(skin), open_line_frequencies(skin)
     return _claim(
         ("Half-power frequencies at the pixels' ends", "III, figure 2(c)"),
         (f"{listed(infinite, '.0f')} Hz", f"{listed(finite, '.0f')} Hz"),
@@ -325,9 +330,9 @@ def _confused_pixels(pooled: Integer, noise: str) -> Claim:
 
 
 def _five_times_higher(strip: Scene, sheet: Scene) -> Claim:
-    RC = [totals(device).R * totals(device).C for device in (strip, sheet)]
-    eq6 = [paper_frequencies(device) for device in (strip, sheet)]
-    peaks = [separation_peaks(device) for device in (strip, sheet)]
+    RC = [totals(device.parts.skin).R * totals(device.parts.skin).C for device in (strip, sheet)]
+    eq6 = [paper_frequencies(device.parts.skin) for device in (strip, sheet)]
+    peaks = [separation_peaks(device.parts) for device in (strip, sheet)]
     ratio = float(np.mean(peaks[1] / peaks[0]))
     return _claim(
         ("Cut-offs of the sheet against those of the strip", "IV-D"),
@@ -344,7 +349,7 @@ def _five_times_higher(strip: Scene, sheet: Scene) -> Claim:
 
 def _sensitivity(strip: Scene, sheet: Scene) -> Claim:
     of_strip, of_sheet = (
-        100 * float(capacitance_changes(device, LOW).mean()) for device in (strip, sheet)
+        100 * float(capacitance_changes(device.parts, LOW).mean()) for device in (strip, sheet)
     )
     return _claim(
         ("Sensitivity of the 5x5 sheet against the 1x5 strip", 'IV-D: "n times lower"'),
@@ -440,8 +445,8 @@ def _contacts(study: xr.DataArray, noise: str) -> Claim:
 
 def _rows(sheet: Scene) -> Claim:
     floating = load_scene("sheet-5x5-two-interfaces")
-    alone, shunted = (unpressed_resistance(scene) / 1e3 for scene in (sheet, floating))
-    contrast = [100 * row_contrast(scene) for scene in (sheet, floating)]
+    alone, shunted = (unpressed_resistance(scene.parts) / 1e3 for scene in (sheet, floating))
+    contrast = [100 * row_contrast(scene.parts) for scene in (sheet, floating)]
     noise = 100 * sheet.readout.magnitude_noise
     return _claim(
         ("Rows can be distinguished from one interface, less well than columns", "V"),

@@ -14,6 +14,7 @@ from ...simulator.measure.simulate import simulate
 from ...simulator.models.line import HALF_POWER, attenuation, open_line_amplitude
 from ...simulator.models.solver import Solver
 from ...simulator.press.press import every_press
+from ...simulator.scene.parts import Skin
 from ...simulator.scene.scene import Scene
 from ..evaluation.confusion import Confusion
 from ..evaluation.confusion_chart import draw_confusion
@@ -33,7 +34,7 @@ def attenuation_figure(path: Path, strips: Sequence[Scene]) -> None:
     frequency = np.geomspace(50, 1e5, 300)
     with chart(path, 10, 3.4) as figure:
         for axes, strip in zip(figure.subplots(1, len(strips), sharey=True), strips, strict=True):
-            _draw_attenuation(axes, strip, frequency)
+            _draw_attenuation(axes, strip.parts.skin, frequency)
         figure.axes[0].set_ylabel("Amplitude over that at the interface (dB)")
         figure.suptitle("Solid: infinite line, Eq 5; dots: Eq 6; dashed: the finite open line")
 
@@ -116,11 +117,11 @@ def contact_figure(path: Path, study: xr.DataArray) -> None:
         axes.legend()
 
 
-def _draw_attenuation(axes: Axes, strip: Scene, frequency: Real) -> None:
-    device, length = totals(strip), strip.skin.length
+def _draw_attenuation(axes: Axes, skin: Skin, frequency: Real) -> None:
+    device, length = totals(skin), skin.length
     R, C = device.R / length, device.C / length
-    for index, cutoff in enumerate(paper_frequencies(strip)):
-        x, colour = length * (index + 1) / strip.pixels.columns, COLOURS[index]
+    for index, cutoff in enumerate(paper_frequencies(skin)):
+        x, colour = length * (index + 1) / skin.pixels.columns, COLOURS[index]
         infinite = attenuation(frequency, x, R, C)
         finite = open_line_amplitude(frequency, x, length, R, C)
         axes.plot(frequency / 1e3, _decibel(infinite), color=colour, label=f"{1e3 * x:.0f} mm")
@@ -129,7 +130,7 @@ def _draw_attenuation(axes: Axes, strip: Scene, frequency: Real) -> None:
     axes.axhline(float(_decibel(HALF_POWER)), color=UNPRESSED_COLOUR, linewidth=1)
     axes.annotate("-3 dB", (frequency[-1] / 1e3, -3), ha="right", va="bottom", fontsize=8)
     axes.set_ylim(-24, 1)
-    axes.set_title(f"1x{strip.pixels.columns}")
+    axes.set_title(f"1x{skin.pixels.columns}")
     axes.legend(title="distance x", loc="lower left")
     frequency_axis(axes)
 

@@ -101,7 +101,7 @@ def _experiments(progress: ProgressCallback) -> Results:
 def _beyond(progress: ProgressCallback) -> Confusion:
     scene = with_pixels(load_scene("sheet-5x5"), FINER_PIXELS)
     measured = read_out(
-        exact_sweeps(scene, progress), scene.readout, stream(scene.parts.plan, METER)
+        exact_sweeps(scene.parts, progress), scene.readout, stream(scene.parts.plan, METER)
     )
     return cross_validate(measured, quantities=PAPER, seed=scene.experiment.seed)
 
@@ -133,8 +133,8 @@ def _cutoffs(experiments: Mapping[str, SimulatedExperiment]) -> pd.DataFrame:
             "scene": name,
             "pixel": pixel,
             "x_m": scene.skin.length * pixel / pixel.size,
-            "infinite_line_Hz": paper_frequencies(scene),
-            "open_line_Hz": open_line_frequencies(scene),
+            "infinite_line_Hz": paper_frequencies(scene.parts.skin),
+            "open_line_Hz": open_line_frequencies(scene.parts.skin),
         }
         return pd.DataFrame(columns)
 

@@ -19,6 +19,7 @@ from ...simulator.measure.simulate import simulate
 from ...simulator.models.solver import Solver
 from ...simulator.press.press import Press
 from ...simulator.progress import ProgressCallback, tracked
+from ...simulator.scene.parts import Meter, Plan, SceneParts
 from ...simulator.scene.pixel_grid import Pixels
 from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import load_scene
@@ -133,7 +134,7 @@ def contact_study(progress: ProgressCallback) -> xr.DataArray:
     accuracies = []
     for name, n in itertools.product(LAYOUTS.values(), LAYOUT_PIXELS):
         scene = with_pixels(load_scene(name), n)
-        exact = exact_sweeps(scene, progress)
+        exact = exact_sweeps(scene.parts, progress)
         accuracies += [mean_accuracy(exact, scene, multiple) for multiple in LAYOUT_MULTIPLES]
     return _table(accuracies, layout=list(LAYOUTS), n=LAYOUT_PIXELS, multiple=LAYOUT_MULTIPLES)
 
@@ -148,7 +149,15 @@ def fewest_frequencies(experiment: SimulatedExperiment) -> xr.DataArray:
 
 def pooled_counts(experiment: SimulatedExperiment) -> Integer:
     """Confusion counts (target, output), summed over DRAWS draws of the meter's noise."""
-    return np.sum([each.counts for each in _drawn(experiment.exact, experiment.scene)], axis=0)
+    return np.sum(
+        [
+            each.counts
+            for each in _drawn(
+                experiment.exact, experiment.scene.parts.meter, experiment.scene.parts.plan
+            )
+        ],
+        axis=0,
+    )
 
 
 def crossed_cap(n: int) -> float:
@@ -167,10 +176,10 @@ def _table(accuracies: list[float], **coordinates: Sequence[object]) -> xr.DataA
     return xr.DataArray(values, axes, list(axes), name="accuracy")
 
 
-def exact_sweeps(scene: Scene, progress: ProgressCallback) -> xr.Dataset:
+def exact_sweeps(parts: SceneParts, progress: ProgressCallback) -> xr.Dataset:
     """Sweeps of every planned press of a scene, to a tolerance well below the meter's noise."""
-    presses = planned_presses(scene.parts.skin, scene.parts.plan, stream(scene.parts.plan, PRESSES))
-    return simulate(Solver(scene.parts, rtol=STUDY_RTOL), tracked(presses, scene.name, progress))
+    presses = planned_presses(parts.skin, parts.plan, stream(parts.plan, PRESSES))
+    return simulate(Solver(parts, rtol=STUDY_RTOL), tracked(presses, parts.skin.name, progress))
 
 
 def mean_accuracy(
@@ -184,13 +193,20 @@ def mean_accuracy(
     names = ("magnitude_noise", "phase_noise")
     noise = {name: multiple * getattr(readout, name) for name in names}
     scene = scene.model_copy(update={"readout": readout.model_copy(update=noise)})
-    return float(np.mean([each.accuracy for each in _drawn(exact, scene, quantities)]))
+    return float(
+        np.mean(
+            [
+                each.accuracy
+                for each in _drawn(exact, scene.parts.meter, scene.parts.plan, quantities)
+            ]
+        )
+    )
 
 
 def _drawn(
-    exact: xr.Dataset, scene: Scene, quantities: tuple[str, ...] = PAPER
+    exact: xr.Dataset, meter: Meter, plan: Plan, quantities: tuple[str, ...] = PAPER
 ) -> Iterator[Confusion]:
     for draw in range(DRAWS):
-        random = np.random.default_rng([scene.experiment.seed, METER, draw])
-        measured = read_out(exact, scene.readout, random)
+        random = np.random.default_rng([plan.seed, METER, draw])
+        measured = read_out(exact, meter.readout, random)
         yield cross_validate(measured, quantities=quantities, seed=draw)

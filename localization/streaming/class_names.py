@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 from ...simulator.arrays import Integer
 from ...simulator.measure.sweep_touches import MAX_TOUCHES
 from ...simulator.mesh.pixel_coverage import pixel_coverage
-from ...simulator.scene.scene import Scene
+from ...simulator.scene.parts import Skin
 from ..inputs.targets import CLASSES
 
 
-def class_names(scene: Scene, target: str) -> tuple[str, ...]:
+def class_names(skin: Skin, target: str) -> tuple[str, ...]:
     """Class of each output of a network, see `labels`; none for positions. Nothing is first."""
     if target not in CLASSES:
         return ()
-    row, column = np.divmod(pixel_coverage(scene.parts.skin).numbers, scene.pixels.columns)
+    row, column = np.divmod(pixel_coverage(skin).numbers, skin.pixels.columns)
     if target in ("row", "column"):
         return ("0", *map(str, np.unique(row if target == "row" else column) + 1))
     if target == "touches":

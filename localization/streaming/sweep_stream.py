@@ -11,7 +11,7 @@ import torch
 from torch import Tensor
 from torch.utils.data import IterableDataset, get_worker_info
 
-from ...simulator.dataset.dataset_plan import Plan
+from ...simulator.dataset.dataset_plan import DatasetPlan
 from ...simulator.dataset.memory_dataset import sweeps_of_sessions
 from ...simulator.dataset.skin_model import reduced
 from ...simulator.measure.streams import ORDER, stream
@@ -70,10 +70,12 @@ class SweepStream(IterableDataset):
                 f"{own.name}: a stream of sweeps takes no `dataset.session.faults`; leave the "
                 "table out, or make a data set"
             )
-        self.plan = Plan(foldable(own, "a stream of sweeps", creeps=True), 1, seed, rtol)
+        self.plan = DatasetPlan(
+            foldable(own.parts, "a stream of sweeps", creeps=True).parts, 1, seed, rtol
+        )
         self.target, self.batch = target, batch
-        self.family = reduced(self.plan.scene, rtol) if family is None else family
-        self.classes = class_names(self.plan.scene, target)
+        self.family = reduced(self.plan.parts, rtol) if family is None else family
+        self.classes = class_names(self.plan.parts.skin, target)
         first = self._samples(0, quantities)
         self.quantities = first.problem.quantities
         self.mean = torch.as_tensor(first.X.mean(axis=0), dtype=torch.float32)

@@ -97,7 +97,9 @@ def study(
     count = math.prod(len(axis.values) for axis in axes_of(vary or READY_MADE, table))
     points = f"{count} points"
     with on_terminal() as bars:
-        progress = Overall("study in all", study_parts(loaded, count, workers), bars)
+        progress = Overall(
+            "study in all", study_parts(loaded.parts.skin, loaded.parts.setup, count, workers), bars
+        )
         from .execution import warnings_of
         from .study import plan_study
 
@@ -110,9 +112,11 @@ def study(
             repetitions=repetitions,
             seed=seed,
         )
-        for warning in warnings_of(plan.scenes):
+        for warning in warnings_of(plan.points):
             warn(f"{scene}: {warning}")
-        note_if_long(scene, study_seconds(loaded, count, workers), points)
+        note_if_long(
+            scene, study_seconds(loaded.parts.skin, loaded.parts.setup, count, workers), points
+        )
         found = plan.run(progress, rtol=rtol, workers=workers)
     found.write(output)
     found.plot(picture)

@@ -16,8 +16,7 @@ from ...simulator.models.mechanics.force_depths import foldable
 from ...simulator.models.validity import warnings
 from ...simulator.processes import map_in_order, worker_pool
 from ...simulator.progress import ProgressCallback, tracked
-from ...simulator.scene.scene import Scene
-from ...simulator.scene.scene_files import scene_text
+from ...simulator.scene.parts import SceneParts
 from .axis import Axis
 from .point import MAX_RTOL, EvaluationSettings, PointFindings, score_point
 from .scene_keys import with_values
@@ -41,41 +40,40 @@ VARIABLES = {
 }
 
 
-def scenes_of(
+def points_of(
     table: Mapping[str, Any], axes: Sequence[Axis], trial: EvaluationSettings
-) -> list[Scene]:
-    """The scene at every point, the last axis varying fastest.
+) -> list[SceneParts]:
+    """The parts at every point, the last axis varying fastest.
 
     Raises InputError for an invalid scene.
     """
-    scenes = []
+    points = []
     for values in itertools.product(*(axis.values for axis in axes)):
         given = dict(zip((axis.key for axis in axes), values, strict=True))
-        scene = foldable(with_values(table, given), "a study")
-        trial.check(scene)
-        scenes.append(scene)
-    return scenes
+        parts = foldable(with_values(table, given).parts, "a study")
+        trial.check(parts)
+        points.append(parts)
+    return points
 
 
-def warnings_of(scenes: Sequence[Scene]) -> list[str]:
+def warnings_of(points: Sequence[SceneParts]) -> list[str]:
     """Warnings of points that drive floating foils, or leave the model's range; one a kind."""
-    parts = [scene.parts for scene in scenes]
-    of_model = [warnings(each.skin, each.setup, each.plan.press) for each in parts]
-    of_points = ([scene.driven_by_touch for scene in scenes], of_model)
+    of_model = [warnings(each.skin, each.setup, each.plan.press) for each in points]
+    of_points = ([each.driven_by_touch for each in points], of_model)
     messages = [[found[0] for found in each if found] for each in of_points]
     return [
-        f"{len(each)} of {len(scenes)} points, the first: {each[0]}" for each in messages if each
+        f"{len(each)} of {len(points)} points, the first: {each[0]}" for each in messages if each
     ]
 
 
-def fitting_rtol(scenes: Sequence[Scene]) -> float:
+def fitting_rtol(points: Sequence[SceneParts]) -> float:
     """A tolerance that keeps errors of the simulation well below the noise of all meters."""
-    noise = min(scene.readout.smallest_noise for scene in scenes)
+    noise = min(each.meter.readout.smallest_noise for each in points)
     return float(np.clip(NOISE_SHARE * noise, MIN_RTOL, MAX_RTOL))
 
 
 def study(
-    scenes: Sequence[Scene],
+    points: Sequence[SceneParts],
     axes: Sequence[Axis],
     trial: EvaluationSettings,
     progress: ProgressCallback,
@@ -85,19 +83,19 @@ def study(
 ) -> xr.Dataset:
     """Findings at every point of one or two axes: VARIABLES over dimensions named by keys.
 
-    scenes: as in `scenes_of`. rtol: largest relative error of Rs and Cp; None for `fitting_rtol`.
+    points: as in `points_of`. rtol: largest relative error of Rs and Cp; None for `fitting_rtol`.
     workers: number of processes; the result does not depend on it.
     Raises ToleranceError if the tolerance is not reached.
     """
-    rtol = fitting_rtol(scenes) if rtol is None else rtol
-    progress("accuracy", 0, len(scenes))
+    rtol = fitting_rtol(points) if rtol is None else rtol
+    progress("accuracy", 0, len(points))
     with worker_pool(
         workers, NEEDED, "too little memory may be the cause; fewer --workers"
     ) as pool:
-        jobs = [(scene, trial, rtol) for scene in scenes]
+        jobs = [(each, trial, rtol) for each in points]
         findings = list(_spread(_score_point, jobs, "accuracy", progress, pool))
     attributes = {
-        "scene": scene_text(scenes[0]),
+        "scene": points[0].text,
         "target": trial.target,
         "draws": trial.draws,
         "rtol": rtol,
@@ -107,7 +105,7 @@ def study(
 
 
 def _score_point(
-    job: tuple[Scene, EvaluationSettings, float],
+    job: tuple[SceneParts, EvaluationSettings, float],
 ) -> PointFindings:
     return score_point(*job)
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
 
 from ...simulator.arrays import Complex
-from ...simulator.dataset.dataset_plan import Plan, check_cells
+from ...simulator.dataset.dataset_plan import DatasetPlan, check_cells
 from ...simulator.dataset.drawn_presses import FIRST_BASELINES, pressed_pixels
 from ...simulator.dataset.drawn_session import audited
 from ...simulator.dataset.memory_dataset import in_memory
@@ -23,9 +23,8 @@ from ...simulator.measure.symmetry import representative
 from ...simulator.press.pixels import pixels_with_skin
 from ...simulator.press.press import Press, every_press, pressed_factor
 from ...simulator.scene.draws.randomisation import DrawnPress
+from ...simulator.scene.parts import Meter, Plan, SceneParts, Skin
 from ...simulator.scene.pixel_grid import Pressing
-from ...simulator.scene.readout.meter import Experiment, Readout
-from ...simulator.scene.scene import Scene
 from ...simulator.sweeps import InputError
 from ..evaluation.evaluation import held_out_accuracies
 from .separation import (
@@ -64,38 +63,38 @@ class EvaluationSettings:
     draws: int = 1
     repeated: bool = False
 
-    def check(self, scene: Scene) -> None:
+    def check(self, parts: SceneParts) -> None:
         """Raise InputError if a scene's presses cannot be drawn or scored."""
         if self.target not in TARGETS:
             raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {self.target!r}")
         if not 1 <= self.draws <= 1000:
             raise InputError(f"`draws` must be from 1 to 1000, got {self.draws}")
-        require_noise_for_study(scene.readout)
-        check_cells(scene)
-        nominal = self.nominal(scene)
+        require_noise_for_study(parts.meter.readout)
+        check_cells(parts.skin, parts.plan)
+        nominal = self.nominal(parts.skin, parts.plan)
         sizes = Counter(label_of(press.pixel, self.target) for press in nominal)
         if len(sizes) < 2:
             raise InputError(f"need at least 2 classes of `target` {self.target}, got {len(sizes)}")
-        least = min(sizes.values()) * scene.experiment.repetitions
+        least = min(sizes.values()) * parts.plan.repetitions
         if self.repeated and least < FOLDS:
             raise InputError(
                 f"`experiment.repetitions` must give at least {FOLDS} presses of each class of "
                 f"`target` {self.target}, got {least}"
             )
-        check_fits(scene.parts.setup, self.plan(scene, 0, MAX_RTOL).sweeps)
+        check_fits(parts.setup, self.plan(parts, 0, MAX_RTOL).sweeps)
 
-    def plan(self, scene: Scene, draw: int, rtol: float) -> Plan:
+    def plan(self, parts: SceneParts, draw: int, rtol: float) -> DatasetPlan:
         """Plan the data set of one draw.
 
         `dataset.session` sets the number of skins; there are at least SESSIONS. The strength of
         presses follows the scene's `press`, as for the bounds of `rcskin limits`, unless
         `dataset.press` sets it. Raises InputError as `Plan` does.
         """
-        drawn, sweeps = scene.dataset, SWEEPS
+        drawn, sweeps = parts.plan.draws, SWEEPS
         every = drawn.session.rest_every
         if self.repeated:
             share = drawn.press.touches[1] if len(drawn.press.touches) > 1 else 0.0
-            pressed = scene.experiment.repetitions * len(pixels_with_skin(scene.parts.skin))
+            pressed = parts.plan.repetitions * len(pixels_with_skin(parts.skin))
             every = every or REST_EVERY
             sweeps = (
                 math.ceil(pressed / max(share, 0.1) * (1 + 1 / every)) + SESSIONS * FIRST_BASELINES
@@ -105,36 +104,36 @@ class EvaluationSettings:
             "rest_every": every,
         }
         unstated = drawn.press.factor is None and drawn.press.depth is None
-        press = {"factor": own_presses(scene.parts.skin, scene.press)} if unstated else {}
+        press = {"factor": own_presses(parts.skin, parts.plan.press)} if unstated else {}
         own = drawn.model_copy(
             update={
                 "session": drawn.session.model_copy(update=session),
                 "press": drawn.press.model_copy(update=press),
             }
         )
-        changed = scene.model_copy(update={"dataset": own})
-        return Plan(changed, sweeps, scene.experiment.seed + draw, rtol)
+        plan = replace(parts.plan, draws=own)
+        return DatasetPlan(replace(parts, plan=plan).parts, sweeps, plan.seed + draw, rtol)
 
-    def presses(self, scene: Scene) -> str:
+    def presses(self, plan: Plan) -> str:
         """The amount of data of each point, in words."""
-        each = f"{scene.experiment.repetitions} presses of each pixel"
+        each = f"{plan.repetitions} presses of each pixel"
         amount = each if self.repeated else f"{SWEEPS} sweeps"
         return amount if self.draws == 1 else f"{self.draws} draws of {amount}"
 
-    def unpressed(self, scene: Scene) -> float | None:
+    def unpressed(self, plan: Plan) -> float | None:
         """Weight of the unpressed skin in the accuracy; None: as often as it is drawn.
 
         Draws of few presses sweep it more often than a data set, which must not raise the accuracy.
         """
-        none, one = (*scene.dataset.press.touches, 0.0)[:2]
+        none, one = (*plan.draws.press.touches, 0.0)[:2]
         return none / (none + one) if self.repeated and none + one > 0 else None
 
-    def nominal(self, scene: Scene) -> list[Press]:
+    def nominal(self, skin: Skin, plan: Plan) -> list[Press]:
         """One press of nominal strength for each pixel on the skin.
 
         The unpressed skin comes first if it is a class.
         """
-        return every_press(scene.parts.skin, scene.press)[0 if scene.experiment.unpressed else 1 :]
+        return every_press(skin, plan.press)[0 if plan.unpressed else 1 :]
 
 
 @dataclass(frozen=True)
@@ -148,63 +147,70 @@ class PointFindings:
     separation: Separation
 
 
-def strength(scene: Scene, press: Press) -> float:
+def strength(skin: Skin, press: Press) -> float:
     """The capacitance factor under a press of one pixel; 1 for the unpressed skin."""
-    return pressed_factor(scene.parts.skin, press.touches[0]) if press.touches else 1.0
+    return pressed_factor(skin, press.touches[0]) if press.touches else 1.0
 
 
-def score_point(scene: Scene, trial: EvaluationSettings, rtol: float) -> PointFindings:
+def score_point(parts: SceneParts, trial: EvaluationSettings, rtol: float) -> PointFindings:
     """Draw a scene's sweeps, cross-validate a localizer on them, and separate the presses.
 
     rtol: tolerance of the sweeps. Raises InputError if a draw has too few sweeps of a class.
     """
-    nominal = trial.nominal(scene)
+    nominal = trial.nominal(parts.skin, parts.plan)
     labels: list[Label] = [label_of(press.pixel, trial.target) for press in nominal]
-    plans = [trial.plan(scene, draw, rtol) for draw in range(trial.draws)]
-    family = _family(_without_readings(plans[0].scene), rtol)  # pyright: ignore[reportArgumentType]
-    Z = impedances(scene, nominal, family, rtol)
-    reading = scene.parts.setup
-    readings = in_units_of_error(Z, scene.readout, reading.frequency, reading.taken, reading.phases)
-    unpressed = trial.unpressed(scene)
+    plans = [trial.plan(parts, draw, rtol) for draw in range(trial.draws)]
+    family = _family(_without_readings(plans[0].parts), rtol)
+    Z = impedances(parts, nominal, family, rtol)
+    reading = parts.setup
+    readings = in_units_of_error(
+        Z, parts.meter.readout, reading.frequency, reading.taken, reading.phases
+    )
+    unpressed = trial.unpressed(parts.plan)
     shares = [
         held_out_accuracies(in_memory(plan, family), trial.target, unpressed) for plan in plans
     ]
     return PointFindings(
         tuple(share for each in shares for share in each),
-        separation(readings, labels, scene.frequencies),
+        separation(readings, labels, parts.setup.frequency),
     )
 
 
-def _without_readings(scene: Scene) -> Scene:
-    """The scene with defaults for everything on which its family of skins does not depend."""
-    pressing, own = Pressing(capacitance_factor=2.0, finger=scene.press.finger), scene.dataset.press
-    by_factor = {"press": pressing} if scene.press.by_factor else {}
+def _without_readings(parts: SceneParts) -> SceneParts:
+    """The parts with defaults for everything on which their family of skins does not depend."""
+    press, own = parts.plan.press, parts.plan.draws.press
     kept = {name: getattr(own, name) for name in ("touches", "finger", "without_press")}
-    press = {"press": DrawnPress(place="pixel", **kept)}
+    drawn = {"press": DrawnPress(place="pixel", **kept)}
     same = own.place == "pixel" and own.offset == 0
-    drawn = scene.dataset.model_copy(update=press if by_factor and same else {})
-    rest = {"name": "", "description": "", "readout": Readout(), "experiment": Experiment()}
-    return scene.model_copy(update={**rest, **by_factor, "dataset": drawn})
+    if press.by_factor:
+        press = Pressing(capacitance_factor=2.0, finger=press.finger)
+        drawn = drawn if same else {}
+    else:
+        drawn = {}
+    plan = Plan(press=press, draws=parts.plan.draws.model_copy(update=drawn))
+    return replace(parts, skin=replace(parts.skin, name=""), meter=Meter(), plan=plan)
 
 
 @lru_cache(maxsize=MAX_CACHED_FAMILIES)
-def _family(scene: Scene, rtol: float) -> SkinFamily:
-    return reduced(scene, rtol)
+def _family(parts: SceneParts, rtol: float) -> SkinFamily:
+    return reduced(parts, rtol)
 
 
-def impedances(scene: Scene, presses: Sequence[Press], family: SkinFamily, rtol: float) -> Complex:
+def impedances(
+    parts: SceneParts, presses: Sequence[Press], family: SkinFamily, rtol: float
+) -> Complex:
     """Z in ohm of presses on the scene's own skin, as in a data set.
 
     presses: presses of one pixel or none. Shape (press, interface, frequency); pixels that mirror
     each other have the same Z.
     """
-    of = representative(scene.parts.skin, scene.parts.setup, scene.press)
-    strengths = {of(press.pixel): strength(scene, press) for press in presses}
+    of = representative(parts.skin, parts.setup, parts.plan.press)
+    strengths = {of(press.pixel): strength(parts.skin, press) for press in presses}
     pixels = np.array(list(strengths)) - 1
     factor = np.array(list(strengths.values()))
-    pressed = pressed_pixels(scene, pixels, factor, family.grid)
-    random = stream(scene.experiment.seed, 0, AUDIT)
-    Z, _ = audited(nominal_skin(scene, family), pressed, random, 0, rtol)
+    pressed = pressed_pixels(parts, pixels, factor, family.grid)
+    random = stream(parts.plan.seed, 0, AUDIT)
+    Z, _ = audited(nominal_skin(parts.skin, family), pressed, random, 0, rtol)
     number = {pixel: k for k, pixel in enumerate(strengths)}
     found = Z[[number[of(press.pixel)] for press in presses]]
-    return scene.parts.setup.at_meter(found)
+    return parts.setup.at_meter(found)

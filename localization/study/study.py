@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from ...simulator.chart_style import checked_chart
 from ...simulator.notebook_display import Tabular
 from ...simulator.progress import ProgressCallback, silent
+from ...simulator.scene.parts import SceneParts
 from ...simulator.scene.scene import Scene
 from ...simulator.sweeps import checked_output
 from ...simulator.sweeps.output_files import replacing
@@ -77,12 +78,12 @@ class Study(Tabular):
 
 @dataclass(frozen=True)
 class StudyPlan:
-    """Points of a study before they are computed: checked scenes, and settings of the score."""
+    """Points of a study before they are computed: checked parts, and settings of the score."""
 
     table: Mapping[str, Any]
     axes: tuple[Axis, ...]
     trial: EvaluationSettings
-    scenes: tuple[Scene, ...]
+    points: tuple[SceneParts, ...]
 
     def run(
         self,
@@ -93,9 +94,9 @@ class StudyPlan:
     ) -> Study:
         """Compute the study; arguments and errors: see `execution.study`."""
         found = execution.study(
-            self.scenes, self.axes, self.trial, progress, rtol=rtol, workers=workers
+            self.points, self.axes, self.trial, progress, rtol=rtol, workers=workers
         )
-        presses = self.trial.presses(self.scenes[0])
+        presses = self.trial.presses(self.points[0].plan)
         return Study(found, self.axes, describe_experiment(self.table, self.axes, presses))
 
 
@@ -120,4 +121,4 @@ def plan_study(
     axes = axes_of(vary or READY_MADE, table)
     varied = [place[0] for axis in axes for place in axis.key.places]
     trial = EvaluationSettings(target, draws, repetitions is not None or "experiment" in varied)
-    return StudyPlan(table, tuple(axes), trial, tuple(execution.scenes_of(table, axes, trial)))
+    return StudyPlan(table, tuple(axes), trial, tuple(execution.points_of(table, axes, trial)))

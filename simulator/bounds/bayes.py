@@ -25,7 +25,7 @@ from ..method_cache import cached_method
 from ..press.batch import PressBatch
 from ..progress import ProgressCallback, silent, tracked
 from ..scene.draws.draw_distributions import AnyDistribution
-from ..scene.scene import Scene
+from ..scene.parts import Skin
 from ..sweeps import InputError
 from .posterior import Templates, axes_of, posterior, starts_of
 from .template_tiles import in_tiles, posterior_of_tiles
@@ -75,7 +75,7 @@ def bayes(
     random = np.random.default_rng(seed)
     drawn = Draws(among, presses, random, draws, _node_count(readings, among, presses))
     each = [
-        readings.of_batch(drawn.batch([own], readings.scene))
+        readings.of_batch(drawn.batch([own], readings.parts.skin))
         for own in tracked(among, "readings", progress)
     ]
     nodes = np.stack(each)
@@ -96,7 +96,7 @@ def _node_count(
     ordered = sorted(alone, key=lambda each: (each.pixels, each.fingers))
 
     def values(factors: Real) -> Real:
-        each = (own.on(readings.scene, f) for f in factors[:, None] - 1 for own in ordered)
+        each = (own.on(readings.parts.skin, f) for f in factors[:, None] - 1 for own in ordered)
         return readings.of_batch(PressBatch.of(each)).reshape(len(factors), len(ordered), -1)
 
     def close(found: Real, truth: Real) -> bool:
@@ -133,10 +133,10 @@ class Draws:
     def __len__(self) -> int:
         return len(self._which)
 
-    def batch(self, among: Sequence[Hypothesis], scene: Scene) -> PressBatch:
+    def batch(self, among: Sequence[Hypothesis], skin: Skin) -> PressBatch:
         """All hypotheses at all combinations of nodes, as presses on the pixels of a scene."""
         combinations = np.array(list(itertools.product(self._nodes, repeat=self._touches)))
-        return PressBatch.of(each.on(scene, rises) for each in among for rises in combinations - 1)
+        return PressBatch.of(each.on(skin, rises) for each in among for rises in combinations - 1)
 
     def score(self, nodes: Real, errors: Real) -> DrawScores:
         """Scores of all draws.

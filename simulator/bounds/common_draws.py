@@ -17,8 +17,8 @@ from ..method_cache import cached_method
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.batch import NOTHING, PressBatch
 from ..scene.draws.draw_distributions import AnyDistribution
+from ..scene.parts import SceneParts
 from ..scene.readings.setup import Setup
-from ..scene.scene import Scene
 from ..sweeps import InputError
 from .bayes import Draws, DrawScores
 from .touch_readings import hypotheses
@@ -36,7 +36,7 @@ class CommonDraws:
 
     def __init__(
         self,
-        scene: Scene,
+        parts: SceneParts,
         target: str = "pixel",
         presses: AnyDistribution | None = None,
         *,
@@ -51,11 +51,19 @@ class CommonDraws:
         """
         if target not in TARGETS:
             raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")
-        require_noise(scene.readout)
-        self._scene, self._seed, self._against_rest = scene, seed, against_rest
-        self._among, random = hypotheses(scene, target), np.random.default_rng(seed)
+        require_noise(parts.meter.readout)
+        self._skin, self._meter, self._seed, self._against_rest = (
+            parts.skin,
+            parts.meter,
+            seed,
+            against_rest,
+        )
+        self._among, random = (
+            hypotheses(parts.skin, parts.plan, target),
+            np.random.default_rng(seed),
+        )
         self._draws = Draws(
-            self._among, presses or own_presses(scene.parts.skin, scene.press), random, draws, NODES
+            self._among, presses or own_presses(parts.skin, parts.plan.press), random, draws, NODES
         )
 
     def score(self, skin: ReducedSkin, reading: Setup, taken: Mask | None = None) -> DrawScores:
@@ -85,11 +93,11 @@ class CommonDraws:
 
         model = errors_of(
             reading,
-            self._scene.parts.meter,
+            self._meter,
             self._against_rest,
             unpressed=lambda: impedances(PressBatch.of([NOTHING]))[0],
         )
-        readings = observed(impedances(self._draws.batch(self._among, self._scene)))
+        readings = observed(impedances(self._draws.batch(self._among, self._skin)))
         numbers = np.moveaxis(readings.reshape(-1, 2, *reading.shape), 1, 2)
         each = enumerate(taken)
         whitened = [whitened_interface(numbers[:, k], model, k, own) for k, own in each]

@@ -8,8 +8,8 @@ import numpy as np
 
 from ..arrays import Complex, Real
 from ..measure.readout import ErrorModel, Unpressed, errors_of, observed_slope
+from ..scene.parts import Meter, Skin
 from ..scene.readings.setup import Setup
-from ..scene.scene import Scene
 
 RIDGE = 1e-12
 """Added to the information, scaled to a unit diagonal; smaller information counts as none."""
@@ -52,16 +52,20 @@ def _on_diagonal(values: Real) -> Real:
 
 
 def error_model(
-    scene: Scene, frequency: Real, against_rest: int = 0, unpressed: Unpressed | None = None
+    setup: Setup,
+    meter: Meter,
+    frequency: Real,
+    against_rest: int = 0,
+    unpressed: Unpressed | None = None,
 ) -> ErrorModel:
     """Error model of a sweep of a scene with all interfaces at all frequencies, Hz.
 
     It is evaluated at the reading of the unpressed skin, see `errors_of`. Raises InputError for a
     meter without noise.
     """
-    every = tuple(each.model_copy(update={"frequencies": None}) for each in scene.interfaces)
-    reading = Setup(every, frequency, scene.leads)
-    return errors_of(reading, scene.parts.meter, against_rest, unpressed=unpressed)
+    every = tuple(each.model_copy(update={"frequencies": None}) for each in setup.interfaces)
+    reading = Setup(every, frequency, setup.leads)
+    return errors_of(reading, meter, against_rest, unpressed=unpressed)
 
 
 def in_noise(Z: Complex, slopes: Sequence[Complex], model: ErrorModel) -> Real:
@@ -95,9 +99,9 @@ def _deviation(model: ErrorModel) -> Real:
     return np.where(model.values, model.noise, np.inf)
 
 
-def pixel_maps(scene: Scene, cells: int) -> dict[str, Real]:
+def pixel_maps(skin: Skin, cells: int) -> dict[str, Real]:
     """Map of each pixel on a grid with `cells` along each of its sides, (row, column) of cells."""
-    rows, columns = scene.pixels.rows, scene.pixels.columns
+    rows, columns = skin.pixels.rows, skin.pixels.columns
     units = np.eye(rows * columns).reshape(-1, rows, columns)
     return {
         f"foam {k}": np.kron(unit, np.ones((cells, cells))).astype(np.float64)

@@ -9,7 +9,8 @@ import numpy as np
 from ..arrays import Integer, Mask, Real
 from ..models.line import interrogation_frequency
 from ..scene.frequency import parse_band
-from ..scene.scene import Scene
+from ..scene.parts import Skin
+from ..scene.readings.setup import Setup
 from ..sweeps import InputError
 from ..sweeps.units import quantity
 
@@ -22,15 +23,14 @@ DIGITS = 6
 """Significant digits of a meter's frequencies."""
 
 
-def equation_6(scene: Scene, n: int) -> Real:
+def equation_6(skin: Skin, setup: Setup, n: int) -> Real:
     """f_i = 0.0382 / (R C x_i²) in Hz, ascending; x_i = i l / n from the driven edge, i = 1 .. n.
 
     R C per squared length is the resistance of both sheets times the capacitance per area. Source:
     paper Eq 6.
     """
-    skin = scene.skin
     sheets = skin.both_sheets
-    edge = scene.contact(scene.interfaces[0].high[0]).edge
+    edge = skin.contact(setup.interfaces[0].high[0]).edge
     length = skin.length if edge in ("left", "right") else skin.width
     ends = length * np.arange(n, 0, -1) / n
     return rounded(interrogation_frequency(ends, sheets, skin.foam.unpressed_capacitance_per_area))
@@ -47,32 +47,32 @@ def within(frequencies: Real, band: tuple[float, float]) -> Real:
     return np.clip(frequencies, *band)
 
 
-def compared(scene: Scene, n: int, band: tuple[float, float]) -> dict[str, Real]:
+def compared(skin: Skin, setup: Setup, n: int, band: tuple[float, float]) -> dict[str, Real]:
     """n frequencies in Hz by Eq. 6, and n with logarithmic spacing, clipped to a band."""
-    found = {EQUATION_6: equation_6(scene, n), LOGARITHMIC: logarithmic(band, n)}
+    found = {EQUATION_6: equation_6(skin, setup, n), LOGARITHMIC: logarithmic(band, n)}
     return {name: within(frequencies, band) for name, frequencies in found.items()}
 
 
-def candidates_in(scene: Scene, band: tuple[float, float], grid: int) -> Real:
+def candidates_in(setup: Setup, band: tuple[float, float], grid: int) -> Real:
     """Candidate frequencies in Hz, ascending: a grid over the band, and the scene's own in it."""
-    own = scene.frequencies[(scene.frequencies >= band[0]) & (scene.frequencies <= band[1])]
+    own = setup.frequency[(setup.frequency >= band[0]) & (setup.frequency <= band[1])]
     return np.unique(np.concatenate([own, within(logarithmic(band, grid), band)]))
 
 
-def candidates_of(scene: Scene, n: int, band: tuple[float, float], grid: int) -> Real:
+def candidates_of(skin: Skin, setup: Setup, n: int, band: tuple[float, float], grid: int) -> Real:
     """Candidates of `candidates_in` and the frequencies of `compared`, ascending."""
-    others = compared(scene, n, band).values()
-    return np.unique(np.concatenate([candidates_in(scene, band, grid), *others]))
+    others = compared(skin, setup, n, band).values()
+    return np.unique(np.concatenate([candidates_in(setup, band, grid), *others]))
 
 
-def own_band(scene: Scene) -> tuple[float, float]:
+def own_band(setup: Setup) -> tuple[float, float]:
     """Lowest and highest frequency of a scene, Hz."""
-    return float(scene.frequencies[0]), float(scene.frequencies[-1])
+    return float(setup.frequency[0]), float(setup.frequency[-1])
 
 
-def chosen_band(text: str | None, scene: Scene) -> tuple[float, float]:
+def chosen_band(text: str | None, setup: Setup) -> tuple[float, float]:
     """The band of a text LOW:HIGH in Hz, with the scene's own as default. Raises InputError."""
-    low, high = parse_band(text or ":", own_band(scene))
+    low, high = parse_band(text or ":", own_band(setup))
     if not (0 < low and high < math.inf):
         raise InputError(
             f"--band must be LOW:HIGH in Hz with 0 < LOW < HIGH < inf, got {low:g}:{high:g}"
@@ -80,13 +80,13 @@ def chosen_band(text: str | None, scene: Scene) -> tuple[float, float]:
     return low, high
 
 
-def frequencies_among(text: str | None, scene: Scene) -> Real | None:
+def frequencies_among(text: str | None, setup: Setup) -> Real | None:
     """Frequencies of the option `--among` in Hz, ascending: the scene's, or those of a list.
 
     Raises InputError for any other text.
     """
     if text is None or text == "scene":
-        return None if text is None else scene.frequencies
+        return None if text is None else setup.frequency
     try:
         found = np.unique([quantity(each, "Hz") for each in text.split(",")])
     except ValueError:

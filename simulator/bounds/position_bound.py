@@ -22,7 +22,8 @@ from ..models.session_spreads import session_spreads
 from ..press.batch import PressBatch
 from ..press.finger import finger_over
 from ..progress import ProgressCallback, silent, tracked
-from ..scene.scene import Scene
+from ..scene.parts import SceneParts, Skin
+from ..scene.pixel_grid import Pressing
 from ..sweeps import InputError
 from .fields import AnyFields, TouchSize
 from .fisher_information import (
@@ -125,12 +126,14 @@ class Slopes:
         )
 
 
-def chosen_touch(scene: Scene, size: float | None = None, factor: float | None = None) -> TouchSize:
+def chosen_touch(
+    skin: Skin, pressing: Pressing, size: float | None = None, factor: float | None = None
+) -> TouchSize:
     """A touch of the size of a pixel, or a square of `size` in m; factor: default the scene's.
 
     Raises InputError where it is larger than the skin or does not change the capacitance.
     """
-    skin, pixels = scene.skin, scene.pixels
+    skin, pixels = skin, skin.pixels
     width, height = skin.length / pixels.columns, skin.width / pixels.rows
     if size is not None:
         if not 0 < size <= min(skin.length, skin.width):
@@ -139,9 +142,9 @@ def chosen_touch(scene: Scene, size: float | None = None, factor: float | None =
                 f"got {1e3 * size:g}"
             )
         width = height = size
-    factor = scene.pressed_factor if factor is None else factor
-    how = scene.press.finger
-    finger = float(finger_over(scene.parts.skin, np.array(width * height), how)) if how else 0.0
+    factor = pressing.factor(skin) if factor is None else factor
+    how = pressing.finger
+    finger = float(finger_over(skin, np.array(width * height), how)) if how else 0.0
     if not (np.isfinite(factor) and factor > 0 and (factor != 1 or finger)):
         alone = " without a finger in `press.finger`" if factor == 1 else ""
         raise InputError(f"--factor must be finite, > 0 and not 1{alone}, got {factor:g}")
@@ -149,25 +152,25 @@ def chosen_touch(scene: Scene, size: float | None = None, factor: float | None =
 
 
 def places_on(
-    scene: Scene, touch: TouchSize, cells: int, max_places: int | None = None
+    parts: SceneParts, touch: TouchSize, cells: int, max_places: int | None = None
 ) -> list[Point]:
     """Middles of touches inside the skin: the middles of cells, at most `most` on each side.
 
     Where no cell fits along a side, it is the middle of the skin. Other outlines: see `_on_skin`.
     """
-    skin, grid = scene.skin, scene.divided(cells).pixels.shape
+    skin, grid = parts.skin, parts.divided(cells).skin.pixels.shape
     x = _along(skin.length, grid[1], touch.width, max_places)
     y = _along(skin.width, grid[0], touch.height, max_places)
     places = [(each, other) for other in y for each in x]
-    return places if skin.rectangular else _on_skin(scene, places, touch, grid)
+    return places if skin.rectangular else _on_skin(parts.skin, places, touch, grid)
 
 
 def _on_skin(
-    scene: Scene, places: Sequence[Point], touch: TouchSize, grid: tuple[int, int]
+    skin: Skin, places: Sequence[Point], touch: TouchSize, grid: tuple[int, int]
 ) -> list[Point]:
     """The positions whose cells are all skin; where there is none, those with most skin."""
-    part = pixel_coverage(scene.parts.skin, grid).part.reshape(grid)
-    cells = AreaRasterizer.of(scene.skin.length, scene.skin.width, grid)
+    part = pixel_coverage(skin, grid).part.reshape(grid)
+    cells = AreaRasterizer.of(skin.length, skin.width, grid)
     covers = [cells.raised(place, touch)["strength"] for place in places]
     shares = np.array([(each * part).sum() / each.sum() for each in covers])
     whole = shares >= min(MIN_SHARE, shares.max())
@@ -193,12 +196,12 @@ def position_slopes(
     `rasterizer_for`. model: error model, needed where not all interfaces are read at all
     frequencies. Raises InputError for a meter without noise, and as the rasterizer does.
     """
-    scene = fields.scene
+    parts = fields.parts
     model = model or errors_in_fields(fields, frequency, against_rest)
     errors, prior = session_errors(model)
     skin = SkinUnknowns(fields, frequency, model) if unknown_skin else None
-    rasterizer = rasterizer or rasterizer_for(scene, fields.grid, touch)
-    cells = AreaRasterizer.of(scene.skin.length, scene.skin.width, fields.grid)
+    rasterizer = rasterizer or rasterizer_for(parts.skin, parts.plan.press, fields.grid, touch)
+    cells = AreaRasterizer.of(parts.skin.length, parts.skin.width, fields.grid)
     unknown = (*ESTIMATED, "finger") if touch.finger else ESTIMATED
     found = []
     for place in tracked(places, "places", progress):
@@ -208,7 +211,7 @@ def position_slopes(
         own = in_noise(answer.Z, [answer.by_parameter[name] for name in unknown], model)
         found.append(np.concatenate([own, errors, *([skin.slopes(answer)] if skin else [])], -1))
     prior = np.concatenate([np.zeros(len(unknown)), prior, *([skin.prior] if skin else [])])
-    room = scene.skin.length - touch.width, scene.skin.width - touch.height
+    room = parts.skin.length - touch.width, parts.skin.width - touch.height
     return Slopes(np.array(places), np.stack(found), prior, frequency, room)
 
 
@@ -218,7 +221,7 @@ def errors_in_fields(fields: AnyFields, frequency: Real, against_rest: int = 0) 
     def unpressed() -> Complex:
         return fields.respond(np.ones(fields.grid), {}, frequency).Z
 
-    return error_model(fields.scene, frequency, against_rest, unpressed)
+    return error_model(fields.parts.setup, fields.parts.meter, frequency, against_rest, unpressed)
 
 
 def errors_of_places(
@@ -228,8 +231,8 @@ def errors_of_places(
 
     None where presses are factors, which end at their edges. Raises as `rasterization_errors` does.
     """
-    scene = fields.scene
-    rasterizer = rasterizer_for(scene, fields.grid, touch)
+    parts = fields.parts
+    rasterizer = rasterizer_for(parts.skin, parts.plan.press, fields.grid, touch)
     if not isinstance(rasterizer, DepthRasterizer):
         return None
     sample = [places[k] for k in sample_indices(len(places))]
@@ -240,12 +243,12 @@ def errors_of_places(
         for cells, rises in batch.each():
             factors = np.ones(fields.grid)
             factors.flat[cells] += rises
-            found.append(fields.respond(factors, {}, scene.frequencies).Z)
+            found.append(fields.respond(factors, {}, parts.setup.frequency).Z)
         return np.stack(found)
 
     each = [rasterizer.applied(place, touch.rise, beyond=0.0) for place in sample]
     return rasterization_errors(
-        scene, rasterizer.lattice, each, PressBatch.on_grid(own), impedances
+        parts, rasterizer.lattice, each, PressBatch.on_grid(own), impedances
     )
 
 
@@ -253,16 +256,16 @@ class SkinUnknowns:
     """The skin's parameters and the foam of every pixel as unknowns with priors."""
 
     def __init__(self, fields: AnyFields, frequency: Real, model: ErrorModel) -> None:
-        scene = fields.scene
-        self._model, self._pixels = model, pixel_maps(scene, fields.cells)
+        parts = fields.parts
+        self._model, self._pixels = model, pixel_maps(parts.skin, fields.cells)
         ones = np.ones(fields.grid)
         self._unpressed = fields.respond(ones, {}, frequency, self.maps(ones))
         self.deviations = {
             name: spread.deviation
-            for name, spread in session_spreads(scene.parts).items()
+            for name, spread in session_spreads(parts).items()
             if spread.deviation > 0 and name in self._unpressed.by_parameter
         }
-        if spread := scene.dataset.session.foam_spread:
+        if spread := parts.plan.draws.session.foam_spread:
             self.deviations |= dict.fromkeys(self._pixels, spread)
         self.prior = np.array([1 / each**2 for each in self.deviations.values()])
 

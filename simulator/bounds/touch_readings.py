@@ -27,7 +27,8 @@ from ..press.touch import Place, Rectangle, Touch
 from ..press.walls import require_no_walls
 from ..progress import ProgressCallback, silent, tracked
 from ..scene.draws.draw_distributions import AnyDistribution
-from ..scene.scene import Scene
+from ..scene.parts import Plan, SceneParts, Skin
+from ..scene.pixel_grid import Pressing
 from ..sweeps import InputError
 from ..sweeps.free_space import check_memory
 from .touches.pixel_touches import (
@@ -65,14 +66,14 @@ class Hypothesis:
     fingers: tuple[float, ...] = ()
     presses: bool = True
 
-    def on(self, scene: Scene, rises: Real) -> TouchedCells:
+    def on(self, skin: Skin, rises: Real) -> TouchedCells:
         """Touched parts (see `Parts`) at these rises, shape (touch,)."""
-        columns = scene.pixels.columns
+        columns = skin.pixels.columns
         cells = np.array([i * columns + j for i, j in self.pixels], dtype=np.int64)
         rises = rises[: len(cells)] * self.presses
         if not self.fingers:
             return TouchedCells(cells, rises)
-        own = parts_of(scene.parts.skin).finger(cells)
+        own = parts_of(skin).finger(cells)
         return TouchedCells(np.concatenate([cells, own]), np.concatenate([rises, self.fingers]))
 
     @property
@@ -97,7 +98,7 @@ def touched_alone(hypothesis: Hypothesis) -> Hypothesis:
     return replace(hypothesis, presses=False)
 
 
-def hypotheses(scene: Scene, target: str, size: float | None = None) -> list[Hypothesis]:
+def hypotheses(skin: Skin, plan: Plan, target: str, size: float | None = None) -> list[Hypothesis]:
     """All hypotheses of a target, ordered by answer, with the finger of the scene's `press`.
 
     column, row, pixel: any one pixel, or none where the scene has a class for the unpressed skin;
@@ -107,14 +108,13 @@ def hypotheses(scene: Scene, target: str, size: float | None = None) -> list[Hyp
     if target not in TARGETS:
         raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")
     pixels = [
-        divmod(number, scene.pixels.columns)
-        for number in pixel_coverage(scene.parts.skin).numbers.tolist()
+        divmod(number, skin.pixels.columns) for number in pixel_coverage(skin).numbers.tolist()
     ]
     if target in ("pair", "touches") and len(pixels) < 2:
-        raise InputError(f"`target` {target} needs two pixels or more, {scene.name} has one")
-    found = _pressed(scene, target, pixels)
-    if scene.press.finger:
-        found = [_with_fingers(scene, each, size) for each in found]
+        raise InputError(f"`target` {target} needs two pixels or more, {skin.name} has one")
+    found = _pressed(plan, target, pixels)
+    if plan.press.finger:
+        found = [_with_fingers(skin, plan.press, each, size) for each in found]
     return sorted(found, key=lambda each: each.answer)
 
 
@@ -126,12 +126,12 @@ def best_guess(among: Sequence[Hypothesis]) -> float:
     return max(chances.values())
 
 
-def kinds(scene: Scene, size: float | None = None) -> list[Hypothesis]:
+def kinds(skin: Skin, plan: Plan, size: float | None = None) -> list[Hypothesis]:
     """Hypotheses of the kind of touch: a rod, a finger that presses, or one that only touches.
 
     Any one pixel is touched. size: see `TouchReadings`.
     """
-    pixels = [each for each in hypotheses(scene, "pixel", size) if each.pixels]
+    pixels = [each for each in hypotheses(skin, plan, "pixel", size) if each.pixels]
     changes = by_rod, lambda each: each, touched_alone
     return [
         replace(change(each), answer=(number,), chance=1 / (len(changes) * len(pixels)))
@@ -140,23 +140,25 @@ def kinds(scene: Scene, size: float | None = None) -> list[Hypothesis]:
     ]
 
 
-def _with_fingers(scene: Scene, hypothesis: Hypothesis, size: float | None) -> Hypothesis:
-    how = scene.press.finger
+def _with_fingers(
+    skin: Skin, pressing: Pressing, hypothesis: Hypothesis, size: float | None
+) -> Hypothesis:
+    how = pressing.finger
     assert how is not None
-    places = [place_about(scene, pixel, size) for pixel in hypothesis.pixels]
-    fingers = tuple(finger_capacitance(scene.parts.skin, place, how) for place in places)
+    places = [place_about(skin, pixel, size) for pixel in hypothesis.pixels]
+    fingers = tuple(finger_capacitance(skin, place, how) for place in places)
     return replace(hypothesis, fingers=fingers)
 
 
-def place_about(scene: Scene, pixel: Pixel, size: float | None) -> Place:
+def place_about(skin: Skin, pixel: Pixel, size: float | None) -> Place:
     """A whole pixel, or a square of a size in m around its middle."""
     if size is None:
         return Touch(pixel[0] + 1, pixel[1] + 1, 1.0)
-    x, y = middles(scene)[pixel[0] * scene.pixels.columns + pixel[1]]
+    x, y = middles(skin)[pixel[0] * skin.pixels.columns + pixel[1]]
     return Rectangle(x, y, size, size, 1.0)
 
 
-def _pressed(scene: Scene, target: str, pixels: list[Pixel]) -> list[Hypothesis]:
+def _pressed(plan: Plan, target: str, pixels: list[Pixel]) -> list[Hypothesis]:
     if target == "pair":
         pairs = _pairs(pixels)
         return [Hypothesis(pair, (number,), 1 / len(pairs)) for number, pair in enumerate(pairs)]
@@ -168,7 +170,7 @@ def _pressed(scene: Scene, target: str, pixels: list[Pixel]) -> list[Hypothesis]
             for count, kind in enumerate(kinds)
             for pressed in kind
         ]
-    pressed = [((), _answer(target, UNPRESSED))] if scene.experiment.unpressed else []
+    pressed = [((), _answer(target, UNPRESSED))] if plan.unpressed else []
     pressed += [((pixel,), _answer(target, pixel)) for pixel in pixels]
     return [Hypothesis(each, answer, 1 / len(pressed)) for each, answer in pressed]
 
@@ -198,30 +200,30 @@ class TouchReadings:
 
     def __init__(
         self,
-        scene: Scene,
+        parts: SceneParts,
         presses: AnyDistribution,
         against_rest: int = 0,
         size: float | None = None,
     ) -> None:
         """presses: distribution of factors. size: side in m of a square touch around the middle of
         each pixel, instead of the whole pixel. Raises InputError for a meter without noise."""
-        if size is not None and scene.pixels.groups is not None:
-            raise InputError(f"{scene.name}: touches of a size need pixels without `groups`")
+        if size is not None and parts.skin.pixels.groups is not None:
+            raise InputError(f"{parts.skin.name}: touches of a size need pixels without `groups`")
         if size is not None:
-            require_no_walls(scene.parts.skin, "a limit of touches of a size")
-        self.scene, self._size = scene.for_rods, size
-        require_noise(scene.readout)
+            require_no_walls(parts.skin, "a limit of touches of a size")
+        self.parts, self._size = parts.for_rods, size
+        require_noise(parts.meter.readout)
         self._against_rest = against_rest
         self._factors = (
             min(MIN_FACTOR, float(presses.low)),
             max(MAX_FACTOR, float(presses.high)),
         )
-        if size is not None and scene_spreads_presses(scene.parts.skin, scene.press):
-            self._factors = 1.0, max(min(MAX_FACTOR, scene.max_factor), float(presses.high))
+        if size is not None and scene_spreads_presses(parts.skin, parts.plan.press):
+            self._factors = 1.0, max(min(MAX_FACTOR, parts.skin.max_factor), float(presses.high))
 
     def train(self, progress: ProgressCallback = silent) -> None:
         """Trains the reduced model, unless it is trained, and reports progress."""
-        for _ in tracked([self.scene.name], "training", progress):
+        for _ in tracked([self.parts.skin.name], "training", progress):
             _ = self._reduced
 
     def of_presses(self, pressed: Hypothesis, factors: Real) -> Real:
@@ -229,7 +231,9 @@ class TouchReadings:
 
         factors: shape (pixel, press).
         """
-        return self.of_batch(PressBatch.of(pressed.on(self.scene, own) for own in factors.T - 1))
+        return self.of_batch(
+            PressBatch.of(pressed.on(self.parts.skin, own) for own in factors.T - 1)
+        )
 
     def of_batch(self, batch: PressBatch) -> Real:
         """Readings of many presses, shape (press, number)."""
@@ -245,8 +249,8 @@ class TouchReadings:
         """
         unpressed = PressBatch.of([NOTHING])
         return errors_of(
-            self.scene.parts.setup,
-            self.scene.parts.meter,
+            self.parts.setup,
+            self.parts.meter,
             self._against_rest,
             unpressed=lambda: self._impedances(unpressed)[0],
         )
@@ -258,41 +262,42 @@ class TouchReadings:
         """
         if self._size is None or not isinstance(self._touches, DepthPixelTouches):
             return None
-        pixels = pixel_coverage(self.scene.parts.skin).numbers
+        pixels = pixel_coverage(self.parts.skin).numbers
         pixels = pixels[sample_indices(len(pixels))]
         rises = np.linspace(presses.low, presses.high, len(pixels)) - 1
         own = [(np.array([k]), np.array([rise])) for k, rise in zip(pixels, rises, strict=True)]
         each = [self._touches.applied(*touch) for touch in own]
         lattice, on_cells = self._touches.lattice, self._rasterized(PressBatch.of(own))
-        return rasterization_errors(self.scene, lattice, each, on_cells, self._impedances)
+        return rasterization_errors(self.parts, lattice, each, on_cells, self._impedances)
 
     def _impedances(self, batch: PressBatch) -> Complex:
         """Readings of presses of the model's cells, shape (press, interface, frequency)."""
-        Z = self._reduced.skin(None).sweeps(batch, self.scene.frequencies)
-        return self.scene.parts.setup.at_meter(Z)
+        Z = self._reduced.skin(None).sweeps(batch, self.parts.setup.frequency)
+        return self.parts.setup.at_meter(Z)
 
     def _rasterized(self, batch: PressBatch) -> PressBatch:
         """Touches around the middles of pixels, rasterized on cells."""
         assert self._size is not None
-        grid = self.scene.divided(CELLS).pixels.shape
-        return rasterized_with_fingers(self.scene, grid, self._touches, batch, self._size)
+        grid = self.parts.divided(CELLS).skin.pixels.shape
+        return rasterized_with_fingers(self.parts.skin, grid, self._touches, batch, self._size)
 
     @cached_property
-    def _divided(self) -> Scene:
-        """The scene with cells as pixels, each with a uniform rise."""
-        return uniformly_pressed(self.scene.divided(CELLS), "a limit")
+    def _divided(self) -> SceneParts:
+        """The parts with cells as pixels, each with a uniform rise."""
+        return uniformly_pressed(self.parts.divided(CELLS).parts, "a limit")
 
     @cached_property
     def _touches(self) -> PixelTouches:
         assert self._size is not None
-        grid = self.scene.divided(CELLS).pixels.shape
-        return touches_around_pixels(self.scene, grid, self._size, self._factors[1] - 1)
+        grid = self.parts.divided(CELLS).skin.pixels.shape
+        skin, press = self.parts.skin, self.parts.plan.press
+        return touches_around_pixels(skin, press, grid, self._size, self._factors[1] - 1)
 
     @cached_property
     def _reduced(self) -> Reduced:
-        touches = pixel_touches(self.scene.parts.skin, self.scene.parts.plan, self._factors)
+        touches = pixel_touches(self.parts.skin, self.parts.plan, self._factors)
         if self._size is None:
-            return reduced_for(self.scene.parts, RTOL, touches)
+            return reduced_for(self.parts, RTOL, touches)
 
         def rasterized_touches(random: np.random.Generator) -> Case:
             case = touches(random)

@@ -150,4 +150,4 @@ def calibrate(
         if line not in told:
             say(line)
     if not also:
-        warn_of_earth(scene, loaded)
+        warn_of_earth(scene, loaded.parts.skin)

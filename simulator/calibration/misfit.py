@@ -14,7 +14,7 @@ from ..fem.matrices.factors import one_blas_thread
 from ..models.effects import EFFECTS
 from ..models.parameters import own_values
 from ..progress import ProgressCallback, silent
-from ..scene.scene import Scene
+from ..scene.parts import SceneParts
 from ..sweeps import InputError, ToleranceError
 from .fitting.centered_model import CenteredModel, Model, checked_model, model_of
 from .fitting.fit import EXPLAINED, Fit, best_fit, model_tolerance, solve_from
@@ -82,7 +82,7 @@ class MisfitCauses:
 
 
 def gap_by_parameter(
-    scene: Scene,
+    parts: SceneParts,
     sweeps: xr.Dataset,
     options: Options = Options(),  # noqa: B008
     *,
@@ -97,23 +97,27 @@ def gap_by_parameter(
     and with the best of EFFECTS. Arguments and errors: see `calibrate`; `options.fit`, where given,
     restricts the parameters.
     """
-    data = measurements_of(scene, sweeps, options.band, options.session)
+    data = measurements_of(parts, sweeps, options.band, options.session)
     readout, known = noise_of(data).readout, priors(data, options.prior)
     spec = FitSpec(
         data,
         readout,
         {},
-        own_values(data.scene.parts.skin, data.scene.parts.setup),
+        own_values(data.parts.skin, data.parts.setup),
         options.strengths,
     )
-    own = checked_model(model, data.scene) if model else None
-    centered = CenteredModel(own or model_of(data.scene, model_tolerance(readout), progress), {})
+    own = checked_model(model, data.parts.skin, data.parts.setup) if model else None
+    centered = CenteredModel(own or model_of(data.parts, model_tolerance(readout), progress), {})
     unknown = candidates(data, centered.model.free, known, options.fit, options.fix)
     names = unknown.fitted if options.fit else [*unknown.fitted, *unknown.not_fitted]
     with one_blas_thread():
         before = solve_from(LeastSquaresProblem(spec, centered), spec.fixed).chi_squared
         alone = [_alone(spec, centered, name, known[name], before) for name in names]
-        if options.fit or before <= EXPLAINED * data.numbers or not addable_effects(data.scene):
+        if (
+            options.fit
+            or before <= EXPLAINED * data.numbers
+            or not addable_effects(data.parts.skin)
+        ):
             return MisfitCauses(_ordered(alone))
         try:
             trials = Trials(spec, {}, progress)
@@ -168,7 +172,7 @@ def _together(
 def _text_of(spec: FitSpec, name: str, value: float) -> str:
     """Text of the change of a parameter, or of the value of one of EFFECTS."""
     if name in EFFECTS:
-        return effect_text(spec.measurements.scene, name, value)
+        return effect_text(spec.measurements.parts, name, value)
     return change_text(name, value - spec.fixed[name])
 
 

@@ -90,5 +90,5 @@ def _residuals(fit: Fit) -> list[Real]:
     r = fit.problem.residuals(fit.u)[: math.prod(shape)].reshape(shape)
     if fit.spec.tail is not None:
         r = r * np.sqrt(fit.spec.tail.weights((r**2).sum(axis=1, keepdims=True)))
-    r = r[:, : measured.parts]
+    r = r[:, : measured.per_reading]
     return [r[:, :, k, read] for k, read in enumerate(measured.read) if read.sum() >= FEWEST]

@@ -34,7 +34,7 @@ def robust_fit(fit: Fit, noise: Noise, requested: bool | None, refit: Refit) -> 
     if requested is False:
         return fit, noise
     squares, freedom = fit.problem.squares(fit.u), information(fit).freedom
-    parts = fit.spec.measurements.parts
+    parts = fit.spec.measurements.per_reading
     chosen = likeliest if requested is None else fitted_tail
     tail = chosen(squares, freedom, parts=parts)
     if tail is None or (requested is None and not _matters(squares, tail, noise)):
@@ -91,7 +91,7 @@ def _named(fit: Fit, off: NDArray[np.intp]) -> str:
     """Frequencies of readings far off. off: their numbers among the used readings."""
     measured = fit.spec.measurements
     used = np.stack([measured.read & sweep.known for sweep in measured.sweeps])
-    f = measured.scene.frequencies[np.nonzero(used)[2][off]]
+    f = measured.parts.setup.frequency[np.nonzero(used)[2][off]]
     if not len(f):
         return ""
     several = f" and {len(set(f)) - NAMED} more" if len(set(f)) > NAMED else ""

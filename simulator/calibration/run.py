@@ -18,10 +18,12 @@ from ..models.reader_parameters import READER
 from ..models.uniform import folded
 from ..notebook_display import SmallChart, Tabular
 from ..progress import ProgressCallback, silent
+from ..scene.parts import Plan, Skin
+from ..scene.readings.setup import Setup
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .fitting.centered_model import CenteredModel, Model, centered_model, checked_model, model_of
-from .fitting.fit import Fit, best_fit, certificate_limit, fitted_scene, model_tolerance
+from .fitting.fit import Fit, best_fit, certificate_limit, fitted_parts, model_tolerance
 from .fitting.fit_options import Options, candidates
 from .fitting.fit_spec import FitSpec
 from .fitting.initial_values import capacitance_offset
@@ -134,39 +136,39 @@ def calibrate(
     tolerance.
     """
     stated = {"force": scene.press.force, "depth": scene.press.depth}
-    scene = forces_as_depths(scene)
     also = (*options.also, *(name for name in options.fit if name in READER))
-    scene = with_effects(scene, also)
-    folded(scene, "a calibration")
+    parts = with_effects(forces_as_depths(scene.parts), also)
+    folded(parts, "a calibration")
 
-    def measure(scene: Scene) -> Measurements:
-        return measurements_of(scene, sweeps, options.band, options.session)
+    def measure(setup: Setup) -> Measurements:
+        return measurements_of(parts.read(setup), sweeps, options.band, options.session)
 
-    job = _CalibrationRun(measure(scene), options, also, model, progress)
-    if model is None and (other := job.connection(scene, measure)):
-        data = other.presses(measure(scene := other.scene(scene)))
+    job = _CalibrationRun(measure(parts.setup), options, also, model, progress)
+    if model is None and (other := job.connection(parts.setup, measure)):
+        parts = parts.read(other.setup(parts.setup))
+        data = other.presses(measure(parts.setup))
         job = _CalibrationRun(data, options, also, model, progress, job)
     fit, noise = job.run()
-    fitted = fitted_scene(scene, fit.values)
-    press = fitted.press.model_copy(update=stated)
-    info = information(fit, job.not_fitted)
+    fitted = fitted_parts(parts, fit.values)
+    press = fitted.plan.press.model_copy(update=stated)
+    on, info = (parts.skin, parts.setup), information(fit, job.not_fitted)
     degrees = info.variance_freedom(noise)
     unknown = with_all_unknown(fit, job.not_fitted)
-    distributions = _distributions(scene, unknown, info, degrees, job.not_fitted)
-    bounds = intervals(scene, unknown, info, degrees, distributions, progress)
+    distributions = _distributions(*on, unknown, info, degrees, job.not_fitted)
+    bounds = intervals(*on, unknown, info, degrees, distributions, progress)
     deviations = zip(unknown.spec.fitted.items(), info.deviation.tolist(), strict=True)
     left_over = tuple(tail_remarks(fit))
     found = Calibration(
         values=fit.values,
         intervals=bounds,
         standard_errors={name: prior.deviation * own for (name, prior), own in deviations},
-        scene=fitted.model_copy(update={"press": press}),
+        scene=fitted.pressed_by(press).scene,
         identified=info.identified,
-        quantities=quantities(scene, unknown, info, degrees, fit.spec.names, distributions),
+        quantities=quantities(*on, unknown, info, degrees, fit.spec.names, distributions),
         information=info,
         fit=fit,
         noise=noise,
-        unclear=tuple(weakly_identified(scene, unknown, info)),
+        unclear=tuple(weakly_identified(*on, unknown, info)),
         remarks=tuple(dict.fromkeys([*job.remarks, *_left_out(fit), *left_over])),
         left_over=left_over,
         not_fitted=tuple(job.not_fitted),
@@ -178,7 +180,7 @@ def tried(calibration: Calibration, progress: ProgressCallback = silent) -> Cali
     """The calibration with remarks on what its scene lacks, and on an ideal capacitance."""
     fit, names = calibration.fit, calibration.fit.spec.names
     gained = misfit_trials(fit, calibration.information.freedom, calibration.noise, progress)
-    lossy = "phase_exponent" in names and not fit.spec.measurements.scene.parts.setup.gain
+    lossy = "phase_exponent" in names and not fit.spec.measurements.parts.setup.gain
     beaten = lossy and calibration.intervals["phase_exponent"][1] < 1 - ROUNDED
     return replace(
         calibration,
@@ -189,12 +191,17 @@ def tried(calibration: Calibration, progress: ProgressCallback = silent) -> Cali
 
 
 def _distributions(
-    scene: Scene, unknown: Fit, info: Information, freedom: float, not_fitted: Mapping[str, Prior]
+    skin: Skin,
+    setup: Setup,
+    unknown: Fit,
+    info: Information,
+    freedom: float,
+    not_fitted: Mapping[str, Prior],
 ) -> Distributions | None:
     """Profile distributions; None where parameters other than the mismatch were not fitted."""
     if not_fitted.keys() - {MISMATCH}:
         return None
-    return Distributions(scene, unknown, info, quantile(freedom))
+    return Distributions(skin, setup, unknown, info, quantile(freedom))
 
 
 class _CalibrationRun:
@@ -214,9 +221,9 @@ class _CalibrationRun:
         left_out = [f"left out: {reason}" for reason in measured.left_out]
         self.remarks = before.remarks if before else left_out
         self.noise = noise_of(measured)
-        self._uneven = _checked_uneven(measured.scene, options, model)
+        self._uneven = _checked_uneven(measured.parts.skin, measured.parts.plan, options, model)
         self.priors = priors(measured, options.prior, self._uneven, also)
-        at_hand = model or model_of(measured.scene, self._tolerance, progress, self._uneven)
+        at_hand = model or model_of(measured.parts, self._tolerance, progress, self._uneven)
         free = (*at_hand.free, *self._uneven.names)
         fit = (*options.fit, *options.also) if options.fit else ()
         chosen = candidates(measured, free, self.priors, fit, options.fix)
@@ -228,9 +235,9 @@ class _CalibrationRun:
         self._begin: Mapping[str, float] | None = before._begin if before else None
         self._tail: StudentT | None = None
 
-    def connection(self, scene: Scene, measure: Measure) -> Connection | None:
+    def connection(self, every: Setup, measure: Measure) -> Connection | None:
         """The connection that explains the readings, where the stated one does not."""
-        found = try_connections(self._spec(), self._ready, scene, measure, self._progress)
+        found = try_connections(self._spec(), self._ready, every, measure, self._progress)
         self._begin = found.begin
         self.remarks += found.remarks
         return found.connection
@@ -253,9 +260,9 @@ class _CalibrationRun:
         return self._fit()
 
     def _spec(self) -> FitSpec:
-        own = own_values(
-            self.measured.scene.parts.skin, self.measured.scene.parts.setup
-        ) | dict.fromkeys(self._uneven.names, 0.0)
+        own = own_values(self.measured.parts.skin, self.measured.parts.setup) | dict.fromkeys(
+            self._uneven.names, 0.0
+        )
         return FitSpec(
             self.measured,
             self.noise.readout,
@@ -272,15 +279,17 @@ class _CalibrationRun:
 
     def _prepared(self, model: Model, trained: bool) -> CenteredModel:
         """A model around the scene, or around the measured capacitance where that is far off."""
-        scene = self.measured.scene
+        parts = self.measured.parts
         if trained or isinstance(model, LineModel):
-            return CenteredModel(checked_model(model, scene, self._uneven), {}, self._uneven)
+            return CenteredModel(
+                checked_model(model, parts.skin, parts.setup, self._uneven), {}, self._uneven
+            )
         wide = self.options.prior == "wide" and "capacitance" in self.names
         off = capacitance_offset(self.measured) if wide else 0.0
         if not off:
             return CenteredModel(model, {}, self._uneven)
         return centered_model(
-            scene, {"capacitance": off}, self._tolerance, self._progress, self._uneven
+            parts, {"capacitance": off}, self._tolerance, self._progress, self._uneven
         )
 
     @property
@@ -299,14 +308,14 @@ class _CalibrationRun:
             self.remarks.append(work)
 
 
-def _checked_uneven(scene: Scene, options: Options, model: Model | None) -> FittedModes:
+def _checked_uneven(skin: Skin, plan: Plan, options: Options, model: Model | None) -> FittedModes:
     """Cosine modes to fit. Raises InputError where the scene has such maps already."""
-    drawn = options.prior == "session" and sessions_vary_smoothly(scene) and model is None
+    drawn = options.prior == "session" and sessions_vary_smoothly(plan) and model is None
     found = FittedModes(options.uneven or drawn, options.uneven_sheets)
     if found.foam:
-        check_uniform_foam(scene.parts.skin, scene.press)
+        check_uniform_foam(skin, plan.press)
     if found.sheets:
-        check_uniform_sheets(scene.parts.skin)
+        check_uniform_sheets(skin)
     return found
 
 

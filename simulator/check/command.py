@@ -13,7 +13,8 @@ from ..safe_text import say, terminal
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..scene.scene import Scene
+    from ..scene.parts import Skin
+    from ..scene.pixel_grid import Pressing
 
 TRANSFER = (
     "the meter's low terminal is a virtual earth, so that readings are transfer impedances; the "
@@ -92,9 +93,11 @@ def check(
     try:
         scene = scene_of_sweeps(sweeps)
         two_terminal = (
-            scene is None or scene.two_terminal or not _current_bypasses_meter(scene, sweeps)
+            scene is None
+            or scene.two_terminal
+            or not _current_bypasses_meter(scene.parts.skin, scene.press, sweeps)
         )
-        creeps = scene is not None and _creeps(scene, sweeps)
+        creeps = scene is not None and _creeps(scene.parts.skin, sweeps)
         bound = two_terminal and not creeps
         together = (
             gains and scene is not None and any(each.driven_with for each in scene.interfaces)
@@ -136,22 +139,22 @@ def check(
         raise typer.Exit(FLAGGED)
 
 
-def _creeps(scene: Scene, sweeps: xr.Dataset) -> bool:
+def _creeps(skin: Skin, sweeps: xr.Dataset) -> bool:
     """True if the foam creeps under any press of the sweeps, and thus between their readings."""
     from ..sweeps.schema import UNPRESSED
 
     pressed = any(str(press) != UNPRESSED for press in sweeps["press"].values)
-    return pressed and bool(scene.skin.foam.relaxation)
+    return pressed and bool(skin.foam.relaxation)
 
 
-def _current_bypasses_meter(scene: Scene, sweeps: xr.Dataset) -> bool:
+def _current_bypasses_meter(skin: Skin, pressing: Pressing, sweeps: xr.Dataset) -> bool:
     """True if surroundings, or a finger that a press names, may divert current from the meter."""
     from ..press.press import press_on
 
-    around = scene.surroundings
+    around = skin.around
     assert around is not None
     presses = {str(press) for press in sweeps["press"].values}
-    fingers = any(press_on(scene.parts.skin, scene.press, press).fingers for press in presses)
+    fingers = any(press_on(skin, pressing, press).fingers for press in presses)
     return fingers or bool(around.body) or around.rim is not False or around.solved
 
 

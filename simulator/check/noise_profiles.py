@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ..arrays import Real
+    from ..scene.parts import Meter
     from ..scene.scene import Scene
 
 
@@ -24,11 +25,11 @@ def noise_profiles(scene: Scene | None, sweeps: xr.Dataset) -> dict[str, Real]:
     if scene is None or scene.readout.uniform or not scene.readout.noisy:
         return {}
     names = map(str, sweeps["interface"].values)
-    return {name: _profile(scene, read_at(sweeps, name)) for name in names}
+    return {name: _profile(scene.parts.meter, read_at(sweeps, name)) for name in names}
 
 
-def _profile(scene: Scene, sweeps: xr.Dataset) -> Real:
+def _profile(meter: Meter, sweeps: xr.Dataset) -> Real:
     """Profile at the only interface of the sweeps, shape (frequency,)."""
     reading, frequency = complex_readings(sweeps), sweeps["frequency"].values
-    noise = scene.readout.noise(reading, frequency)
+    noise = meter.readout.noise(reading, frequency)
     return np.sqrt(np.mean(np.square(noise), axis=(0, 1, 2)))

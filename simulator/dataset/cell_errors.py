@@ -14,7 +14,8 @@ from ..models.reduced.indentation.indentation_draws import spreading
 from ..models.solution import reading_difference
 from ..press.batch import PressBatch
 from ..press.press import parse_press
-from ..scene.scene import Scene
+from ..scene.parts import SceneParts, Skin
+from ..scene.readings.setup import Setup
 from .anywhere.deflections import cell_presses_by_triangles
 from .creeping import at_sweep_end
 from .drawn_presses import Presses, drawn_presses
@@ -23,43 +24,45 @@ from .skin_model import SkinFamily, nominal_skin
 SAMPLE = 16
 
 
-def rasterization_error(scene: Scene, family: SkinFamily, seed: int, rtol: float) -> float:
+def rasterization_error(parts: SceneParts, family: SkinFamily, seed: int, rtol: float) -> float:
     """Largest relative error of readings by rasterizing touches on cells, for a sample of presses.
 
     The skin is the scene's nominal one; creeping foam is compared at the end of a sweep. If a
     tension spreads presses, the error includes `lattice_error` and the safety factor SAMPLED.
     """
-    presses = _sample(scene, family, seed)
-    creeps = bool(scene.skin.foam.in_time)
-    batch = at_sweep_end(scene, presses.batch) if creeps else presses.batch
-    on_cells = _answers(scene, family, batch)
+    presses = _sample(parts, family, seed)
+    creeps = bool(parts.skin.foam.in_time)
+    batch = at_sweep_end(parts, presses.batch) if creeps else presses.batch
+    on_cells = _answers(parts.skin, parts.setup, family, batch)
     texts = (parse_press(text, np.nan) for text in presses.text)
     if creeps:
-        _, whole = reading_moments(scene.parts)
-        texts = (FoamState(scene.parts.skin).then(press, 0.0).after(whole) for press in texts)
-    return (SAMPLED if spreading(scene.parts.skin, scene.press) else 1.0) * error_against_solver(
-        scene, texts, on_cells, rtol
+        _, whole = reading_moments(parts)
+        texts = (FoamState(parts.skin).then(press, 0.0).after(whole) for press in texts)
+    return (SAMPLED if spreading(parts.skin, parts.plan.press) else 1.0) * error_against_solver(
+        parts, texts, on_cells, rtol
     )
 
 
-def lattice_error(scene: Scene, family: SkinFamily, seed: int) -> float:
+def lattice_error(parts: SceneParts, family: SkinFamily, seed: int) -> float:
     """Relative error of readings by solving deflections on a lattice, for a sample of presses.
 
     The reference is the membrane on triangles, rasterized on the same cells.
     """
-    presses = _sample(scene, family, seed)
+    presses = _sample(parts, family, seed)
     assert presses.placed is not None
-    on_cells = _answers(scene, family, presses.batch)
-    traced = cell_presses_by_triangles(scene, presses.touches, presses.placed, family.grid)
-    exact = _answers(scene, family, traced)
-    return SAMPLED * float(reading_difference(on_cells, exact, scene.parts.setup.kind).max())
+    on_cells = _answers(parts.skin, parts.setup, family, presses.batch)
+    traced = cell_presses_by_triangles(
+        parts.skin, parts.plan, presses.touches, presses.placed, family.grid
+    )
+    exact = _answers(parts.skin, parts.setup, family, traced)
+    return SAMPLED * float(reading_difference(on_cells, exact, parts.setup.kind).max())
 
 
-def _sample(scene: Scene, family: SkinFamily, seed: int) -> Presses:
-    return drawn_presses(scene, stream(seed, 0, CELLS), SAMPLE, family.grid)
+def _sample(parts: SceneParts, family: SkinFamily, seed: int) -> Presses:
+    return drawn_presses(parts, stream(seed, 0, CELLS), SAMPLE, family.grid)
 
 
-def _answers(scene: Scene, family: SkinFamily, batch: PressBatch) -> Complex:
+def _answers(skin: Skin, setup: Setup, family: SkinFamily, batch: PressBatch) -> Complex:
     """Readings of presses on the nominal skin, (press, interface, frequency)."""
-    Z = nominal_skin(scene, family).sweeps(batch)
-    return scene.parts.setup.at_meter(Z)
+    Z = nominal_skin(skin, family).sweeps(batch)
+    return setup.at_meter(Z)

@@ -47,18 +47,18 @@ def dataset(
     from ..requests.time_estimates import note_if_long
     from ..sweeps import sizes_text
     from ..sweeps.errors import InterruptedWorkError
-    from .dataset_plan import Plan, readings
+    from .dataset_plan import DatasetPlan, readings
     from .generation import generate, is_complete
     from .layout import readings_along
     from .store import finished_attributes
 
     loaded = requested_scene(scene)
-    plan = Plan(foldable(loaded, "a data set", creeps=True), sweeps, seed, rtol)
+    plan = DatasetPlan(foldable(loaded.parts, "a data set", creeps=True).parts, sweeps, seed, rtol)
     if is_complete(plan, output):
         return say(f"{output}: is complete, nothing was computed; --overwrite makes it anew")
-    note_if_noise_free(scene, loaded)
+    note_if_noise_free(scene, loaded.parts.setup, loaded.parts.meter)
     processes = workers or _cpu_count()
-    seconds = sweeps * readings(plan.scene) / (READINGS_A_SECOND * processes)
+    seconds = sweeps * readings(plan.parts.setup) / (READINGS_A_SECOND * processes)
     note_if_long(scene, 0 if scheduler else seconds, f"{sweeps} sweeps on {processes} processes")
     try:
         with on_terminal("sweeps") as progress:
@@ -73,7 +73,7 @@ def dataset(
         "solved without the reduced model"
     )
     if "cells_error" in attributes:
-        changed = " and ".join(plan.scene.parts.setup.kind.with_errors)
+        changed = " and ".join(plan.parts.setup.kind.with_errors)
         say(
             f"{output}: rasterizing touches on cells changes {changed} by up to "
             f"{attributes['cells_error']:.1e}; a larger cells_per_pixel reduces it"

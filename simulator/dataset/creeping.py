@@ -15,27 +15,27 @@ from ..measure.foam_state import NEGLIGIBLE
 from ..press.batch import PressBatch
 from ..press.foam_creep import Creep, unloading_strain
 from ..press.parts import foam_parts
-from ..scene.scene import Scene
+from ..scene.parts import SceneParts
 from ..sweeps import InputError
 
 
-def in_foam_states(scene: Scene, batch: PressBatch, decays: Sequence[Real]) -> PressBatch:
+def in_foam_states(parts: SceneParts, batch: PressBatch, decays: Sequence[Real]) -> PressBatch:
     """Consecutive presses of a session, each in several states of the foam.
 
     decays: decay since the press in each state, from `Creep.decay`. Press k in state n has the
     number k len(decays) + n.
     """
-    grid = scene.divided(scene.dataset.press.cells).pixels.shape
+    grid = parts.divided(parts.plan.draws.press.cells).skin.pixels.shape
     foam, creep, cells = (
-        scene.skin.foam,
-        Creep.of(scene.skin.foam),
-        foam_parts(scene.parts.skin, grid),
+        parts.skin.foam,
+        Creep.of(parts.skin.foam),
+        foam_parts(parts.skin, grid),
     )
     on_foam = batch.cells < cells
     factor = _factors(batch.where(on_foam), cells)
     strain = foam.strain_at(factor)
     beyond = factor / foam.factor_at(strain)
-    at_once, y = _strain_histories(scene, strain)
+    at_once, y = _strain_histories(parts, strain)
     rises = []
     for decay in decays:
         now = at_once + creep.loaded(y, at_once, decay).sum(axis=0)
@@ -45,11 +45,11 @@ def in_foam_states(scene: Scene, batch: PressBatch, decays: Sequence[Real]) -> P
     return pressed.and_(_repeated(batch.where(~on_foam), len(decays)))
 
 
-def at_sweep_end(scene: Scene, batch: PressBatch) -> PressBatch:
+def at_sweep_end(parts: SceneParts, batch: PressBatch) -> PressBatch:
     """Each press alone on relaxed foam, in the state at the end of its sweep."""
-    _, whole = reading_moments(scene.parts)
-    decays = [Creep.of(scene.skin.foam).decay(whole)]
-    each = (in_foam_states(scene, PressBatch.of([press]), decays).one(0) for press in batch.each())
+    _, whole = reading_moments(parts)
+    decays = [Creep.of(parts.skin.foam).decay(whole)]
+    each = (in_foam_states(parts, PressBatch.of([press]), decays).one(0) for press in batch.each())
     return PressBatch.of(each)
 
 
@@ -60,13 +60,13 @@ def _factors(batch: PressBatch, cells: int) -> Real:
     return factor
 
 
-def _strain_histories(scene: Scene, strain: Real) -> tuple[Real, Real]:
+def _strain_histories(parts: SceneParts, strain: Real) -> tuple[Real, Real]:
     """Instantaneous strain, shape (press, cell), and creep strain when each press begins.
 
     The latter has the shape (solid, press, cell). strain: of each load alone, (press, cell).
     """
-    foam, creep, pause = scene.skin.foam, Creep.of(scene.skin.foam), scene.experiment.timed.pause
-    _, whole = reading_moments(scene.parts)
+    foam, creep, pause = parts.skin.foam, Creep.of(parts.skin.foam), parts.plan.pause
+    _, whole = reading_moments(parts)
     at_once, y = np.array(strain), np.zeros((len(creep.share), *strain.shape))
     now, largest = creep.nothing(strain.shape[1]), np.zeros(strain.shape[1])
     while_pressed, between = creep.decay(whole), creep.decay(pause)[:, None]
@@ -82,24 +82,27 @@ def _repeated(batch: PressBatch, times: int) -> PressBatch:
     return PressBatch.of([batch.one(k) for k in range(batch.count) for _ in range(times)])
 
 
-def check_creep(scene: Scene) -> None:
+def check_creep(parts: SceneParts) -> None:
     """Raises InputError if creeping foam is read at nodes driven together, or creeps too far."""
-    foam, drawn = scene.skin.foam, scene.dataset.press
+    foam, drawn = parts.skin.foam, parts.plan.draws.press
     if not foam.in_time:
         return
-    if not scene.parts.setup.one_to_one:
+    if not parts.setup.one_to_one:
         raise InputError(
-            f"{scene.name}: data sets of foam with `{foam.in_time[0]}` take no "
+            f"{parts.skin.name}: data sets of foam with `{foam.in_time[0]}` take no "
             "`interface.driven_with`; leave out one of them"
         )
     overlapping = 2 if drawn.rasterized and drawn.max_touches > 1 else 1
-    x = foam.strain_at(np.array(scene.drawn_factor.high**overlapping))
+    x = foam.strain_at(
+        np.array(parts.plan.draws.press.factor_within(parts.skin.foam).high ** overlapping)
+    )
     creep = Creep.of(foam)
     strain = float(creep.greatest(creep.nothing(), x))
     if strain > foam.greatest_strain:
         twice = ", where two of them meet" if overlapping > 1 else ""
+        factor = parts.plan.draws.press.factor_within(foam).high
         raise InputError(
-            f"{scene.name}: `dataset.press.factor` must leave foam that creeps compressed by at "
-            f"most {foam.greatest_strain:.3g} of its thickness in every draw, got "
-            f"{scene.drawn_factor.high:g}, which comes to {strain:.3g}{twice}"
+            f"{parts.skin.name}: `dataset.press.factor` must leave foam that creeps compressed by "
+            f"at most {foam.greatest_strain:.3g} of its thickness in every draw, got {factor:g}, "
+            f"which comes to {strain:.3g}{twice}"
         )

@@ -15,8 +15,9 @@ from ..mesh.pixel_coverage import pixel_coverage
 from ..models.mechanics.deformation import check_plane
 from ..models.reduced.indentation.applicators import deepest
 from ..models.reduced.indentation.indentation_draws import spreading
-from ..scene.scene import Scene
-from ..scene.scene_files import parse_scene, scene_text
+from ..scene.parts import Plan, SceneParts, Skin
+from ..scene.readings.setup import Setup
+from ..scene.scene_files import parse_scene
 from ..sweeps import InputError
 from ..sweeps.inputs import objects
 from .creeping import check_creep
@@ -31,13 +32,13 @@ MAX_SEED = 2**63 - 1
 
 
 @dataclass(frozen=True)
-class Plan:
-    """A data set: scene, number of sweeps, seed and relative tolerance.
+class DatasetPlan:
+    """A data set: parts of a scene, number of sweeps, seed and relative tolerance.
 
     block_values: approximate number of readings of one quantity in a block.
     """
 
-    scene: Scene
+    parts: SceneParts
     sweeps: int
     seed: int
     rtol: float
@@ -51,16 +52,17 @@ class Plan:
             raise InputError(f"`seed` must be in 0..{MAX_SEED}, got {self.seed}")
         if not 0 < self.rtol < 1:
             raise InputError(f"`rtol` must be between 0 and 1, got {self.rtol}")
-        _check_size(self.scene)
-        _check_presses(self.scene)
-        check_surroundings(self.scene)
-        _check_depths(self.scene)
-        check_creep(self.scene)
+        skin, plan = self.parts.skin, self.parts.plan
+        _check_size(self.parts)
+        _check_presses(skin, plan)
+        check_surroundings(skin, plan)
+        _check_depths(skin, plan)
+        check_creep(self.parts)
 
     @property
     def session_sweeps(self) -> int:
         """Number of sweeps in a session."""
-        return self.scene.dataset.session.sweeps_per_session
+        return self.parts.plan.draws.session.sweeps_per_session
 
     @property
     def sessions(self) -> int:
@@ -82,7 +84,7 @@ class Plan:
     @cached_property
     def block_sessions(self) -> int:
         """Number of sessions in a block."""
-        return max(1, self.block_values // (self.session_sweeps * readings(self.scene)))
+        return max(1, self.block_values // (self.session_sweeps * readings(self.parts.setup)))
 
     @property
     def blocks(self) -> int:
@@ -115,7 +117,7 @@ class Plan:
             "seed": self.seed,
             "rtol": self.rtol,
             "block_values": self.block_values,
-            "scene": scene_text(self.scene),
+            "scene": self.parts.text,
         }
 
     def text(self) -> str:
@@ -128,16 +130,18 @@ class Plan:
         return sha256(self.text().encode()).hexdigest()
 
 
-def readings(scene: Scene) -> int:
+def readings(setup: Setup) -> int:
     """Number of readings of one quantity in a sweep."""
-    return len(scene.interfaces) * len(scene.frequencies)
+    return len(setup.interfaces) * len(setup.frequency)
 
 
-def parse_plan(text: str) -> Plan:
+def parse_plan(text: str) -> DatasetPlan:
     """The plan with this `text`."""
     record = objects(text)
-    scene = parse_scene(record["scene"], source="plan")
-    return Plan(scene, record["sweeps"], record["seed"], record["rtol"], record["block_values"])
+    parts = parse_scene(record["scene"], source="plan").parts
+    return DatasetPlan(
+        parts, record["sweeps"], record["seed"], record["rtol"], record["block_values"]
+    )
 
 
 def first_difference(requested: Mapping[str, object], existing: Mapping[str, object]) -> str | None:
@@ -150,46 +154,46 @@ def first_difference(requested: Mapping[str, object], existing: Mapping[str, obj
     return None
 
 
-def _check_size(scene: Scene) -> None:
-    size = scene.dataset.session.sweeps_per_session * readings(scene)
-    if size > MAX_VALUES:
+def _check_size(parts: SceneParts) -> None:
+    sweeps, each = parts.plan.draws.session.sweeps_per_session, readings(parts.setup)
+    if sweeps * each > MAX_VALUES:
         raise InputError(
-            f"`dataset.session.sweeps_per_session` must be <= {MAX_VALUES // readings(scene)} on "
-            f"{scene.name}, for a session to fit in memory, got {size // readings(scene)}"
+            f"`dataset.session.sweeps_per_session` must be <= {MAX_VALUES // each} on "
+            f"{parts.skin.name}, for a session to fit in memory, got {sweeps}"
         )
 
 
-def _check_depths(scene: Scene) -> None:
+def _check_depths(skin: Skin, plan: Plan) -> None:
     """Raises InputError if presses by depth are drawn that the foam does not permit."""
-    drawn = scene.dataset.press
-    if scene.press.by_factor:
+    drawn = plan.draws.press
+    if plan.press.by_factor:
         if drawn.depth is not None:
             raise InputError(
-                f"{scene.name}: `dataset.press.depth` needs `press.depth` in place of "
+                f"{skin.name}: `dataset.press.depth` needs `press.depth` in place of "
                 "`press.capacitance_factor`, and foam with mechanics"
             )
         return
-    if drawn.rasterized and spreading(scene.parts.skin, scene.press):
-        check_plane(scene.skin)
-    max_depth = deepest(scene.parts.skin)
+    if drawn.rasterized and spreading(skin, plan.press):
+        check_plane(skin)
+    max_depth = deepest(skin)
     if drawn.depth is not None:
         named, depth = "depth", drawn.depth.high
         allowed = f"<= {max_depth:.4g} m"
     else:
-        named, high = "factor", float(scene.pressed_factors(np.array(max_depth)))
+        named, high = "factor", float(skin.pressed_factors(np.array(max_depth)))
         allowed = f"from 1 to {high:.4g}"
-        factor = scene.drawn_factor
+        factor = plan.draws.press.factor_within(skin.foam)
         depth = np.inf if factor.high > high or factor.low < 1 else max_depth
     if depth > max_depth:
         raise InputError(
-            f"{scene.name}: `dataset.press.{named}` must be {allowed} in every draw: the models "
+            f"{skin.name}: `dataset.press.{named}` must be {allowed} in every draw: the models "
             "cover no deeper applicators"
         )
 
 
-def _check_presses(scene: Scene) -> None:
-    press, pixels = scene.dataset.press, len(pixel_coverage(scene.parts.skin).numbers)
-    if scene.pixels.groups is not None and press.offset > 0:
+def _check_presses(skin: Skin, plan: Plan) -> None:
+    press, pixels = plan.draws.press, len(pixel_coverage(skin).numbers)
+    if skin.pixels.groups is not None and press.offset > 0:
         raise InputError(
             "`dataset.press.offset` must be 0 where `pixels.groups` says what pixels are, "
             f"got {press.offset:g}"
@@ -197,10 +201,10 @@ def _check_presses(scene: Scene) -> None:
     if press.place == "pixel" and press.max_touches > pixels:
         raise InputError(
             f"`dataset.press.touches` allows {press.max_touches} touches at once, "
-            f"but {scene.name} has {pixels} pixel"
+            f"but {skin.name} has {pixels} pixel"
         )
-    check_cells(scene)
-    side = min(scene.skin.length, scene.skin.width)
+    check_cells(skin, plan)
+    side = min(skin.length, skin.width)
     if press.place == "anywhere" and press.size.high > side:
         raise InputError(
             f"`dataset.press.size` must be <= {side:g} m, the skin's shorter side, "
@@ -208,11 +212,11 @@ def _check_presses(scene: Scene) -> None:
         )
 
 
-def check_cells(scene: Scene) -> None:
+def check_cells(skin: Skin, plan: Plan) -> None:
     """Raises InputError if presses need more cells than a model can be trained for."""
-    cells, longest = scene.dataset.press.cells, max(scene.pixels.shape)
+    cells, longest = plan.draws.press.cells, max(skin.pixels.shape)
     if cells * longest > MAX_CELLS:
         raise InputError(
-            f"{scene.name}: `pixels` and `dataset.press.cells_per_pixel` must leave at most "
+            f"{skin.name}: `pixels` and `dataset.press.cells_per_pixel` must leave at most "
             f"{MAX_CELLS} cells along each side in data sets, got {longest} x {cells}"
         )

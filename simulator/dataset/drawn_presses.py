@@ -14,7 +14,7 @@ from ..press.press import rod_text
 from ..press.rasterized import Footprints
 from ..scene.draws.draw_distributions import truncated_normal
 from ..scene.draws.randomisation import CUT, DrawnPress
-from ..scene.scene import Scene
+from ..scene.parts import Plan, SceneParts, Skin
 from .anywhere.deflections import cell_presses, written_strengths
 from .anywhere.touch_places import drawn_places
 from .anywhere.touch_places import place_texts as texts_anywhere
@@ -51,36 +51,36 @@ class Presses:
 
 
 def session_presses(
-    scene: Scene, random: np.random.Generator, count: int, grid: tuple[int, int]
+    parts: SceneParts, random: np.random.Generator, count: int, grid: tuple[int, int]
 ) -> Presses:
     """Random presses of a session, including its baseline sweeps."""
-    baselines = _baseline_mask(scene.dataset.session.rest_every, count)
-    return _drawn(scene, random, baselines, grid)
+    baselines = _baseline_mask(parts.plan.draws.session.rest_every, count)
+    return _drawn(parts, random, baselines, grid)
 
 
 def drawn_presses(
-    scene: Scene, random: np.random.Generator, count: int, grid: tuple[int, int]
+    parts: SceneParts, random: np.random.Generator, count: int, grid: tuple[int, int]
 ) -> Presses:
     """Random presses of a scene's data set on the cells of a grid (rows, columns)."""
-    return _drawn(scene, random, np.zeros(count, dtype=bool), grid)
+    return _drawn(parts, random, np.zeros(count, dtype=bool), grid)
 
 
 def _drawn(
-    scene: Scene, random: np.random.Generator, unpressed: Mask, grid: tuple[int, int]
+    parts: SceneParts, random: np.random.Generator, unpressed: Mask, grid: tuple[int, int]
 ) -> Presses:
     """A press for each sweep; no touch where the mask `unpressed` is True."""
-    drawn, count = scene.dataset.press, len(unpressed)
+    drawn, count = parts.plan.draws.press, len(unpressed)
     touches = np.where(unpressed, 0, _counts(drawn, random.random(count)))
     chances = random.random((4, count, MAX_TOUCHES))
-    factor = drawn_strengths(scene, random.random((count, MAX_TOUCHES)))
-    if drawn.place == "anywhere" and not scene.skin.rectangular:
+    factor = drawn_strengths(parts.skin, parts.plan, random.random((count, MAX_TOUCHES)))
+    if drawn.place == "anywhere" and not parts.skin.rectangular:
         again = random.random((2 * TRIES, count, MAX_TOUCHES))
         chances = np.concatenate([chances, again])
-    fingers = drawn_fingers(scene, random, factor.shape)
+    fingers = drawn_fingers(parts.plan, random, factor.shape)
     factor = np.where(fingers.alone, 1.0, factor)
     if drawn.place == "anywhere":
-        return presses_anywhere(scene, touches, chances, factor, grid, fingers)
-    return _on_pixels(scene, touches, chances, factor, grid, fingers)
+        return presses_anywhere(parts.skin, parts.plan, touches, chances, factor, grid, fingers)
+    return _on_pixels(parts, touches, chances, factor, grid, fingers)
 
 
 def _baseline_mask(every: int, count: int) -> Mask:
@@ -97,7 +97,7 @@ def _counts(drawn: DrawnPress, chance: Real) -> Integer:
 
 
 def _on_pixels(
-    scene: Scene,
+    parts: SceneParts,
     touches: Integer,
     chances: Real,
     factor: Real,
@@ -105,27 +105,29 @@ def _on_pixels(
     fingers: DrawnFingers,
 ) -> Presses:
     """Touches of distinct whole pixels, in the order of pixels as in the texts."""
-    pixels = pixel_coverage(scene.parts.skin).numbers
+    pixels = pixel_coverage(parts.skin).numbers
     pixel = pixels[_distinct_pixels(touches, chances[0], len(pixels))]
     aside = truncated_normal(chances[2:], CUT)
-    return _on(scene, touches, pixel, factor, aside, grid, fingers)
+    return _on(parts, touches, pixel, factor, aside, grid, fingers)
 
 
-def pressed_pixels(scene: Scene, pixels: Integer, factor: Real, grid: tuple[int, int]) -> Presses:
+def pressed_pixels(
+    parts: SceneParts, pixels: Integer, factor: Real, grid: tuple[int, int]
+) -> Presses:
     """Presses of one pixel each, in its middle, with the finger of the scene's `press`.
 
     pixels: row and column from 0, negative for none, shape (press, 2). factor: shape (press,).
     """
     row, column = pixels.T
     touches = (row >= 0).astype(np.int64)
-    number = np.maximum(row * scene.pixels.columns + column, 0)
+    number = np.maximum(row * parts.skin.pixels.columns + column, 0)
     pixel = np.repeat(number[:, None], MAX_TOUCHES, axis=1)
     factor = np.repeat(factor[:, None], MAX_TOUCHES, axis=1)
-    return _on(scene, touches, pixel, factor, np.zeros((2, *pixel.shape)), grid, OWN_FINGERS)
+    return _on(parts, touches, pixel, factor, np.zeros((2, *pixel.shape)), grid, OWN_FINGERS)
 
 
 def _on(
-    scene: Scene,
+    parts: SceneParts,
     touches: Integer,
     pixel: Integer,
     factor: Real,
@@ -134,29 +136,29 @@ def _on(
     fingers: DrawnFingers,
 ) -> Presses:
     """Presses of pixels by number, shape (press, MAX_TOUCHES). aside: as in `with_offset`."""
-    columns = scene.pixels.columns
+    columns = parts.skin.pixels.columns
     there = np.arange(MAX_TOUCHES) < touches[:, None]
     factor = np.where(there, factor, 1.0)
     row, column = np.divmod(pixel, columns)
-    whole = scene.skin.rectangular or scene.dataset.press.rasterized
+    whole = parts.skin.rectangular or parts.plan.draws.press.rasterized
     middle = (
-        _centres(scene, row, column) if whole else pixel_coverage(scene.parts.skin).middle[:, pixel]
+        _centres(parts.skin, row, column) if whole else pixel_coverage(parts.skin).middle[:, pixel]
     )
     x, y = np.where(there, middle, 0.0)
-    finger = fingers.of_pixels(scene, pixel, there)
-    inside = cells_of_pixels(scene, grid)
+    finger = fingers.of_pixels(parts, pixel, there)
+    inside = cells_of_pixels(parts.skin, grid)
     starts = np.concatenate([[0], np.cumsum(touches * inside.shape[1])])
     rises = np.repeat(factor[there] - 1, inside.shape[1])
     batch = PressBatch(inside[pixel[there]].ravel(), rises, starts)
     presses = Presses(
-        batch=with_fingers_on(scene.parts.skin, batch, finger, inside[pixel], grid),
+        batch=with_fingers_on(parts.skin, batch, finger, inside[pixel], grid),
         text=pixel_texts(
             touches,
             row + 1,
             column + 1,
-            *written_strength(scene, factor),
+            *written_strength(parts.skin, parts.plan.press, factor),
             finger,
-            rod_text(scene.press),
+            rod_text(parts.plan.press),
         ),
         row=single_label(touches, row[:, 0] + 1),
         column=single_label(touches, column[:, 0] + 1),
@@ -166,12 +168,16 @@ def _on(
         factor=factor,
         finger=finger,
     )
-    return with_offset(scene, presses, aside, grid) if scene.dataset.press.rasterized else presses
+    return (
+        with_offset(parts.skin, parts.plan, presses, aside, grid)
+        if parts.plan.draws.press.rasterized
+        else presses
+    )
 
 
-def _centres(scene: Scene, row: Integer, column: Integer) -> Real:
+def _centres(skin: Skin, row: Integer, column: Integer) -> Real:
     """Centres (x, y) in m of pixels counted from 0, shape (2, ...)."""
-    skin, pixels = scene.skin, scene.pixels
+    skin, pixels = skin, skin.pixels
     x = (column + 0.5) * skin.length / pixels.columns
     return np.stack([x, (row + 0.5) * skin.width / pixels.rows])
 
@@ -186,9 +192,9 @@ def _distinct_pixels(touches: Integer, chances: Real, count: int) -> Integer:
     return np.stack([np.where(swapped, second, first), np.where(swapped, first, second)], axis=1)
 
 
-def cells_of_pixels(scene: Scene, grid: tuple[int, int]) -> Integer:
+def cells_of_pixels(skin: Skin, grid: tuple[int, int]) -> Integer:
     """Numbers of the cells of each pixel, row by row, shape (pixel, cell)."""
-    rows, columns = scene.pixels.rows, scene.pixels.columns
+    rows, columns = skin.pixels.rows, skin.pixels.columns
     high, wide = grid[0] // rows, grid[1] // columns
     cells = np.arange(grid[0] * grid[1]).reshape(rows, high, columns, wide)
     return cells.transpose(0, 2, 1, 3).reshape(rows * columns, high * wide)
@@ -200,7 +206,8 @@ def single_label(touches: Integer, index: Integer) -> Integer:
 
 
 def presses_anywhere(
-    scene: Scene,
+    skin: Skin,
+    plan: Plan,
     touches: Integer,
     chances: Real,
     factor: Real,
@@ -211,14 +218,14 @@ def presses_anywhere(
 
     chances, factor: as in `drawn_places`.
     """
-    placed = drawn_places(scene, touches, chances, factor, grid, fingers)
+    placed = drawn_places(skin, plan, touches, chances, factor, grid, fingers)
     there = np.arange(MAX_TOUCHES) < touches[:, None]
     return Presses(
         batch=with_fingers_at(
-            scene.parts.skin, cell_presses(scene, touches, placed, grid), touches, placed, grid
+            skin, cell_presses(skin, plan, touches, placed, grid), touches, placed, grid
         ),
         text=texts_anywhere(
-            touches, placed, *written_strengths(scene, placed), rod_text(scene.press)
+            touches, placed, *written_strengths(skin, plan.press, placed), rod_text(plan.press)
         ),
         row=np.where(touches == 0, 0, -1),
         column=np.where(touches == 0, 0, -1),
@@ -231,15 +238,17 @@ def presses_anywhere(
     )
 
 
-def with_offset(scene: Scene, nominal: Presses, aside: Real, grid: tuple[int, int]) -> Presses:
+def with_offset(
+    skin: Skin, plan: Plan, nominal: Presses, aside: Real, grid: tuple[int, int]
+) -> Presses:
     """Presses with touches displaced from their pixels; labels stay those of the pixels.
 
     aside: displacement along x and y in standard deviations, shape (2, press, MAX_TOUCHES). Parts
     beyond the skin are cut off, also from the finger.
     """
-    skin, pixels = scene.skin, scene.pixels
+    skin, pixels = skin, skin.pixels
     sides = np.array([skin.length / pixels.columns, skin.width / pixels.rows])
-    off = scene.dataset.press.offset * sides[:, None, None] * aside
+    off = plan.draws.press.offset * sides[:, None, None] * aside
     centres = np.stack([nominal.x, nominal.y]) + off
     half = sides[:, None, None] / 2
     ends = np.array([skin.length, skin.width])[:, None, None]
@@ -249,6 +258,6 @@ def with_offset(scene: Scene, nominal: Presses, aside: Real, grid: tuple[int, in
     width, height = high - low
     left = width * height / np.prod(sides)
     placed = Footprints.rectangles(x, y, width, height, nominal.factor, nominal.finger * left)
-    batch = cell_presses(scene, nominal.touches, placed, grid)
-    batch = with_fingers_at(scene.parts.skin, batch, nominal.touches, placed, grid)
+    batch = cell_presses(skin, plan, nominal.touches, placed, grid)
+    batch = with_fingers_at(skin, batch, nominal.touches, placed, grid)
     return replace(nominal, batch=batch, x=x, y=y, finger=placed.finger, placed=placed)

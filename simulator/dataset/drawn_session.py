@@ -18,11 +18,12 @@ from ..measure.skin_faults import SkinFault
 from ..measure.skins import DrawnSkin
 from ..measure.streams import AUDIT, METER, PRESSES, stream
 from ..models.parameters import Variation
-from ..scene.scene import Scene
+from ..scene.parts import Meter, SceneParts
+from ..scene.readings.setup import Setup
 from ..sweeps import ToleranceError
 from .audit import Audit
 from .creeping import in_foam_states
-from .dataset_plan import Plan
+from .dataset_plan import DatasetPlan
 from .drawn_presses import Presses, session_presses
 from .faulty_skins import NO_FAULT, answered_with, family_name
 from .skin_model import SkinFamily, SkinModel
@@ -59,18 +60,18 @@ def audited(
     return Z, Audit(len(bounds), len(failed), kept)
 
 
-def audited_in_time(scene: Scene) -> Audited:
+def audited_in_time(parts: SceneParts) -> Audited:
     """Like `audited`, for foam that creeps during and between sweeps."""
 
     def read(
         model: SkinModel, presses: Presses, random: np.random.Generator, session: int, rtol: float
     ) -> tuple[Complex, Audit]:
-        between = interpolation(scene.parts)
+        between = interpolation(parts)
         while True:
             each = np.repeat(np.arange(len(presses.text)), len(between.nodes)).tolist()
             states = replace(
                 presses,
-                batch=in_foam_states(scene, presses.batch, between.nodes),
+                batch=in_foam_states(parts, presses.batch, between.nodes),
                 text=[presses.text[press] for press in each],
             )
             Z, audit = audited(model, states, random, session, OF_NODES * rtol)
@@ -140,7 +141,7 @@ class DrawnSession:
 
 
 def drawn_sessions(
-    plan: Plan,
+    plan: DatasetPlan,
     family: SkinFamily,
     numbers: Sequence[int],
     faulty: Mapping[str, SkinFamily] = NO_FAULTS,
@@ -150,18 +151,19 @@ def drawn_sessions(
     Each step runs for all sessions at once, so that processor caches are used well. faulty:
     families of skins with faults, see `faulty_families`.
     """
-    scene, seed, size = plan.scene, plan.seed, plan.session_sweeps
+    scene, seed, size = plan.parts, plan.seed, plan.session_sweeps
     randoms = [stream(seed, number, PRESSES) for number in numbers]
-    presses = [session_presses(scene, random, size, family.grid) for random in randoms]
+    presses = [session_presses(scene.parts, random, size, family.grid) for random in randoms]
     skins = [
         faulty_skin(scene.parts, seed, number, family.grid, family.modes) for number in numbers
     ]
     families = {NO_FAULT: family, **faulty}
-    answer = audited_in_time(scene) if scene.skin.foam.in_time else audited
+    answer = audited_in_time(scene.parts) if scene.skin.foam.in_time else audited
     answers = [
         answered_with(
             fault,
-            scene,
+            scene.parts.skin,
+            scene.parts.setup,
             skin.variation,
             partial(_answer, answer, families.get(family_name(fault)), own, plan, number),
             len(own.text),
@@ -176,7 +178,7 @@ def _answer(
     answer: Audited,
     family: SkinFamily | None,
     presses: Presses,
-    plan: Plan,
+    plan: DatasetPlan,
     number: int,
     variation: Variation,
 ) -> tuple[Complex, Audit]:
@@ -187,26 +189,28 @@ def _answer(
 
 
 def _measured(
-    plan: Plan,
+    plan: DatasetPlan,
     number: int,
     drawn: tuple[DrawnSkin, SkinFault | None],
     presses: Presses,
     answer: tuple[Complex, Audit],
 ) -> DrawnSession:
     """A session as its meter displays it. answer: Z in ohm at the skin, and its audit."""
-    scene, (Z, audit), (skin, fault) = plan.scene, answer, drawn
-    meter = MeterSession(scene.readout, len(scene.interfaces), stream(plan.seed, number, METER))
-    frequency = scene.frequencies
+    scene, (Z, audit), (skin, fault) = plan.parts, answer, drawn
+    meter = MeterSession(
+        scene.meter.readout, len(scene.setup.interfaces), stream(plan.seed, number, METER)
+    )
+    frequency = scene.setup.frequency
     at_meter, middle = scene.parts.setup.behind(skin.leads).at_meter(Z), len(frequency) // 2
     if fault is not None:
         at_meter = at_meter * fault.gain(frequency)
     gain, turn = (each[..., middle] for each in meter.fixed_errors(at_meter[0], frequency))
-    shown = _shown(scene, meter.measure(at_meter, frequency))
+    shown = _shown(scene.parts.setup, scene.parts.meter, meter.measure(at_meter, frequency))
     return DrawnSession(number, skin, gain, turn, presses, shown, audit, fault)
 
 
-def _shown(scene: Scene, Z: Complex) -> dict[str, Real]:
-    shown = shown_values(Z, scene.frequencies, scene.parts.setup.kind, scene.readout)
-    if scene.taken is None:
+def _shown(setup: Setup, meter: Meter, Z: Complex) -> dict[str, Real]:
+    shown = shown_values(Z, setup.frequency, setup.kind, meter.readout)
+    if setup.taken is None:
         return shown
-    return {name: np.where(scene.taken, value, np.nan) for name, value in shown.items()}
+    return {name: np.where(setup.taken, value, np.nan) for name, value in shown.items()}

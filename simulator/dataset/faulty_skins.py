@@ -12,9 +12,10 @@ from ..measure.drawn_faults import drawn_fault
 from ..measure.skin_faults import OPEN, SkinFault, StuckSpot
 from ..models.parameters import Variation
 from ..scene.draws.fault_odds import FaultOdds
-from ..scene.scene import Scene
+from ..scene.parts import SceneParts, Skin
+from ..scene.readings.setup import Setup
 from .audit import Audit
-from .dataset_plan import Plan
+from .dataset_plan import DatasetPlan
 from .skin_model import SkinFamily
 
 NO_FAULT = ""
@@ -31,44 +32,44 @@ def family_name(fault: SkinFault | None) -> str:
     return fault.kind if isinstance(fault, StuckSpot) else str(fault)
 
 
-def family_scenes(plan: Plan) -> dict[str, Scene | None]:
-    """Scenes of all families that the plan draws from, by name, in the order of the sessions.
+def family_parts(plan: DatasetPlan) -> dict[str, SceneParts | None]:
+    """Parts of all families that the plan draws from, by name, in the order of the sessions.
 
     None where the fault leaves nothing to solve.
     """
-    scene, odds = plan.scene, plan.scene.dataset.session.faults
-    healthy = without_faults(scene)
-    found: dict[str, Scene | None] = {NO_FAULT: healthy}
+    parts, odds = plan.parts, plan.parts.plan.draws.session.faults
+    healthy = without_faults(parts)
+    found: dict[str, SceneParts | None] = {NO_FAULT: healthy}
     for session in range(plan.sessions if odds else 0):
-        fault = drawn_fault(scene.parts.skin, scene.parts.plan, plan.seed, session)
+        fault = drawn_fault(parts.skin, parts.plan, plan.seed, session)
         name = family_name(fault)
         if fault is not None and name not in found:
-            fault.check(scene.parts)
+            fault.check(parts)
             stuck = isinstance(fault, StuckSpot)
-            changed = None if stuck else fault.changed(healthy.parts)
-            found[name] = _all_stuck(scene) if stuck else changed and changed.scene
+            found[name] = _all_stuck(parts) if stuck else fault.changed(healthy)
     return found
 
 
 def faulty_families(
-    plan: Plan, train: Callable[[Scene, float], SkinFamily]
+    plan: DatasetPlan, train: Callable[[SceneParts, float], SkinFamily]
 ) -> Mapping[str, SkinFamily]:
     """Trained families of the faults that the plan draws, by name."""
     return {
-        name: train(scene, plan.rtol)
-        for name, scene in family_scenes(plan).items()
-        if name != NO_FAULT and scene is not None
+        name: train(parts, plan.rtol)
+        for name, parts in family_parts(plan).items()
+        if name != NO_FAULT and parts is not None
     }
 
 
-def without_faults(scene: Scene) -> Scene:
-    """The scene with sessions that have no faults."""
-    return _with_odds(scene, None)
+def without_faults(parts: SceneParts) -> SceneParts:
+    """The parts with sessions that have no faults."""
+    return _with_odds(parts, None)
 
 
 def answered_with(
     fault: SkinFault | None,
-    scene: Scene,
+    skin: Skin,
+    setup: Setup,
     variation: Variation,
     answer: Callable[[Variation], tuple[Complex, Audit]],
     presses: int,
@@ -81,29 +82,26 @@ def answered_with(
     """
     if fault is None:
         return answer(variation)
-    connected = fault.connected(scene.parts.setup)
+    connected = fault.connected(setup)
     if not connected.any():
-        shape = presses, len(connected), len(scene.frequencies)
+        shape = presses, len(connected), len(setup.frequency)
         return np.full(shape, OPEN, dtype=complex), Audit(0, 0, 0.0)
-    found, audit = answer(
-        replace(variation, films=variation.films[fault.remaining(scene.parts.skin)])
-    )
+    found, audit = answer(replace(variation, films=variation.films[fault.remaining(skin)]))
     Z = np.full((len(found), len(connected), found.shape[2]), OPEN, dtype=complex)
     Z[:, connected] = found
     return Z, audit
 
 
-def _all_stuck(scene: Scene) -> Scene:
-    """The scene with a stuck spot in every session."""
-    odds = scene.dataset.session.faults
+def _all_stuck(parts: SceneParts) -> SceneParts:
+    """The parts with a stuck spot in every session."""
+    odds = parts.plan.draws.session.faults
     assert odds is not None
-    return _with_odds(
-        scene,
-        odds.model_copy(update={**dict.fromkeys(odds.odds, 0.0), "stuck_spot": 1.0}),
-    )
+    changed = {**dict.fromkeys(odds.odds, 0.0), "stuck_spot": 1.0}
+    return _with_odds(parts, odds.model_copy(update=changed))
 
 
-def _with_odds(scene: Scene, odds: FaultOdds | None) -> Scene:
-    session = scene.dataset.session.model_copy(update={"faults": odds})
-    dataset = scene.dataset.model_copy(update={"session": session})
-    return scene.model_copy(update={"dataset": dataset})
+def _with_odds(parts: SceneParts, odds: FaultOdds | None) -> SceneParts:
+    draws = parts.plan.draws
+    session = draws.session.model_copy(update={"faults": odds})
+    draws = draws.model_copy(update={"session": session})
+    return replace(parts, plan=replace(parts.plan, draws=draws))

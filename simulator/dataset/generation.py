@@ -19,7 +19,7 @@ from ..sweeps.output_files import check_replaceable, checked_place, locked, may_
 from ..sweeps.writing import named_failures, present, put
 from . import store, workers
 from .audit import rounded_up
-from .dataset_plan import Plan, first_difference, readings
+from .dataset_plan import DatasetPlan, first_difference, readings
 from .faulty_skins import faulty_families, without_faults
 from .layout import min_size
 from .skin_model import REDUCED, SkinFamily, Training
@@ -29,7 +29,7 @@ ENDING = ".zarr"
 
 
 def generate(
-    plan: Plan,
+    plan: DatasetPlan,
     output: Path,
     *,
     processes: int = 1,
@@ -46,13 +46,13 @@ def generate(
     output = output.absolute()
     with named_failures(output), _locked(checked_place(output, (ENDING,))) as folder:
         if is_complete(plan, output):
-            return progress(plan.scene.name, plan.sweeps, plan.sweeps)
+            return progress(plan.parts.skin.name, plan.sweeps, plan.sweeps)
         workshop = WorkFolder(folder, plan.digest, training.load)
         missing = plan.blocks - len(workshop.noted(plan))
         check_disk(
             missing / plan.blocks * min_size(plan),
             output,
-            f"{plan.sweeps} sweeps of {readings(plan.scene)} readings",
+            f"{plan.sweeps} sweeps of {readings(plan.parts.setup)} readings",
             "give fewer --sweeps, or another disk",
         )
         workforce = min(processes, missing) if scheduler is None else 0
@@ -61,14 +61,14 @@ def generate(
             store.create(workshop.data, plan, family.grid, family.modes)
             finished = workshop.finished(plan)
             done = sum(_size(plan, block) for block in finished)
-            progress(plan.scene.name, done, plan.sweeps)
+            progress(plan.parts.skin.name, done, plan.sweeps)
             blocks = [block for block in range(plan.blocks) if block not in finished]
             made = _made_blocks(
                 workshop, blocks, pool and workers.Processes(pool, workforce), scheduler
             )
             for block in made:
                 done += _size(plan, block)
-                progress(plan.scene.name, done, plan.sweeps)
+                progress(plan.parts.skin.name, done, plan.sweeps)
         _finish(workshop, plan, output)
 
 
@@ -87,7 +87,7 @@ def _made_blocks(
     )
 
 
-def _size(plan: Plan, block: int) -> int:
+def _size(plan: DatasetPlan, block: int) -> int:
     return plan.sweeps_of(block).stop - plan.sweeps_of(block).start
 
 
@@ -97,7 +97,7 @@ def _locked(output: Path) -> AbstractContextManager[Path]:
     return locked(folder, PLAN_FILE, f"{output}: another process is writing it")
 
 
-def is_complete(plan: Plan, output: Path) -> bool:
+def is_complete(plan: DatasetPlan, output: Path) -> bool:
     """True if the output is this data set already and may not be replaced: nothing is to be done.
 
     Raises InputError as `checked_place`, and if something else exists that may not be replaced.
@@ -119,14 +119,14 @@ def is_complete(plan: Plan, output: Path) -> bool:
     return True
 
 
-def _prepared(plan: Plan, workshop: WorkFolder, training: Training) -> SkinFamily:
+def _prepared(plan: DatasetPlan, workshop: WorkFolder, training: Training) -> SkinFamily:
     """Starts the work folder or resumes an earlier one; returns the model."""
     if workshop.plan_file.exists():
         _resume(workshop, plan)
         return _loaded(workshop)
     shutil.rmtree(workshop.data, ignore_errors=True)
     workshop.note(0).parent.mkdir(exist_ok=True)
-    family = training.train(without_faults(plan.scene), plan.rtol)
+    family = training.train(without_faults(plan.parts), plan.rtol)
     training.save(family, workshop.model_file)
     for name, faulty in faulty_families(plan, training.train).items():
         training.save(faulty, workshop.model_of(name))
@@ -146,7 +146,7 @@ def _restart_advice(workshop: WorkFolder) -> str:
     return f"remove the folder {workshop.folder} to start the data set again"
 
 
-def _resume(workshop: WorkFolder, plan: Plan) -> None:
+def _resume(workshop: WorkFolder, plan: DatasetPlan) -> None:
     try:
         existing = inputs.objects(inputs.text(workshop.plan_file, inputs.JOURNAL))
         different = first_difference(plan.record, dict(existing))
@@ -164,7 +164,7 @@ def _resume(workshop: WorkFolder, plan: Plan) -> None:
     store.clear_metadata(workshop.data)
 
 
-def _finish(workshop: WorkFolder, plan: Plan, output: Path) -> None:
+def _finish(workshop: WorkFolder, plan: DatasetPlan, output: Path) -> None:
     audit = audit_of(workshop, plan)
     store.clear_left_overs(workshop.data)
     store.finish(
@@ -172,7 +172,7 @@ def _finish(workshop: WorkFolder, plan: Plan, output: Path) -> None:
         {
             **{name: value for name, value in plan.record.items() if name != "sweeps"},
             "model": "reduced",
-            "readout": plan.scene.readout.model_dump_json(),
+            "readout": plan.parts.meter.readout.model_dump_json(),
             "audit_bound": audit.bound,
             "audit_sample": audit.sample,
             "fallbacks": audit.fallbacks,
@@ -184,16 +184,18 @@ def _finish(workshop: WorkFolder, plan: Plan, output: Path) -> None:
     workshop.plan_file.unlink()
 
 
-def _cell_errors(workshop: WorkFolder, plan: Plan) -> dict[str, float]:
+def _cell_errors(workshop: WorkFolder, plan: DatasetPlan) -> dict[str, float]:
     """Error attributes of a data set whose touches are rasterized on cells."""
-    scene, errors = plan.scene, dict[str, float]()
-    if not scene.dataset.press.rasterized:
+    scene, errors = plan.parts, dict[str, float]()
+    if not scene.plan.draws.press.rasterized:
         return errors
     from .cell_errors import lattice_error, rasterization_error
 
     family = workshop.load(workshop.model_file)
-    if scene.dataset.press.place == "anywhere":
-        errors["cells_error"] = rounded_up(rasterization_error(scene, family, plan.seed, plan.rtol))
-    if spreading(scene.parts.skin, scene.press):
-        errors["deflection_error"] = rounded_up(lattice_error(scene, family, plan.seed))
+    if scene.plan.draws.press.place == "anywhere":
+        errors["cells_error"] = rounded_up(
+            rasterization_error(scene.parts, family, plan.seed, plan.rtol)
+        )
+    if spreading(scene.parts.skin, scene.plan.press):
+        errors["deflection_error"] = rounded_up(lattice_error(scene.parts, family, plan.seed))
     return errors

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..scene.scene import Scene
+from ..scene.parts import Skin
 from ..sweeps.reading_quantities import DESCRIBED
 from ..sweeps.schema import DIMENSIONS, FAULT, LABELS
-from .dataset_plan import Plan, readings
+from .dataset_plan import DatasetPlan, readings
 from .drawn_presses import MAX_TOUCHES
 from .drawn_session import DrawnSession
 
@@ -41,23 +41,23 @@ class ArraySpec:
         return {name: text for name, text in texts.items() if text}
 
 
-def variables(plan: Plan) -> list[ArraySpec]:
+def variables(plan: DatasetPlan) -> list[ArraySpec]:
     """Specifications of all arrays that grow with the data set."""
-    quantity = "float32" if plan.scene.readout.display_digits <= SINGLE_DIGITS else "float64"
-    faults = [] if plan.scene.dataset.session.faults is None else [FAULTS]
+    quantity = "float32" if plan.parts.meter.readout.display_digits <= SINGLE_DIGITS else "float64"
+    faults = [] if plan.parts.plan.draws.session.faults is None else [FAULTS]
     labels = " ".join([*LABELS, *(each.name for each in faults)])
     return [
         *(
             ArraySpec(each.name, DIMENSIONS, quantity, each.meaning, each.units, labels)
-            for each in plan.scene.parts.setup.kind.quantities
+            for each in plan.parts.setup.kind.quantities
         ),
         *(
             ArraySpec(name, (SWEEP,), "str" if name == "press" else "int64", meaning)
             for name, meaning in LABELS.items()
         ),
         *faults,
-        *touch_variables(plan.scene),
-        *drawn_variables(plan.scene),
+        *touch_variables(plan.parts.skin),
+        *drawn_variables(plan.parts.skin),
     ]
 
 
@@ -93,41 +93,41 @@ DRAWN = [
 ]
 
 
-def touch_variables(scene: Scene) -> list[ArraySpec]:
+def touch_variables(skin: Skin) -> list[ArraySpec]:
     """Arrays of touches, with their fingers if the scene has surroundings."""
-    return TOUCHES if scene.surroundings is None else [*TOUCHES, FINGER]
+    return TOUCHES if skin.around is None else [*TOUCHES, FINGER]
 
 
-def drawn_variables(scene: Scene) -> list[ArraySpec]:
+def drawn_variables(skin: Skin) -> list[ArraySpec]:
     """Arrays of the draws of a session, with surroundings if the scene has them."""
-    if scene.surroundings is not None:
+    if skin.around is not None:
         return DRAWN
     return [each for each in DRAWN if each.name not in ("drawn_body", "drawn_rim")]
 
 
-def readings_along(plan: Plan) -> dict[str, int]:
+def readings_along(plan: DatasetPlan) -> dict[str, int]:
     """Sizes of the dimensions of the readings."""
     return {
         SWEEP: plan.sweeps,
-        "interface": len(plan.scene.interfaces),
-        "frequency": len(plan.scene.frequencies),
+        "interface": len(plan.parts.setup.interfaces),
+        "frequency": len(plan.parts.setup.frequency),
     }
 
 
-def min_size(plan: Plan) -> float:
+def min_size(plan: DatasetPlan) -> float:
     """Smallest size of the readings in bytes: compression halves noisy values at most."""
     of_each = [np.dtype(each.dtype).itemsize for each in variables(plan) if each.name in DESCRIBED]
-    return 0.5 * sum(of_each) * plan.sweeps * readings(plan.scene)
+    return 0.5 * sum(of_each) * plan.sweeps * readings(plan.parts.setup)
 
 
-def sizes(plan: Plan, grid: tuple[int, int], modes: int) -> dict[str, int]:
+def sizes(plan: DatasetPlan, grid: tuple[int, int], modes: int) -> dict[str, int]:
     """Sizes of all dimensions. grid: cells by row and column. modes: of a sheet's conductance."""
     return {
         **readings_along(plan),
         "touch": MAX_TOUCHES,
         SESSION: plan.sessions,
         "wave": modes,
-        "contact": len(plan.scene.contacts),
+        "contact": len(plan.parts.skin.contacts),
         "foam_row": grid[0],
         "foam_column": grid[1],
     }

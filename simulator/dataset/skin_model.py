@@ -20,7 +20,7 @@ from ..models.reduced.reduced_model import Reduced
 from ..models.uniform import uniformly_pressed
 from ..press.batch import PressBatch, TouchedCells
 from ..scene.draws.randomisation import Session
-from ..scene.scene import Scene
+from ..scene.parts import SceneParts, Skin
 from .creeping import in_foam_states
 from .drawn_presses import drawn_presses
 
@@ -74,66 +74,62 @@ class SkinFamily(Protocol):
 class Training:
     """Functions that train a family, and store and load it for other processes.
 
-    train: takes a scene and the tolerance of Rs and Cp.
+    train: takes parts of a scene and the tolerance of Rs and Cp.
     """
 
-    train: Callable[[Scene, float], SkinFamily]
+    train: Callable[[SceneParts, float], SkinFamily]
     save: Callable[[Any, Path], None]
     load: Callable[[Path], SkinFamily]
 
 
-def reduced(scene: Scene, rtol: float) -> Reduced:
+def reduced(parts: SceneParts, rtol: float) -> Reduced:
     """The reduced model of a scene, trained on draws like those of its data set.
 
     Raises ToleranceError if the tolerance is not reached.
     """
-    divided = _divided(scene)
-    grid = divided.pixels.rows, divided.pixels.columns
-    modes = 1 if scene.dataset.session.unevenness == 0 else len(HALF_WAVES)
+    divided = _divided(parts)
+    grid = divided.skin.pixels.rows, divided.skin.pixels.columns
+    modes = 1 if parts.plan.draws.session.unevenness == 0 else len(HALF_WAVES)
 
     def draw(random: np.random.Generator) -> Case:
-        skin, _ = faulty_skin(scene.parts, int(random.integers(2**62)), 0, grid, modes)
-        return Case(skin.variation, *_press(scene, random, grid))
+        skin, _ = faulty_skin(parts, int(random.integers(2**62)), 0, grid, modes)
+        return Case(skin.variation, *_press(parts, random, grid))
 
-    same_sheets, creeps = _equal_sheets(scene.dataset.session), scene.skin.foam.in_time
+    same_sheets, creeps = _equal_sheets(parts.plan.draws.session), parts.skin.foam.in_time
     trained_to = TRAINING_SHARE * (OF_NODES if creeps else 1.0) * rtol
-    return reduced_for(divided.parts, trained_to, draw, modes=modes, same_sheets=same_sheets)
+    return reduced_for(divided, trained_to, draw, modes=modes, same_sheets=same_sheets)
 
 
-def _press(scene: Scene, random: np.random.Generator, grid: tuple[int, int]) -> TouchedCells:
+def _press(parts: SceneParts, random: np.random.Generator, grid: tuple[int, int]) -> TouchedCells:
     """A random press of a data set; on creeping foam with the traces of earlier presses."""
-    if not scene.skin.foam.in_time:
-        return drawn_presses(scene, random, 1, grid).batch.one(0)
+    if not parts.skin.foam.in_time:
+        return drawn_presses(parts, random, 1, grid).batch.one(0)
     nodes, presses = (
-        interpolation(scene.parts).nodes,
-        drawn_presses(scene, random, EARLIER_PRESSES + 1, grid),
+        interpolation(parts).nodes,
+        drawn_presses(parts, random, EARLIER_PRESSES + 1, grid),
     )
-    pressed = in_foam_states(scene, presses.batch, nodes)
+    pressed = in_foam_states(parts, presses.batch, nodes)
     return pressed.one(EARLIER_PRESSES * len(nodes) + int(random.integers(len(nodes))))
 
 
-def nominal_skin(scene: Scene, family: SkinFamily) -> SkinModel:
+def nominal_skin(skin: Skin, family: SkinFamily) -> SkinModel:
     """The nominal skin of the scene in its family."""
-    return family.skin(
-        replace(nominal(scene.parts.skin, family.modes), capacitance=np.ones(family.grid))
-    )
+    return family.skin(replace(nominal(skin, family.modes), capacitance=np.ones(family.grid)))
 
 
-def _divided(scene: Scene) -> Scene:
-    """The scene with cells for pixels; rasterized touches raise each cell uniformly.
+def _divided(parts: SceneParts) -> SceneParts:
+    """The parts with cells for pixels; rasterized touches raise each cell uniformly.
 
     Earth that only a finger reaches is left out if no touch is by a finger.
     """
-    if not (scene.dataset.press.finger or scene.dataset.press.without_press):
-        scene = scene.for_rods
-    pixels, cells = scene.pixels, scene.dataset.press.cells
-    if cells == 1 and pixels.groups is not None and not scene.dataset.press.rasterized:
-        return scene
-    divided = scene.on_grid(cells * pixels.rows, cells * pixels.columns)
+    press, pixels = parts.plan.draws.press, parts.skin.pixels
+    if not (press.finger or press.without_press):
+        parts = parts.for_rods
+    if press.cells == 1 and pixels.groups is not None and not press.rasterized:
+        return parts
+    divided = parts.on_grid(press.cells * pixels.rows, press.cells * pixels.columns)
     return (
-        uniformly_pressed(divided, "a data set", creeps=True)
-        if scene.dataset.press.rasterized
-        else divided
+        uniformly_pressed(divided.parts, "a data set", creeps=True) if press.rasterized else divided
     )
 
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ..sweeps.digests import STORE_DIGEST, check_store, seal_store
 from ..sweeps.schema import DIMENSIONS, TAKEN
-from .dataset_plan import Plan
+from .dataset_plan import DatasetPlan
 from .layout import SESSION, SWEEP, ArraySpec, sizes, variables
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ CODECS = {
 digits are noise."""
 
 
-def create(folder: Path, plan: Plan, grid: tuple[int, int], modes: int) -> None:
+def create(folder: Path, plan: DatasetPlan, grid: tuple[int, int], modes: int) -> None:
     """Creates an empty store in `folder`, or its missing parts; existing chunks are untouched."""
     group = _open(folder, "a")
     extent = sizes(plan, grid, modes)
@@ -49,7 +49,7 @@ def create(folder: Path, plan: Plan, grid: tuple[int, int], modes: int) -> None:
         array(group, axis.name)[:] = along
 
 
-def growing_arrays(folder: Path, plan: Plan) -> dict[str, zarr.Array]:
+def growing_arrays(folder: Path, plan: DatasetPlan) -> dict[str, zarr.Array]:
     """The arrays that blocks are written to, by name."""
     group = _open(folder, "r+")
     names = (variable.name for variable in variables(plan))
@@ -63,7 +63,7 @@ def write(arrays: Mapping[str, zarr.Array], block: int, values: Mapping[str, NDA
         each[block * size : (block + 1) * size] = values[name]
 
 
-def fingerprints(folder: Path, plan: Plan, block: int) -> dict[str, str]:
+def fingerprints(folder: Path, plan: DatasetPlan, block: int) -> dict[str, str]:
     """SHA-256 of the chunk of a block in each array. Raises OSError if a chunk is missing."""
     found = {}
     for variable in variables(plan):
@@ -73,7 +73,7 @@ def fingerprints(folder: Path, plan: Plan, block: int) -> dict[str, str]:
     return found
 
 
-def _chunks(plan: Plan) -> dict[str, int]:
+def _chunks(plan: DatasetPlan) -> dict[str, int]:
     """Chunk sizes: one block is one chunk of every array."""
     return {
         SWEEP: plan.block_sessions * plan.session_sweeps,
@@ -130,15 +130,18 @@ def array(group: zarr.Group, name: str) -> Any:
     return group[name]
 
 
-def _axes(plan: Plan) -> list[tuple[ArraySpec, NDArray]]:
-    scene = plan.scene
-    interfaces = np.array([interface.name for interface in scene.interfaces], dtype=object)
-    contacts = np.array([contact.name for contact in scene.contacts], dtype=object)
-    taken = scene.taken
+def _axes(plan: DatasetPlan) -> list[tuple[ArraySpec, NDArray]]:
+    scene = plan.parts
+    interfaces = np.array([interface.name for interface in scene.setup.interfaces], dtype=object)
+    contacts = np.array([contact.name for contact in scene.skin.contacts], dtype=object)
+    taken = scene.setup.taken
     taken_spec = ArraySpec(TAKEN, DIMENSIONS[1:], "int8", "whether it was read")
     return [
         (ArraySpec("interface", ("interface",), "str", "how the meter is connected"), interfaces),
-        (ArraySpec("frequency", ("frequency",), "float64", "frequency", "Hz"), scene.frequencies),
+        (
+            ArraySpec("frequency", ("frequency",), "float64", "frequency", "Hz"),
+            scene.setup.frequency,
+        ),
         (ArraySpec("contact", ("contact",), "str", "foil on a sheet"), contacts),
         *([] if taken is None else [(taken_spec, taken)]),
     ]

@@ -10,7 +10,8 @@ import numpy as np
 
 from ..arrays import Integer, Real
 from ..press.press import PICOFARAD_DECIMALS
-from ..scene.scene import Scene
+from ..scene.parts import Plan, Skin
+from ..scene.pixel_grid import Pressing
 from ..scene.touch_capacitance import per_pixel
 from ..sweeps import UNPRESSED
 
@@ -22,29 +23,29 @@ FINGER_DECIMALS = 16
 """Decimals of fingers' capacitances in F, for the same reason."""
 
 
-def drawn_strengths(scene: Scene, chances: Real) -> Real:
+def drawn_strengths(skin: Skin, plan: Plan, chances: Real) -> Real:
     """Random factors on c under touches, rounded as in the texts of factors or depths."""
-    drawn = scene.dataset.press
-    if scene.press.adds:
-        return _added_factors(scene, scene.drawn_factor.at(chances))
-    if scene.press.by_factor:
-        return np.round(scene.drawn_factor.at(chances), FACTOR_DECIMALS)
+    drawn = plan.draws.press
+    if plan.press.adds:
+        return _added_factors(skin, plan.draws.press.factor_within(skin.foam).at(chances))
+    if plan.press.by_factor:
+        return np.round(plan.draws.press.factor_within(skin.foam).at(chances), FACTOR_DECIMALS)
     if drawn.depth is not None:
         depth = drawn.depth.at(chances)
     else:
-        depth = scene.pressed_depths(scene.drawn_factor.at(chances))
-    return scene.pressed_factors(np.round(depth, DEPTH_DECIMALS))
+        depth = skin.pressed_depths(plan.draws.press.factor_within(skin.foam).at(chances))
+    return skin.pressed_factors(np.round(depth, DEPTH_DECIMALS))
 
 
-def _picofarads(scene: Scene, factor: Real) -> Real:
+def _picofarads(skin: Skin, factor: Real) -> Real:
     """Capacitances that touches of pixels add, pF, as in their texts."""
-    own = per_pixel(scene.skin, scene.pixels)
+    own = per_pixel(skin, skin.pixels)
     return np.round(1e12 * own * (factor - 1), PICOFARAD_DECIMALS)
 
 
-def _added_factors(scene: Scene, factor: Real) -> Real:
+def _added_factors(skin: Skin, factor: Real) -> Real:
     """Factors of the capacitances in the texts of touches."""
-    return 1 + 1e-12 * _picofarads(scene, factor) / per_pixel(scene.skin, scene.pixels)
+    return 1 + 1e-12 * _picofarads(skin, factor) / per_pixel(skin, skin.pixels)
 
 
 def pixel_texts(
@@ -89,10 +90,10 @@ def _place(row: int, column: int) -> str:
     return f"{row},{column}:"
 
 
-def written_strength(scene: Scene, factor: Real) -> tuple[Real, str]:
+def written_strength(skin: Skin, pressing: Pressing, factor: Real) -> tuple[Real, str]:
     """Strengths of touches as written in their texts, and the unit."""
-    if scene.press.adds:
-        return _picofarads(scene, factor), "pF"
-    if scene.press.by_factor:
+    if pressing.adds:
+        return _picofarads(skin, factor), "pF"
+    if pressing.by_factor:
         return factor, ""
-    return np.round(scene.pressed_depths(factor), DEPTH_DECIMALS), "m"
+    return np.round(skin.pressed_depths(factor), DEPTH_DECIMALS), "m"

@@ -15,9 +15,9 @@ from ..sweeps import inputs, kept_file
 from ..sweeps.digests import sealed_json, unsealed_json
 from . import store
 from .audit import Audit, combined_audit
-from .dataset_plan import Plan, parse_plan
+from .dataset_plan import DatasetPlan, parse_plan
 from .drawn_session import drawn_sessions
-from .faulty_skins import NO_FAULT, family_scenes
+from .faulty_skins import NO_FAULT, family_parts
 from .layout import joined_sessions, values
 from .skin_model import SkinFamily
 
@@ -62,18 +62,18 @@ class WorkFolder:
         """File that marks a block as finished and holds its audit."""
         return self.folder / "finished" / f"{block}.json"
 
-    def finished(self, plan: Plan) -> set[int]:
+    def finished(self, plan: DatasetPlan) -> set[int]:
         """Numbers of the blocks that are marked as finished and whose chunks are intact."""
         return {block for block in self.noted(plan) if self._is_whole(plan, block)}
 
-    def _is_whole(self, plan: Plan, block: int) -> bool:
+    def _is_whole(self, plan: DatasetPlan, block: int) -> bool:
         try:
             parts = unsealed_json(inputs.text(self.note(block), inputs.JOURNAL))["parts"]
             return parts == store.fingerprints(self.data, plan, block)
         except (OSError, ValueError, LookupError, TypeError):  # of a corrupt mark
             return False
 
-    def noted(self, plan: Plan) -> set[int]:
+    def noted(self, plan: DatasetPlan) -> set[int]:
         """Numbers of the blocks that are marked as finished."""
         numbers = {int(note.stem) for note in (self.folder / "finished").glob("[0-9]*.json")}
         return {number for number in numbers if number < plan.blocks}
@@ -97,7 +97,7 @@ def make_block(workshop: WorkFolder, block: int) -> int:
     return block
 
 
-def audit_of(workshop: WorkFolder, plan: Plan) -> Audit:
+def audit_of(workshop: WorkFolder, plan: DatasetPlan) -> Audit:
     """The audit of the whole data set, after all its blocks are finished."""
     notes = (workshop.note(block).read_text(encoding="utf-8") for block in range(plan.blocks))
     names = [each.name for each in fields(Audit)]
@@ -108,11 +108,11 @@ def audit_of(workshop: WorkFolder, plan: Plan) -> Audit:
 @lru_cache(maxsize=1)
 def _loaded(
     workshop: WorkFolder,
-) -> tuple[Plan, SkinFamily, Mapping[str, SkinFamily], Mapping[str, zarr.Array]]:
+) -> tuple[DatasetPlan, SkinFamily, Mapping[str, SkinFamily], Mapping[str, zarr.Array]]:
     plan = parse_plan(workshop.plan_file.read_text(encoding="utf-8"))
     faulty = {
         name: workshop.load(workshop.model_of(name))
-        for name, scene in family_scenes(plan).items()
+        for name, scene in family_parts(plan).items()
         if name != NO_FAULT and scene is not None
     }
     growing = store.growing_arrays(workshop.data, plan)

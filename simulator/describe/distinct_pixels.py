@@ -9,7 +9,9 @@ import numpy as np
 
 from ..arrays import Mask, Real
 from ..measure.symmetry import Pixel, representative
-from ..scene.scene import Scene
+from ..scene.parts import Skin
+from ..scene.pixel_grid import Pressing
+from ..scene.readings.setup import Setup
 from ..scene.skin_region import on_skin
 
 SAMPLES = 24
@@ -18,11 +20,13 @@ NAME_SHAPE = 1.8
 """Width of a pixel's label over its height."""
 
 
-def indistinguishable_pixels(scene: Scene, pixels: Sequence[Pixel]) -> str:
+def indistinguishable_pixels(
+    skin: Skin, setup: Setup, pressing: Pressing, pixels: Sequence[Pixel]
+) -> str:
     """Describes pixels with equal sweeps. pixels: those that can be pressed."""
-    if scene.skin.mesh is not None:
+    if skin.mesh is not None:
         return "not examined on a mesh"
-    groups = equal_sweep_groups(scene, pixels)
+    groups = equal_sweep_groups(skin, setup, pressing, pixels)
     if len(groups) == len(pixels):
         return "none: every pixel gives a sweep of its own"
     equal = {name: _lines(groups, axis) for axis, name in enumerate(("row", "column"))}
@@ -39,14 +43,14 @@ def indistinguishable_pixels(scene: Scene, pixels: Sequence[Pixel]) -> str:
     return f"{', '.join(lines_in_words)}: {distinct} (not {example}, for example)"
 
 
-def label_position(pixel: Pixel, scene: Scene) -> tuple[Real, float]:
+def label_position(pixel: Pixel, skin: Skin) -> tuple[Real, float]:
     """Position (x, y) of a pixel's label on its skin, and the largest width of the label, in m.
 
     The position is the centre of the largest label-shaped ellipse within the pixel's skin.
     """
     from scipy.ndimage import distance_transform_edt
 
-    found, within = _places(pixel, scene)
+    found, within = _places(pixel, skin)
     if within.all():
         wide, high = np.ptp(found, axis=1) * SAMPLES / (SAMPLES - 1)
         return found.mean(axis=1), float(min(wide, NAME_SHAPE * high))
@@ -60,19 +64,21 @@ def label_position(pixel: Pixel, scene: Scene) -> tuple[Real, float]:
     return found[:, at], float(2 * half[at])
 
 
-def _places(pixel: Pixel, scene: Scene) -> tuple[Real, Mask]:
+def _places(pixel: Pixel, skin: Skin) -> tuple[Real, Mask]:
     """Evenly spaced places in a pixel, m, shape (2, place), and a mask of those on the skin."""
-    (length, width), (rows, columns) = scene.skin.sides, scene.pixels.shape
+    (length, width), (rows, columns) = skin.sides, skin.pixels.shape
     (row, column), parts = pixel, (np.arange(SAMPLES) + 0.5) / SAMPLES
     x, y = (column - 1 + parts) * length / columns, (row - 1 + parts) * width / rows
     found = np.stack(np.meshgrid(x, y)).reshape(2, -1)
-    meshed = scene.skin.mesh is not None
-    return found, np.ones(found.shape[1], bool) if meshed else on_skin(scene.skin, found)
+    meshed = skin.mesh is not None
+    return found, np.ones(found.shape[1], bool) if meshed else on_skin(skin, found)
 
 
-def equal_sweep_groups(scene: Scene, pixels: Sequence[Pixel]) -> list[list[Pixel]]:
+def equal_sweep_groups(
+    skin: Skin, setup: Setup, pressing: Pressing, pixels: Sequence[Pixel]
+) -> list[list[Pixel]]:
     """Groups of pixels with equal sweeps for any meter."""
-    of, groups = representative(scene.parts.skin, scene.parts.setup, scene.press), defaultdict(list)
+    of, groups = representative(skin, setup, pressing), defaultdict(list)
     for pixel in pixels:
         groups[of(pixel)].append(pixel)
     return list(groups.values())

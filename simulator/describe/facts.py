@@ -16,8 +16,11 @@ from ..press.pixels import pixels_with_skin
 from ..scene.extent import surface
 from ..scene.maps.factor_maps import AnyMap
 from ..scene.maps.tear import Tear
+from ..scene.parts import SceneParts, Skin
+from ..scene.pixel_grid import Pressing
 from ..scene.planar import Circle
 from ..scene.readings.contacts import Contact, Interface
+from ..scene.readings.setup import Setup
 from ..scene.scene import Scene
 from ..scene.skin import EARTH, Sheet, SheetsAndFoam
 from ..sweeps.errors import InputError
@@ -51,34 +54,42 @@ def described(scene: Scene) -> str:
     return "\n".join([scene.title, *(f"  {each.about:{room}}{each.text}" for each in found)])
 
 
-def key_facts(scene: Scene) -> list[Fact]:
+def key_facts(parts: SceneParts) -> list[Fact]:
     """Facts about skin, wiring and meter that need no solution of the skin."""
-    return [Fact(*each) for each in (*_of_skin(scene), *_of_meter(scene))]
+    return [
+        Fact(*each)
+        for each in (*_of_skin(parts.skin, parts.setup, parts.plan.press), *_of_meter(parts))
+    ]
 
 
 def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
-    yield from _of_skin(scene)
+    yield from _of_skin(scene.parts.skin, scene.parts.setup, scene.press)
     if not scene.skin.one_conductor:
         yield from secondary_effects(scene)
-    yield "symmetry", indistinguishable_pixels(scene, pixels_with_skin(scene.parts.skin))
-    yield from _of_meter(scene)
+    yield (
+        "symmetry",
+        indistinguishable_pixels(
+            scene.parts.skin, scene.parts.setup, scene.press, pixels_with_skin(scene.parts.skin)
+        ),
+    )
+    yield from _of_meter(scene.parts)
     yield "assumed", ", ".join(assumed(scene)) or "nothing: the file sets every key"
 
 
-def _of_skin(scene: Scene) -> Iterator[tuple[str, str]]:
-    skin, pixels = scene.skin, scene.pixels
+def _of_skin(skin: Skin, setup: Setup, pressing: Pressing) -> Iterator[tuple[str, str]]:
+    skin, pixels = skin, skin.pixels
     yield "skin", _skin(skin)
     yield from _sheets(skin)
-    yield "capacitance", _capacitance(scene)
-    for foil in scene.foils:
-        yield "foil", _foil(foil, scene)
-    for each in scene.interfaces:
+    yield "capacitance", _capacitance(skin)
+    for foil in skin.foils:
+        yield "foil", _foil(foil, setup)
+    for each in setup.interfaces:
         low = EARTH if skin.one_conductor else _and(each.low)
         yield "interface", f"{each.name}: {_and(each.high)} against {low}"
-    for each in describe_repeated(scene.parts.skin, scene.parts.setup, scene.press):
+    for each in describe_repeated(skin, setup, pressing):
         yield "repeated", each
-    for each in scene.interfaces:
-        if one_sheet(scene, each):
+    for each in setup.interfaces:
+        if one_sheet(skin, each):
             yield (
                 "one sheet",
                 f"{each.name}: a sheet conducts between its sides, so Cp is no capacitance",
@@ -86,18 +97,18 @@ def _of_skin(scene: Scene) -> Iterator[tuple[str, str]]:
     size = _size(skin.length / pixels.columns, skin.width / pixels.rows)
     rows, columns = _count(pixels.rows, "row"), _count(pixels.columns, "column")
     yield "pixels", f"{rows} x {columns}, {size} each"
-    yield "press", _press(scene)
-    yield "frequencies", _frequencies(scene)
-    for each in scene.interfaces:
-        yield "cut-off", _cut_off(scene, each)
+    yield "press", _press(skin, pressing)
+    yield "frequencies", _frequencies(setup)
+    for each in setup.interfaces:
+        yield "cut-off", _cut_off(skin, setup, each)
 
 
-def _of_meter(scene: Scene) -> Iterator[tuple[str, str]]:
-    if scene.parts.setup.gain:
-        yield from (("gain", each) for each in describe_gains(scene))
-    if scene.readout.multisine is not None:
-        yield "multisine", describe_multisine(scene, scene.readout.multisine)
-    yield "noise", noise_in_words(scene)
+def _of_meter(parts: SceneParts) -> Iterator[tuple[str, str]]:
+    if parts.setup.gain:
+        yield from (("gain", each) for each in describe_gains(parts))
+    if parts.meter.readout.multisine is not None:
+        yield "multisine", describe_multisine(parts, parts.meter.readout.multisine)
+    yield "noise", noise_in_words(parts.setup, parts.meter)
 
 
 def _sheets(skin: SheetsAndFoam) -> Iterator[tuple[str, str]]:
@@ -111,10 +122,10 @@ def _sheets(skin: SheetsAndFoam) -> Iterator[tuple[str, str]]:
     yield "foam", _foam(skin)
 
 
-def one_sheet(scene: Scene, interface: Interface) -> bool:
+def one_sheet(skin: Skin, interface: Interface) -> bool:
     """True if both sides of an interface have contacts on the same sheet."""
     high, low = (
-        {scene.contact(name).electrode for name in side} for side in (interface.high, interface.low)
+        {skin.contact(name).electrode for name in side} for side in (interface.high, interface.low)
     )
     return bool(high & low)
 
@@ -189,8 +200,8 @@ def _foam(skin: SheetsAndFoam) -> str:
     return text
 
 
-def _capacitance(scene: Scene) -> str:
-    skin, pixels = scene.skin, scene.pixels
+def _capacitance(skin: Skin) -> str:
+    skin, pixels = skin, skin.pixels
     c = skin.foam.unpressed_capacitance_per_area
     pixel = c * skin.length * skin.width / (pixels.rows * pixels.columns)
     whole = f"{prefixed(pixel, 'F')} for each whole pixel, unpressed"
@@ -207,8 +218,8 @@ def _mean(skin: SheetsAndFoam) -> float:
     return float(skin.foam.map.factors(np.stack(np.meshgrid(*lines)), skin.sides).mean())
 
 
-def _foil(foil: Contact, scene: Scene) -> str:
-    driven = any(foil.name in (*each.high, *each.low) for each in scene.interfaces)
+def _foil(foil: Contact, setup: Setup) -> str:
+    driven = any(foil.name in (*each.high, *each.low) for each in setup.interfaces)
     low, high = foil.span
     part = "" if foil.span == (0, 1) else f", from {low:g} to {high:g} of it"
     resists = "ideal" if foil.ideal else f"{foil.resistance:g} ohm m"
@@ -220,12 +231,12 @@ def _and(names: tuple[str, ...]) -> str:
     return " and ".join(names)
 
 
-def _press(scene: Scene) -> str:
-    press = scene.press
+def _press(skin: Skin, pressing: Pressing) -> str:
+    press = pressing
     if press.depth is not None:
         return f"{1e3 * press.depth:.4g} mm deep"
     if press.force is not None:
-        return f"by {press.force:.4g} N, {_depths(scene)}"
+        return f"by {press.force:.4g} N, {_depths(skin, pressing)}"
     spread = (
         f", its rise varies by {100 * press.factor_spread:.3g} %" if press.factor_spread else ""
     )
@@ -235,29 +246,29 @@ def _press(scene: Scene) -> str:
     return f"adds {prefixed(press.capacitance, 'F')} to earth: {times}"
 
 
-def _depths(scene: Scene) -> str:
+def _depths(skin: Skin, pressing: Pressing) -> str:
     from ..models.mechanics.force_depths import depths_of_pixels
 
-    assert scene.press.force is not None
+    assert pressing.force is not None
     try:
-        return depths_of_pixels(scene.parts.skin, scene.press.force)
+        return depths_of_pixels(skin, pressing.force)
     except InputError as error:
         return f"which the foam cannot take: {error}"
 
 
-def _frequencies(scene: Scene) -> str:
-    f = scene.frequencies
+def _frequencies(setup: Setup) -> str:
+    f = setup.frequency
     first, last = (prefixed(each, "Hz") for each in f[[0, -1]])
     text = f"{len(f)}, from {first} to {last}" if len(f) > 1 else first
     outside = outside_band(VIRTUAL_MODEL, f)
-    return text if not outside or scene.parts.setup.gain else f"{text}; {outside}"
+    return text if not outside or setup.gain else f"{text}; {outside}"
 
 
-def _cut_off(scene: Scene, interface: Interface) -> str:
+def _cut_off(skin: Skin, setup: Setup, interface: Interface) -> str:
     """Cut-off frequency of one interface; it depends on the foils that the interface drives."""
     f, cut_off = (
-        scene.parts.setup.frequency_at(interface.name),
-        cut_off_frequency(scene.parts.skin, scene.parts.setup, interface),
+        setup.frequency_at(interface.name),
+        cut_off_frequency(skin, setup, interface),
     )
     above = int((f > cut_off).sum())
     reach = f"{above} of {len(f)} frequencies lie above it and do not reach the whole skin"
@@ -265,8 +276,8 @@ def _cut_off(scene: Scene, interface: Interface) -> str:
         reach = "no frequency lies above it: all reach the whole skin"
     elif above == len(f):
         reach = "all frequencies lie above it: none reaches the whole skin"
-    far = 1e3 * scene.parts.skin.electrical.reach([interface], scene.interfaces)
-    named = f"{interface.name}: " if len(scene.interfaces) > 1 else ""
+    far = 1e3 * skin.electrical.reach([interface], setup.interfaces)
+    named = f"{interface.name}: " if len(setup.interfaces) > 1 else ""
     text = f"Eq. 6, {far:.3g} mm from the foils"
     return f"{named}{prefixed(cut_off, 'Hz')} ({text}): {reach}"
 

@@ -8,20 +8,20 @@ import numpy as np
 
 from ..models.solver import Solver
 from ..press.press import Press
+from ..scene.parts import SceneParts
 from ..scene.readings.contacts import Interface
 from ..scene.readings.readers import Load, Source
 from ..scene.readout.converter import Converter
-from ..scene.scene import Scene
 from ..sweeps.errors import ToleranceError
 from ..sweeps.units import prefixed
 
 RTOL = 1e-3
 
 
-def describe_gains(scene: Scene) -> Iterator[str]:
+def describe_gains(parts: SceneParts) -> Iterator[str]:
     """A sentence on the reader of each interface, then one on gains of the unpressed skin."""
-    what = "complex gain" if scene.parts.setup.phases else "magnitude of the gain"
-    for each in scene.interfaces:
+    what = "complex gain" if parts.setup.phases else "magnitude of the gain"
+    for each in parts.setup.interfaces:
         assert each.series_resistance is not None
         through = prefixed(each.series_resistance, "ohm")
         yield (
@@ -29,12 +29,12 @@ def describe_gains(scene: Scene) -> Iterator[str]:
             f"{_input(each.load)}{_together(each)}"
         )
     try:
-        gain = np.abs(Solver(scene.parts, RTOL).solve(Press()).Z)
+        gain = np.abs(Solver(parts, RTOL).solve(Press()).Z)
     except ToleranceError as error:
         yield f"of the unpressed skin: not found, {error}"
         return
-    ends = f"{prefixed(scene.frequencies[0], 'Hz')} and {prefixed(scene.frequencies[-1], 'Hz')}"
-    for each, own in zip(scene.interfaces, gain, strict=True):
+    ends = " and ".join(prefixed(f, "Hz") for f in parts.setup.frequency[[0, -1]])
+    for each, own in zip(parts.setup.interfaces, gain, strict=True):
         yield f"{each.name}: unpressed {own[0]:.3g} and {own[-1]:.3g} at {ends}"
 
 

@@ -4,22 +4,23 @@ from __future__ import annotations
 
 import math
 
+from ..scene.parts import Meter
+from ..scene.readings.setup import Setup
 from ..scene.readout.meter import Readout
-from ..scene.scene import Scene
 from .gain_reader import describe_converter
 
 
-def noise_in_words(scene: Scene) -> str:
+def noise_in_words(setup: Setup, meter: Meter) -> str:
     """Noise of each reading, and the errors that are fixed for a session."""
-    readout = scene.readout
-    if readout.exact and scene.parts.setup.gain:
+    readout = meter.readout
+    if readout.exact and setup.gain:
         return "none: readings are exact; [readout.converter] gives them noise in volts or bits"
     if readout.exact:
         return 'none: readings are exact; readout = "IM3523" gives them the noise of that meter'
     added = "" if readout.multisine is None else "in addition to that of the multisine, "
     if readout.converter is not None:
         added = f"{describe_converter(readout.converter)}; in addition to it "
-    size = "|V / V_s|" if scene.parts.setup.gain else "|Z|"
+    size = "|V / V_s|" if setup.gain else "|Z|"
     sheet = readout.data_sheet
     fixed = (
         f"{100 * readout.magnitude_accuracy:.3g} % and "

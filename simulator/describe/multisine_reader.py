@@ -10,7 +10,7 @@ from ..press.press import Press
 from ..scene.multisine.excitation import crest_factor, output_peak
 from ..scene.multisine.noise import multisine_deviation
 from ..scene.multisine.reader import Multisine
-from ..scene.scene import Scene
+from ..scene.parts import SceneParts
 from ..sweeps.units import prefixed
 
 FILLED = 0.7
@@ -34,9 +34,9 @@ def fitted_resistance(reader: Multisine, Z: Complex, frequency: Real) -> float:
     return float(f"{reader.feedback_resistance:.3g}")
 
 
-def describe_multisine(scene: Scene, reader: Multisine) -> str:
+def describe_multisine(parts: SceneParts, reader: Multisine) -> str:
     """Time of a sweep, peaks and noise of a reader in words."""
-    frequency, Z = scene.frequencies, Solver(scene.parts).solve(Press()).Z
+    frequency, Z = parts.setup.frequency, Solver(parts).solve(Press()).Z
     peak = float(output_peak(reader, Z, frequency).max()) / reader.full_scale
     read = (
         f"{len(frequency)} tones in {reader.frames} frame{'s' * (reader.frames > 1)} of "

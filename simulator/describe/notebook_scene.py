@@ -9,6 +9,7 @@ import numpy as np
 from ..notebook_display import CLOSE_LEGEND, MARGINS, TOP, SmallChart, Table, display
 from ..press.pixels import pixels_with_skin
 from ..report.from_above import MM, draw_foils, draw_outline, draw_pixels
+from ..scene.parts import Skin
 from ..scene.scene import Scene
 from .distinct_pixels import label_position
 from .facts import key_facts
@@ -37,7 +38,8 @@ def scene_display(scene: Scene) -> str:
 
 def _table(scene: Scene) -> Table:
     found = sorted(
-        key_facts(scene), key=lambda fact: LAST.index(fact.about) + 1 if fact.about in LAST else 0
+        key_facts(scene.parts),
+        key=lambda fact: LAST.index(fact.about) + 1 if fact.about in LAST else 0,
     )
     return f"Scene {scene.title}", [("about", "value"), *found]
 
@@ -46,35 +48,35 @@ def _chart(scene: Scene) -> SmallChart:
     length, width = scene.skin.sides
     skin = (WIDTH - MARGINS["left"] - MARGINS["right"]) * width / length
     high = float(np.clip(skin, LOWEST, HIGHEST)) + MARGINS["bottom"] + TOP
-    return SmallChart(lambda figure: _draw(figure, scene), WIDTH, high)
+    return SmallChart(lambda figure: _draw(figure, scene.parts.skin), WIDTH, high)
 
 
-def _draw(figure: Figure, scene: Scene) -> None:
+def _draw(figure: Figure, skin: Skin) -> None:
     axes = figure.subplots()
     axes.set_aspect("equal")
     axes.grid(False)
-    length, width = scene.skin.sides
+    length, width = skin.sides
     beside = BESIDE * max(length, width)
     axes.set_xlim(-MM * beside, MM * (length + beside))
     axes.set_ylim(-MM * beside, MM * (width + beside))
     axes.set_xlabel("x (mm)")
     axes.set_ylabel("y (mm)")
-    _draw_pixels(axes, scene)
-    draw_outline(axes, scene, zorder=3)
-    draw_foils(axes, scene, linewidth=2)
+    _draw_pixels(axes, skin)
+    draw_outline(axes, skin, zorder=3)
+    draw_foils(axes, skin, linewidth=2)
     figure.legend(loc="upper center", ncols=2, **CLOSE_LEGEND)
 
 
-def _draw_pixels(axes: Axes, scene: Scene) -> None:
+def _draw_pixels(axes: Axes, skin: Skin) -> None:
     """Draws lines between pixels and their names, as far as there is room for them."""
-    most = max(scene.pixels.shape)
+    most = max(skin.pixels.shape)
     if most <= MAX_PIXELS:
-        draw_pixels(axes, scene, color="0.6")
+        draw_pixels(axes, skin, color="0.6")
     if most > MAX_NAMED:
         return
-    for pixel in pixels_with_skin(scene.parts.skin):
-        place, wide = label_position(pixel, scene)
-        if wide < MIN_NAMED * max(scene.skin.sides):
+    for pixel in pixels_with_skin(skin):
+        place, wide = label_position(pixel, skin)
+        if wide < MIN_NAMED * max(skin.sides):
             continue
         x, y = MM * place
         axes.text(x, y, "{},{}".format(*pixel), size=6, color="0.35", ha="center", va="center")

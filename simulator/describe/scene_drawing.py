@@ -24,7 +24,9 @@ from ..report.from_above import (
     outline,
     ribbon,
 )
+from ..scene.parts import Skin
 from ..scene.readings.contacts import Contact
+from ..scene.readings.setup import Setup
 from ..scene.scene import Scene
 from ..sweeps import checked_output
 from .distinct_pixels import label_position
@@ -63,21 +65,21 @@ def draw_scene(scene: Scene, pixels: list[Pixel], path: str | Path) -> Path:
     mesh file.
     """
     path = checked_output(path, ENDINGS)
-    ribbons = [ribbon(foil, scene) for foil in scene.foils]
-    x, y = _frame(scene, ribbons)
+    ribbons = [ribbon(foil, scene.parts.skin) for foil in scene.foils]
+    x, y = _frame(scene.parts.skin, ribbons)
     tall = float(np.clip((y[1] - y[0]) / (x[1] - x[0]), FLATTEST, TALLEST))
     with chart(path, WIDTH, WIDTH * tall + 0.5) as figure:
         axes = figure.add_subplot()
         _dress(axes, scene, x, y)
-        _skin(axes, scene)
-        _pixels(axes, scene, pixels, (x[1], y[1]))
-        _foils(axes, scene, ribbons)
+        _skin(axes, scene.parts.skin)
+        _pixels(axes, scene.parts.skin, pixels, (x[1], y[1]))
+        _foils(axes, scene.parts.skin, scene.parts.setup, ribbons)
     return path
 
 
-def _frame(scene: Scene, ribbons: Sequence[Ribbon]) -> tuple[Span, Span]:
+def _frame(skin: Skin, ribbons: Sequence[Ribbon]) -> tuple[Span, Span]:
     """Limits of the drawing along x and y, m: the skin with names and numbers."""
-    length, width = scene.skin.sides
+    length, width = skin.sides
     unit = max(length, width)
     directions = [out for ribbon in ribbons for _, out in [_named_at(ribbon, 0.0)]]
 
@@ -103,26 +105,26 @@ def _dress(axes: Axes, scene: Scene, x: Span, y: Span) -> None:
     axes.set_title(fill(title, TITLE))
 
 
-def _skin(axes: Axes, scene: Scene) -> None:
+def _skin(axes: Axes, skin: Skin) -> None:
     """Draws the skin in grey within its outline, or the triangles of its mesh."""
-    if scene.skin.mesh is not None:
-        mesh = domain(scene.parts.skin, Press(), max(scene.skin.sides))
+    if skin.mesh is not None:
+        mesh = domain(skin, Press(), max(skin.sides))
         axes.triplot(*(MM * mesh.p[:2]), mesh.t.T, color="0.8", linewidth=0.4)
     else:
-        first, *holes = outline(scene)
+        first, *holes = outline(skin)
         axes.fill(*(MM * first), facecolor="0.96", zorder=1)
         for hole in holes:
             axes.fill(*(MM * hole), facecolor="white", zorder=1)
-    draw_outline(axes, scene, linewidth=1.2, zorder=3)
+    draw_outline(axes, skin, linewidth=1.2, zorder=3)
 
 
-def _pixels(axes: Axes, scene: Scene, pixels: list[Pixel], far: tuple[float, float]) -> None:
+def _pixels(axes: Axes, skin: Skin, pixels: list[Pixel], far: tuple[float, float]) -> None:
     """Draws lines and names of pixels, and row and column numbers near `far` (x, y), m."""
-    (length, width), (rows, columns) = scene.skin.sides, scene.pixels.shape
-    draw_pixels(axes, scene, color="0.6", linewidth=0.7, linestyle=(0, (4, 3)), zorder=1.5)
+    (length, width), (rows, columns) = skin.sides, skin.pixels.shape
+    draw_pixels(axes, skin, color="0.6", linewidth=0.7, linestyle=(0, (4, 3)), zorder=1.5)
     if max(rows, columns) <= MAX_NAMED:
         for row, column in pixels:
-            (x, y), size = label_position((row, column), scene)
+            (x, y), size = label_position((row, column), skin)
             points = float(np.clip(size / max(length, width) * LETTERS, 3, 9))
             centred = {"ha": "center", "va": "center", "color": "0.25", "zorder": 3.5}
             axes.text(MM * x, MM * y, f"{row},{column}", size=points, **centred)
@@ -154,27 +156,27 @@ def _named_at(foil: Ribbon, gap: float) -> tuple[Places, Places]:
     return foil.beside(gap)[:, half], foil.out[:, half]
 
 
-def _foils(axes: Axes, scene: Scene, ribbons: Sequence[Ribbon]) -> None:
+def _foils(axes: Axes, skin: Skin, setup: Setup, ribbons: Sequence[Ribbon]) -> None:
     stacked: dict[tuple[int, int], int] = defaultdict(int)
-    longest = max(scene.skin.sides)
-    draw_foils(axes, scene, linewidth=4)
-    for foil, line in zip(scene.foils, ribbons, strict=True):
+    longest = max(skin.sides)
+    draw_foils(axes, skin, linewidth=4)
+    for foil, line in zip(skin.foils, ribbons, strict=True):
         at, out = _named_at(line, NAME_AT * longest)
         place = round(MM * float(at[0])), round(MM * float(at[1]))
         if line.closed:
             x, y = MM * at
             ends = [y, MM * np.nanmin(line.beside(foil_offset(foil.electrode, longest))[1])]
             axes.plot([x, x], ends, color=FOIL_COLOURS[foil.electrode], linewidth=0.8, zorder=3.4)
-        _name(axes, foil, scene, MM * at, out, stacked[place])
+        _name(axes, foil, setup, MM * at, out, stacked[place])
         stacked[place] += 1
 
 
-def _name(axes: Axes, foil: Contact, scene: Scene, at: Places, out: Places, before: int) -> None:
+def _name(axes: Axes, foil: Contact, setup: Setup, at: Places, out: Places, before: int) -> None:
     right, up = (float(np.sign(part)) if abs(part) > SLANTED else 0.0 for part in out)
     upright = abs(out[0]) > UPRIGHT
     away = (right * LINE * before, 0.0) if upright else (0.0, (up or -1.0) * LINE * before)
     axes.annotate(
-        f"{foil.name}, {foil.electrode} ({_role(foil, scene)})",
+        f"{foil.name}, {foil.electrode} ({_role(foil, setup)})",
         (float(at[0]), float(at[1])),
         xytext=away,
         textcoords="offset points",
@@ -189,12 +191,12 @@ def _name(axes: Axes, foil: Contact, scene: Scene, at: Places, out: Places, befo
     )
 
 
-def _role(foil: Contact, scene: Scene) -> str:
+def _role(foil: Contact, setup: Setup) -> str:
     """The side of a foil at each interface, as text."""
-    several = len(scene.interfaces) > 1
+    several = len(setup.interfaces) > 1
     roles = [
         f"{side} at {each.name}" if several else side
-        for each in scene.interfaces
+        for each in setup.interfaces
         for side, names in (("high", each.high), ("low", each.low))
         if foil.name in names
     ]

@@ -22,6 +22,7 @@ from ..press.press import Press
 from ..press.touch import Touch
 from ..scene.foam.foam import VACUUM_PERMITTIVITY
 from ..scene.foam.foam_in_time import Relaxation
+from ..scene.parts import SceneParts, Skin
 from ..scene.readings.contacts import Contact
 from ..scene.scene import Scene
 from ..scene.surroundings import Body, Rim, Surroundings
@@ -58,7 +59,7 @@ def secondary_effects(scene: Scene) -> Iterator[tuple[str, str]]:
     wide = [foil for foil in scene.foils if foil.width]
     for foil in wide or [None]:
         yield "foil width", _overlap(scene, foil)
-    yield from _creep(scene)
+    yield from _creep(scene.parts)
 
 
 def _change(
@@ -79,8 +80,8 @@ def _change(
         scene = scene.with_({"surroundings.solved": False, "surroundings.rim": computed})
     rtol = RTOL if presses is UNPRESSED else PRESSED_RTOL
     try:
-        before = _solved(scene.with_(without), presses, rtol)
-        after = _solved(scene.with_(included), pressed or presses, rtol)
+        before = _solved(scene.with_(without).parts, presses, rtol)
+        after = _solved(scene.with_(included).parts, pressed or presses, rtol)
     except (InputError, ToleranceError) as error:
         return f"has a size that is not computed: {error}"
     changes = [_relative(*each) for each in zip(before, after, strict=True)]
@@ -89,8 +90,8 @@ def _change(
     return " and ".join(_range(name, each, TRUSTED * rtol) for name, each in ranges)
 
 
-def _solved(scene: Scene, presses: Sequence[Press], rtol: float) -> list[Solution]:
-    solver = Solver(scene.parts, rtol)
+def _solved(parts: SceneParts, presses: Sequence[Press], rtol: float) -> list[Solution]:
+    solver = Solver(parts, rtol)
     return [solver.solve(press) for press in presses]
 
 
@@ -200,14 +201,14 @@ def _walls(scene: Scene, around: Surroundings | None) -> Iterator[tuple[str, str
     if scene.press.by_factor and factor > 1:
         without = {"surroundings.thickness": True, "surroundings.edges": False}
         walls = {**without, "surroundings.edges": True}
-        change = _change(scene, without, walls, _presses(scene, factor))
+        change = _change(scene, without, walls, _presses(scene.parts.skin, factor))
         there = INCLUDED if around and around.edges else LEFT_OUT
         yield "walls", f"the field at the walls around a pressed pixel {change}; {there}"
 
 
-def _presses(scene: Scene, factor: float, finger: float = 0.0) -> list[Press]:
+def _presses(skin: Skin, factor: float, finger: float = 0.0) -> list[Press]:
     """A press of each of five pixels: those in the corners of the skin, and one in the middle."""
-    pixels = sorted(pixels_with_skin(scene.parts.skin))
+    pixels = sorted(pixels_with_skin(skin))
     corners = [
         choose(pixels, key=lambda pixel: pixel[0] + sign * pixel[1])
         for choose in (min, max)
@@ -227,7 +228,7 @@ def _finger(scene: Scene, around: Surroundings | None) -> str:
         if known
         else FINGER
     )
-    rods, fingers = _presses(scene, factor), _presses(scene, factor, own)
+    rods, fingers = _presses(scene.parts.skin, factor), _presses(scene.parts.skin, factor, own)
     text = f"one of {prefixed(own, 'F')} on a pixel {_change(scene, {}, {}, rods, fingers)}"
     if not known:
         return f"{text}, against a rod; {LEFT_OUT}"
@@ -250,9 +251,9 @@ def _mm(length: float) -> str:
     return f"{1e3 * length:.3g} mm"
 
 
-def _creep(scene: Scene) -> Iterator[tuple[str, str]]:
-    moments, whole = reading_moments(scene.parts)
-    solids = scene.skin.foam.relaxation
+def _creep(parts: SceneParts) -> Iterator[tuple[str, str]]:
+    moments, whole = reading_moments(parts)
+    solids = parts.skin.foam.relaxation
     for each in solids or (USUAL,):
         first, last = np.exp(-moments[[0, -1], [0, -1]] / each.time_constant)
         own = _percent(each.share), prefixed(each.time_constant, "s")
@@ -262,16 +263,16 @@ def _creep(scene: Scene) -> Iterator[tuple[str, str]]:
         else:
             typical = f"typical foam ({own[0]}, time constant {own[1]})"
             yield "creep", f"{typical} would creep by {within}; {LEFT_OUT}"
-    if scene.skin.foam.hysteresis:
-        lost = _percent(scene.skin.foam.hysteresis)
+    if parts.skin.foam.hysteresis:
+        lost = _percent(parts.skin.foam.hysteresis)
         yield "hysteresis", f"{lost} of the work of a press is lost on release"
-    yield from _weather(scene)
+    yield from _weather(parts.skin)
 
 
-def _weather(scene: Scene) -> Iterator[tuple[str, str]]:
+def _weather(skin: Skin) -> Iterator[tuple[str, str]]:
     units = {"temperature": ("°C", "K"), "humidity": ("%RH", "%RH")}
     for name, (unit, by) in units.items():
-        table = getattr(scene.skin.foam, name)
+        table = getattr(skin.foam, name)
         if table is not None:
             c, R = _percent(table.capacitance), _percent(table.sheet_resistance)
             changes = f"the foam's capacitance changes by {c} and the sheets' resistance by {R}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -12,7 +13,7 @@ from ..safe_text import say
 
 if TYPE_CHECKING:
     from ..scene.design_goals import Design
-    from ..scene.scene import Scene
+    from ..scene.parts import Plan, Skin
 
 FOLDER = Path("design")
 
@@ -98,14 +99,13 @@ def design(
     from ..progress import on_terminal
     from ..requests.requested_scene import requested_scene
     from ..scene.frequency import parse_band
-    from ..scene.scene_files import scene_text
     from ..sweeps.accuracy_text import bound_text
     from .evaluator import SearchSettings
     from .report.design_folder import answer, write_folder
     from .search import search
     from .search_journal import SearchJournal
 
-    loaded = folded(requested_scene(scene), "a design")
+    loaded = folded(requested_scene(scene).parts, "a design")
     given = {
         "target": target,
         "want": want,
@@ -115,7 +115,7 @@ def design(
         "frequencies": frequencies,
         "own_frequencies": own_frequencies,
         "seconds": seconds,
-        "band": None if band is None else parse_band(band, own_band(loaded)),
+        "band": None if band is None else parse_band(band, own_band(loaded.parts.setup)),
         "sheet_resistance": _bounds("--sheet-resistance", sheet_resistance),
         "sheet_ratio": sheet_ratio,
         "foam_thickness": _bounds("--foam-thickness", foam_thickness),
@@ -125,13 +125,17 @@ def design(
         "against_rest": against_rest,
         "casts": casts,
     }
-    request = _request(loaded, {name: value for name, value in given.items() if value is not None})
-    bare = loaded.model_copy(update={"design": None})
+    request = _request(
+        loaded.parts.skin,
+        loaded.parts.plan,
+        {name: value for name, value in given.items() if value is not None},
+    )
+    bare = replace(loaded, plan=replace(loaded.plan, design=None))
     header = {"asked": request.model_dump(mode="json"), "seed": seed, "draws": draws}
-    journal = SearchJournal(_journal_of(output), {"scene": scene_text(bare), **header})
+    journal = SearchJournal(_journal_of(output), {"scene": bare.text, **header})
     with on_terminal() as progress:
         settings = SearchSettings(request, seed, draws, journal, progress)
-        found = search(bare, settings)
+        found = search(bare.parts, settings)
         write_folder(found, settings, output)
     journal.done()
     say(answer(found, settings))
@@ -141,18 +145,18 @@ def design(
     say(f"design, wiring and report written to {output}")
 
 
-def _request(scene: Scene, given: dict[str, object]) -> Design:
+def _request(skin: Skin, plan: Plan, given: dict[str, object]) -> Design:
     from pydantic import ValidationError
 
     from ..scene.design_goals import Design
     from ..scene.validation import one_line
     from ..sweeps import InputError
 
-    table = scene.design.model_dump(exclude_unset=True) if scene.design else {}
+    table = plan.design.model_dump(exclude_unset=True) if plan.design else {}
     try:
         return Design.model_validate({**table, **given})
     except ValidationError as error:
-        raise InputError(f"{scene.name}: design: {one_line(error, Design)}") from error
+        raise InputError(f"{skin.name}: design: {one_line(error, Design)}") from error
 
 
 def _bounds(option: str, text: str | None) -> tuple[float, float] | None:

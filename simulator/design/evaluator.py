@@ -13,8 +13,7 @@ from functools import cached_property
 from ..bounds.frequency_sets import candidates_in, own_band
 from ..progress import ProgressCallback
 from ..scene.design_goals import POSITION, Design
-from ..scene.scene import Scene
-from ..scene.scene_files import scene_text
+from ..scene.parts import SceneParts
 from .merits.picking import GRID, Picked, Picker, PixelPairs, PositionPairs
 from .merits.scoring import AccuracyScorer, Layout, PositionScorer, merits
 from .merits.touch_positions import TouchPositions
@@ -38,21 +37,21 @@ class SearchSettings:
 class SceneEvaluator:
     """Evaluator of one scene's geometry. wired: the terminals with wires."""
 
-    def __init__(self, scene: Scene, settings: SearchSettings, wired: Sequence[str]) -> None:
-        self.scene, self._settings, request = scene, settings, settings.request
-        own = own_band(scene)
+    def __init__(self, parts: SceneParts, settings: SearchSettings, wired: Sequence[str]) -> None:
+        self.parts, self._settings, request = parts, settings, settings.request
+        own = own_band(parts.setup)
         band = request.band or own
-        self.frequency = candidates_in(scene, band, max(request.frequencies or GRID, GRID))
+        self.frequency = candidates_in(parts.setup, band, max(request.frequencies or GRID, GRID))
         spanned = min(own[0], band[0]), max(own[1], band[1])
-        self.wired, self.pool = tuple(wired), pool(scene, wired)
-        touches = TouchPositions(scene) if request.target == POSITION else None
+        self.wired, self.pool = tuple(wired), pool(parts.skin, parts.setup, wired)
+        touches = TouchPositions(parts) if request.target == POSITION else None
         self._trained = TrainedSkins(
-            scene, request, spanned, settings.seed, settings.progress, touches
+            parts, request, spanned, settings.seed, settings.progress, touches
         )
         if touches is None:
             pair_source, scorer = (
-                PixelPairs(scene, request),
-                AccuracyScorer(scene, request, settings.draws, settings.seed),
+                PixelPairs(parts, request),
+                AccuracyScorer(parts, request, settings.draws, settings.seed),
             )
         else:
             pair_source, scorer = (
@@ -65,13 +64,13 @@ class SceneEvaluator:
     @property
     def own(self) -> Layout:
         """The scene's own material, readings and frequencies."""
-        frequencies = tuple(self.scene.frequencies.tolist())
-        return Layout(material_of(self.scene), self.scene.interfaces, frequencies)
+        frequencies = tuple(self.parts.setup.frequency.tolist())
+        return Layout(material_of(self.parts.skin), self.parts.setup.interfaces, frequencies)
 
     @property
     def own_readings(self) -> list[int]:
         """Indices of the scene's own readings in the pool."""
-        return own_readings(self.scene, self.pool)
+        return own_readings(self.parts.skin, self.parts.setup, self.pool)
 
     def layout(self, material: Material, picked: Picked) -> Layout:
         """The picked readings and frequencies, with a material."""
@@ -163,7 +162,7 @@ class SceneEvaluator:
 
     @cached_property
     def _text(self) -> str:
-        return scene_text(self.scene)
+        return self.parts.text
 
 
 def _own(layout: Layout) -> dict[str, object]:
@@ -175,12 +174,12 @@ def _own(layout: Layout) -> dict[str, object]:
     )
 
 
-def first_evaluator(scene: Scene, settings: SearchSettings) -> SceneEvaluator:
+def first_evaluator(parts: SceneParts, settings: SearchSettings) -> SceneEvaluator:
     """Evaluator of a scene; where only some foils may have wires, that of the best ones."""
-    wires = settings.request.wires or len(terminals(scene))
-    evaluators = [SceneEvaluator(scene, settings, wired) for wired in wirings(scene, wires)]
+    wires = settings.request.wires or len(terminals(parts.skin))
+    evaluators = [SceneEvaluator(parts, settings, wired) for wired in wirings(parts.skin, wires)]
     if len(evaluators) == 1:
         return evaluators[0]
-    own = material_of(scene)
+    own = material_of(parts.skin)
     some = range(len(evaluators[0].frequency))
     return max(evaluators, key=lambda each: each.picked(own, [], list(some)).share)

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 
 from ..scene.design_goals import Design
+from ..scene.parts import Skin
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .reading_pool import terminals
@@ -20,20 +21,20 @@ Others = Callable[[Scene], list[Scene]]
 """Function from a scene to its variants in one property."""
 
 
-def geometries(scene: Scene, request: Design) -> list[tuple[str, Others]]:
+def geometries(skin: Skin, request: Design) -> list[tuple[str, Others]]:
     """Properties of the geometry that may change, by name; empty where all are fixed.
 
     Foils on one edge with the same span on both sheets move together. Both sheets are graded
     together, along x or y, unless they have maps already.
     """
     found: list[tuple[str, Others]] = []
-    if request.foils and scene.skin.rectangular:
+    if request.foils and skin.rectangular:
         same_span: dict[tuple[str, tuple[float, float]], list[str]] = {}
-        for contact in scene.contacts:
+        for contact in skin.contacts:
             same_span.setdefault((contact.edge, contact.span), []).append(contact.name)
         for (edge, _), names in same_span.items():
             found.append((f"foils on the {edge} edge", partial(moved, names, request.foil_length)))
-    uniform = scene.skin.top.map is None and scene.skin.bottom.map is None
+    uniform = skin.top.map is None and skin.bottom.map is None
     if request.grading > MIN_GRADING and uniform:
         found.append(("graded sheets", partial(graded, request.grading)))
     return found
@@ -50,8 +51,8 @@ def moved(names: Sequence[str], bounds: tuple[float, float], scene: Scene) -> li
         for span in _spans(bounds)
         if span != own
     ]
-    wires = len(terminals(scene))
-    return [each for each in made if each is not None and len(terminals(each)) == wires]
+    wires = len(terminals(scene.parts.skin))
+    return [each for each in made if each is not None and len(terminals(each.parts.skin)) == wires]
 
 
 def graded(largest: float, scene: Scene) -> list[Scene]:

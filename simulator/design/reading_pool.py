@@ -5,9 +5,10 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 
+from ..scene.parts import Skin
 from ..scene.readings.contacts import Interface
+from ..scene.readings.setup import Setup
 from ..scene.readings.wiring_checks import conductor_groups
-from ..scene.scene import Scene
 from ..sweeps import InputError
 
 ALL_SETS = 5
@@ -16,15 +17,15 @@ ALL_SETS = 5
 Sets = tuple[frozenset[str], frozenset[str]]
 
 
-def terminals(scene: Scene) -> list[str]:
+def terminals(skin: Skin) -> list[str]:
     """The first foil of each terminal. Foils that touch are one terminal with one wire."""
-    first = conductor_groups(scene.contacts, scene.skin)
-    return [scene.contacts[k].name for k in sorted(set(first))]
+    first = conductor_groups(skin.contacts, skin)
+    return [skin.contacts[k].name for k in sorted(set(first))]
 
 
-def wirings(scene: Scene, wires: int) -> list[tuple[str, ...]]:
+def wirings(skin: Skin, wires: int) -> list[tuple[str, ...]]:
     """All combinations of terminals with a given number of wires."""
-    names = terminals(scene)
+    names = terminals(skin)
     return list(itertools.combinations(names, min(wires, len(names))))
 
 
@@ -32,41 +33,41 @@ READER = ("reader", "series_resistance", "source_scale", "load", "magnitude_only
 """Keys of an interface that say how it is read."""
 
 
-def check_readers(scene: Scene) -> None:
+def check_readers(skin: Skin, setup: Setup) -> None:
     """Raises InputError for readers whose wires cannot be chosen."""
-    if scene.skin.one_conductor:
+    if skin.one_conductor:
         raise InputError(
-            f"{scene.name}: a design chooses the wires of two sheets; a skin of one conductor has "
+            f"{skin.name}: a design chooses the wires of two sheets; a skin of one conductor has "
             "one sheet"
         )
-    if any(each.driven_with for each in scene.interfaces):
+    if any(each.driven_with for each in setup.interfaces):
         raise InputError(
-            f"{scene.name}: a design chooses readings with one source each: leave out "
+            f"{skin.name}: a design chooses readings with one source each: leave out "
             "`driven_with` of the interfaces"
         )
 
 
-def pool(scene: Scene, wired: Sequence[str]) -> list[Interface]:
+def pool(skin: Skin, setup: Setup, wired: Sequence[str]) -> list[Interface]:
     """Readings between wired terminals; readings of the scene keep their names and readers.
 
     Others are read as the first one of the scene.
     """
-    own = {_sets(scene, each): each for each in scene.interfaces}
+    own = {_sets(skin, each): each for each in setup.interfaces}
     found = []
     for high, low in _disjoint(wired):
         one, other = frozenset(high), frozenset(low)
         known = own.get((one, other)) or own.get((other, one))
         name = known.name if known else f"{'+'.join(high)} to {'+'.join(low)}"
-        like = known or scene.interfaces[0]
-        reader = {key: getattr(like, key) for key in READER} if scene.parts.setup.gain else {}
+        like = known or setup.interfaces[0]
+        reader = {key: getattr(like, key) for key in READER} if setup.gain else {}
         found.append(Interface(name=name, high=high, low=low, **reader))
     return found
 
 
-def own_readings(scene: Scene, of: Sequence[Interface]) -> list[int]:
+def own_readings(skin: Skin, setup: Setup, of: Sequence[Interface]) -> list[int]:
     """Indices of the scene's own readings in a pool, without those that need other wires."""
-    indices = {frozenset(_sets(scene, each)): k for k, each in enumerate(of)}
-    sets = [frozenset(_sets(scene, each)) for each in scene.interfaces]
+    indices = {frozenset(_sets(skin, each)): k for k, each in enumerate(of)}
+    sets = [frozenset(_sets(skin, each)) for each in setup.interfaces]
     return [indices[each] for each in dict.fromkeys(sets) if each in indices]
 
 
@@ -78,9 +79,9 @@ def _disjoint(wired: Sequence[str]) -> Iterator[tuple[tuple[str, ...], tuple[str
             yield high, low
 
 
-def _sets(scene: Scene, reading: Interface) -> Sets:
+def _sets(skin: Skin, reading: Interface) -> Sets:
     """Both sides of a reading, each as the first foils of its terminals."""
-    first = conductor_groups(scene.contacts, scene.skin)
-    leader = {c.name: scene.contacts[k].name for c, k in zip(scene.contacts, first, strict=True)}
+    first = conductor_groups(skin.contacts, skin)
+    leader = {c.name: skin.contacts[k].name for c, k in zip(skin.contacts, first, strict=True)}
     high, low = (frozenset(leader[name] for name in side) for side in (reading.high, reading.low))
     return high, low

@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ..scene.parts import SceneParts
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .evaluator import SceneEvaluator, SearchSettings, first_evaluator
@@ -78,15 +79,15 @@ class SearchResult:
         """The design. Raises InputError where none meets the constraints."""
         taken = [step for step in self.steps[1:] if step.taken]
         if not taken:
-            name = self.evaluator.scene.name
+            name = self.evaluator.parts.skin.name
             raise InputError(f"{name}: no design meets all constraints; relax some of them")
         return taken[-1]
 
 
-def search(scene: Scene, settings: SearchSettings) -> SearchResult:
+def search(parts: SceneParts, settings: SearchSettings) -> SearchResult:
     """The best design found. Raises InputError where the constraints do not fit the scene."""
-    check_readers(scene)
-    evaluator = first_evaluator(scene, settings)
+    check_readers(parts.skin, parts.setup)
+    evaluator = first_evaluator(parts, settings)
     return _Search(evaluator, settings).run()
 
 
@@ -126,8 +127,10 @@ class _Search:
             gains = found[1].share > picked.share + MIN_GAIN
             if gains and self._add_step(move.name, evaluator.layout(*found), MIN_GAIN):
                 material, picked = found
-        for name, others in geometries(evaluator.scene, self._settings.request):
-            picked = self._best_geometry(name, others(self._evaluator.scene), material, picked)
+        for name, others in geometries(evaluator.parts.skin, self._settings.request):
+            picked = self._best_geometry(
+                name, others(self._evaluator.parts.scene), material, picked
+            )
         if self._settings.request.own_frequencies:
             own = self._evaluator.with_own_frequencies(material, picked)
             self._add_step("frequencies of each reading", own)
@@ -140,7 +143,7 @@ class _Search:
         best, before = (picked, self._evaluator), self._evaluator
         for number, scene in enumerate(scenes):
             self._settings.progress(name, number / len(scenes))
-            evaluator = SceneEvaluator(scene, self._settings, before.wired)
+            evaluator = SceneEvaluator(scene.parts, self._settings, before.wired)
             found = evaluator.picked(material, picked.readings, picked.frequencies)
             if found.share > best[0].share + MIN_GAIN:
                 best = found, evaluator
@@ -172,7 +175,9 @@ class _Search:
                 "sheet resistance again", _of_mean(material, (low, high)), _mean, _sheets
             ),
             MaterialChange("one sheet over the other", (1 / ratio, ratio), _ratio, mismatched),
-            MaterialChange("foam", foam_bounds(self._evaluator.scene, request), _foam, _with_foam),
+            MaterialChange(
+                "foam", foam_bounds(self._evaluator.parts.skin, request), _foam, _with_foam
+            ),
         ]
         return [move for move in moves if move.bounds[0] < move.bounds[1]]
 
@@ -204,7 +209,7 @@ class _Search:
     def _add_step(self, name: str, layout: Layout, worth: float = 0.0) -> bool:
         """Adds a step, and returns True if it meets the constraints and gains enough."""
         self._settings.progress(f"{name}: the exact bound")
-        time = sweep_time(layout.frequencies_of_each, self._evaluator.scene.readout.multisine)
+        time = sweep_time(layout.frequencies_of_each, self._evaluator.parts.meter.readout.multisine)
         merits, allowed = self._evaluator.merits(layout), self._allowed(layout, time)
         step = SearchStep(name, layout, merits, allowed, time)
         best = max((s.tenth + worth for s in self._steps[1:] if s.taken), default=-math.inf)
@@ -213,7 +218,7 @@ class _Search:
 
     def _allowed(self, layout: Layout, time: float) -> bool:
         request, sheets = self._settings.request, (layout.material.top, layout.material.bottom)
-        highest = request.frequencies or len(self._evaluator.scene.frequencies)
+        highest = request.frequencies or len(self._evaluator.parts.setup.frequency)
         low, high = request.sheet_resistance
         return (
             len(layout.readings) <= request.readings

@@ -12,9 +12,9 @@ from ..models.network.network_skin import NetworkSkin
 from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.batch import NOTHING, PressBatch
+from ..scene.parts import Skin
 from ..scene.readings.contacts import Interface
 from ..scene.readings.setup import Setup
-from ..scene.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -30,9 +30,9 @@ class Material:
         return replace(self, top=factor * self.top, bottom=factor * self.bottom)
 
 
-def material_of(scene: Scene) -> Material:
+def material_of(skin: Skin) -> Material:
     """The material of a scene."""
-    return Material(scene.skin.top.sheet_resistance, scene.skin.bottom.sheet_resistance)
+    return Material(skin.top.sheet_resistance, skin.bottom.sheet_resistance)
 
 
 class SkinReadout:

@@ -16,8 +16,9 @@ from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.reduced_model import Reduced
 from ..progress import ProgressCallback, silent
 from ..scene.design_goals import Design
+from ..scene.parts import SceneParts, Skin
 from ..scene.readings.contacts import Interface
-from ..scene.scene import Scene
+from ..scene.readings.setup import Setup
 from .merits.touch_positions import TouchPositions
 from .skin_readout import Material, SkinReadout, material_of
 
@@ -36,7 +37,7 @@ class TrainedSkins:
 
     def __init__(
         self,
-        scene: Scene,
+        parts: SceneParts,
         request: Design,
         band: tuple[float, float],
         seed: int,
@@ -48,16 +49,16 @@ class TrainedSkins:
 
         Raises InputError where a tension spreads presses.
         """
-        require_no_spread(scene.parts.skin, scene.press)
-        self.scene, self._request, self._band, self._seed = scene, request, band, seed
+        require_no_spread(parts.skin, parts.plan.press)
+        self.parts, self._request, self._band, self._seed = parts, request, band, seed
         self._progress, self._touches = progress, touches
-        self._divided = scene if touches is None else touches.divided
-        self.modes = len(HALF_WAVES) if scene.dataset.session.unevenness else 1
+        self._divided = parts if touches is None else touches.divided
+        self.modes = len(HALF_WAVES) if parts.plan.draws.session.unevenness else 1
 
     def sample(self, number: int) -> DrawnSkin:
         """A skin sample drawn from [dataset.session], as factors on the scene's."""
         return drawn_skin(
-            self.scene.parts, self._seed, number, self._divided.pixels.shape, self.modes
+            self.parts, self._seed, number, self._divided.skin.pixels.shape, self.modes
         )
 
     def readout(
@@ -65,8 +66,8 @@ class TrainedSkins:
     ) -> SkinReadout:
         """Readout of a skin of a material with some readings; None for the nominal skin."""
         own = read(self.reduced, readings)
-        drawn = cast or _nominal(self._divided, self.modes)
-        top, bottom = self.scene.skin.top, self.scene.skin.bottom
+        drawn = cast or _nominal(self._divided.parts.skin, self._divided.parts.setup, self.modes)
+        top, bottom = self.parts.skin.top, self.parts.skin.bottom
         variation = replace(
             drawn.variation,
             top=drawn.variation.top * (top.sheet_resistance / material.top),
@@ -90,15 +91,15 @@ class TrainedSkins:
         )
 
     def _draw(self, random: np.random.Generator) -> Case:
-        scene, request = self.scene, self._request
+        request = self._request
         draw = (
-            pixel_touches(scene.parts.skin, scene.parts.plan, FACTORS)
+            pixel_touches(self.parts.skin, self.parts.plan, FACTORS)
             if self._touches is None
             else self._touches.training_touch
         )
-        press, grid = draw(random), self._divided.pixels.shape
-        skin = drawn_skin(scene.parts, int(random.integers(2**62)), 0, grid, self.modes)
-        own = material_of(scene)
+        press, grid = draw(random), self._divided.skin.pixels.shape
+        skin = drawn_skin(self.parts, int(random.integers(2**62)), 0, grid, self.modes)
+        own = material_of(self.parts.skin)
         lowest = np.log(min(*request.sheet_resistance, own.top, own.bottom))
         highest = np.log(max(*request.sheet_resistance, own.top, own.bottom))
         half = math.log(BEYOND * request.sheet_ratio) / 2
@@ -106,7 +107,7 @@ class TrainedSkins:
             random.uniform(lowest - BEYOND_LOG, highest + BEYOND_LOG),
             random.uniform(-half, half),
         )
-        foam = random.uniform(*np.log(foam_bounds(scene, request)))
+        foam = random.uniform(*np.log(foam_bounds(self.parts.skin, request)))
         top, bottom = own.top / math.exp(mean + turn), own.bottom / math.exp(mean - turn)
         drawn = skin.variation
         variation = replace(
@@ -119,14 +120,14 @@ class TrainedSkins:
         return replace(press, variation=variation)
 
 
-def foam_bounds(scene: Scene, request: Design) -> tuple[float, float]:
+def foam_bounds(skin: Skin, request: Design) -> tuple[float, float]:
     """Bounds of the foam's capacitance over the scene's, from those of its thickness."""
-    thickness = scene.skin.foam.thickness
+    thickness = skin.foam.thickness
     if request.foam_thickness is None or thickness is None:
         return 1.0, 1.0
     low, high = request.foam_thickness
     return thickness / max(high, thickness), thickness / min(low, thickness)
 
 
-def _nominal(scene: Scene, modes: int) -> DrawnSkin:
-    return DrawnSkin(nominal(scene.parts.skin, modes), scene.leads)
+def _nominal(skin: Skin, setup: Setup, modes: int) -> DrawnSkin:
+    return DrawnSkin(nominal(skin, modes), setup.leads)

@@ -24,6 +24,9 @@ from ..press.capacitance import touched_cells
 from ..press.parts import parts_of
 from ..press.press import Press, press_on
 from ..requests.argument_types import scene_of, typed
+from ..scene.parts import Skin
+from ..scene.pixel_grid import Pressing
+from ..scene.readings.setup import Setup
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .admittance_forms import AdmittanceForms, AllowedPotentials, Terminals
@@ -79,7 +82,7 @@ class SkinModule(nn.Module):
         super().__init__()
         own = scene.parts.scene if isinstance(scene, Reduced) else scene
         self.scene = scene_of(own)
-        _check_scene(self.scene)
+        _check_scene(self.scene.parts.skin, self.scene.parts.setup, self.scene.press)
         self.reduced = (
             scene
             if isinstance(scene, Reduced)
@@ -280,18 +283,18 @@ def _some(arrays: np.ndarray) -> list[np.ndarray]:
     return [arrays] if len(arrays) else []
 
 
-def _check_scene(scene: Scene) -> None:
+def _check_scene(skin: Skin, setup: Setup, pressing: Pressing) -> None:
     """Raises InputError for scenes that have no gradient here."""
-    foam, around, parts = scene.skin.foam, scene.surroundings, parts_of(scene.parts.skin)
+    foam, around, parts = skin.foam, skin.around, parts_of(skin)
     along = "edges" if parts.walls.count else "thickness"
     along = "solved" if around and around.solved else along
     refused = (
-        ("sheets that a press changes; leave out `piezoresistance`", lambda: gauged(scene.skin)),
+        ("sheets that a press changes; leave out `piezoresistance`", lambda: gauged(skin)),
         (f"foam that creeps; leave out `{next(iter(foam.in_time), '')}`", lambda: foam.in_time),
         (
             "presses by depth or force; give `press.capacitance_factor` in place of `press.depth` "
             "or `press.force`",
-            lambda: spreading(scene.parts.skin, scene.press),
+            lambda: spreading(skin, pressing),
         ),
         (
             f"field along the foam under a press; leave out `surroundings.{along}`",
@@ -299,9 +302,9 @@ def _check_scene(scene: Scene) -> None:
         ),
         (
             "`interface.driven_with`; leave it out, so that each node is driven alone",
-            lambda: not scene.parts.setup.one_to_one,
+            lambda: not setup.one_to_one,
         ),
     )
     for what, found in refused:
         if found():
-            raise InputError(f"{scene.name}: SkinModule takes no {what}")
+            raise InputError(f"{skin.name}: SkinModule takes no {what}")

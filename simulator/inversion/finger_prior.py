@@ -13,7 +13,8 @@ import numpy as np
 from ..arrays import Real
 from ..press.finger import finger_capacitance
 from ..press.touch import Touch
-from ..scene.scene import Scene
+from ..scene.parts import Plan, Skin
+from ..scene.pixel_grid import Pressing
 from ..sweeps import InputError
 from .normal_mixture import normal_mixture
 
@@ -56,26 +57,26 @@ class FingerPrior(NamedTuple):
         return pressed + [PixelTouch(1.0, C, self.alone * p, False) for C, p in each if self.alone]
 
 
-def finger_prior(scene: Scene, presses: str) -> FingerPrior:
+def finger_prior(skin: Skin, plan: Plan, presses: str) -> FingerPrior:
     """Fingers of [dataset.press] or, for presses "press", the finger of [press]."""
-    drawn = scene.dataset.press
+    drawn = plan.draws.press
     if presses == "dataset" and drawn.finger is not None:
         return FingerPrior(*normal_mixture(drawn.finger.at, COUNT), drawn.without_press or 0.0)
     alone = (drawn.without_press or 0.0) if presses == "dataset" else 0.0
-    return FingerPrior(np.array([_own(scene)]), np.ones(1), 0.0, alone)
+    return FingerPrior(np.array([_own(skin, plan.press)]), np.ones(1), 0.0, alone)
 
 
-def require_rods(scene: Scene, presses: str, target: str) -> None:
+def require_rods(skin: Skin, plan: Plan, presses: str, target: str) -> None:
     """Raises InputError where touches have fingers, which tables of some targets do not support."""
-    if finger_prior(scene, presses).capacitance.any():
+    if finger_prior(skin, plan, presses).capacitance.any():
         raise InputError(
-            f"{scene.name}: localizers that invert the simulator support the target {target} for "
+            f"{skin.name}: localizers that invert the simulator support the target {target} for "
             "presses by a rod only; train another localizer on a data set with these fingers, or "
             "leave out the finger"
         )
 
 
-def _own(scene: Scene) -> float:
+def _own(skin: Skin, pressing: Pressing) -> float:
     """The finger of the scene's `press` on a whole pixel, F; 0 for a rod."""
-    how = scene.press.finger
-    return finger_capacitance(scene.parts.skin, Touch(1, 1, 1.0), how) if how else 0.0
+    how = pressing.finger
+    return finger_capacitance(skin, Touch(1, 1, 1.0), how) if how else 0.0

@@ -12,7 +12,7 @@ from ..arrays import Mask, Real
 from ..press.batch import NOTHING, PressBatch
 from ..press.press import Press
 from ..press.touch import Rectangle
-from ..scene.scene import Scene
+from ..scene.parts import Plan, Skin
 from ..scene.skin_region import covers
 from .unknown_skin import UnknownSkin
 
@@ -27,10 +27,10 @@ MASK_CELLS = 96
 QUANTILES = (np.arange(512) + 0.5) / 512
 
 
-def cells_per_pixel(scene: Scene) -> int:
+def cells_per_pixel(skin: Skin, plan: Plan) -> int:
     """Number of cells along each side of a pixel, so that the data set's touches cover enough."""
-    side, _ = touch_size(scene)
-    skin, pixels = scene.skin, scene.pixels
+    side, _ = touch_size(plan)
+    skin, pixels = skin, skin.pixels
     needed = CELLS_PER_TOUCH / side * max(skin.length / pixels.columns, skin.width / pixels.rows)
     most = MAX_CELLS // max(pixels.rows, pixels.columns)
     return max(1, min(math.ceil(needed - 1e-9), most))
@@ -45,7 +45,7 @@ def position_tables(unknown: UnknownSkin, strengths: Real) -> dict[str, NDArray]
     cells, shape (y, x), only where the skin is not a rectangle.
     """
     scene = unknown.forward.parts.scene
-    side, deviation = touch_size(scene)
+    side, deviation = touch_size(scene.parts.plan)
     x, y = (_nodes(side, length) for length in (scene.skin.length, scene.skin.width))
     nodes = _strength_nodes(strengths)
     middle = nodes[len(nodes) // 2]
@@ -77,19 +77,19 @@ def position_tables(unknown: UnknownSkin, strengths: Real) -> dict[str, NDArray]
         "values": on_nodes(np.stack(values, axis=1)),
         "skin": on_nodes(np.concatenate([skin, by_size], axis=-1)),
         "sides": np.array([scene.skin.length, scene.skin.width]),
-        **({} if scene.skin.rectangular else {"on_skin": _on_cells(scene)}),
+        **({} if scene.skin.rectangular else {"on_skin": _on_cells(scene.parts.skin)}),
     }
 
 
-def _on_cells(scene: Scene) -> Mask:
+def _on_cells(skin: Skin) -> Mask:
     """True where the middle of a uniform cell is on the skin, shape (y, x)."""
-    x, y = ((np.arange(MASK_CELLS) + 0.5) / MASK_CELLS * side for side in scene.skin.sides)
-    return covers(scene.skin, np.stack(np.meshgrid(x, y)))
+    x, y = ((np.arange(MASK_CELLS) + 0.5) / MASK_CELLS * side for side in skin.sides)
+    return covers(skin, np.stack(np.meshgrid(x, y)))
 
 
-def touch_size(scene: Scene) -> tuple[float, float]:
+def touch_size(plan: Plan) -> tuple[float, float]:
     """Mean and deviation of the side of squares with the areas of the data set's touches, m."""
-    drawn = scene.dataset.press
+    drawn = plan.draws.press
     sizes = drawn.size.at(QUANTILES)
     sides = np.concatenate([sizes * (SQUARE if s == "disc" else 1.0) for s in drawn.shape])
     return float(sides.mean()), float(sides.std())

@@ -22,7 +22,7 @@ from ..models.reduced.forward import Forward
 from ..models.uniform import require_static
 from ..press.batch import NOTHING, PressBatch
 from ..press.parts import parts_of
-from ..scene.scene import Scene
+from ..scene.parts import Plan, SceneParts, Skin
 from .finger_prior import PixelTouch, finger_prior, require_rods
 from .normal_mixture import normal_mixture
 from .position_tables import cells_per_pixel, position_tables
@@ -41,7 +41,7 @@ TWO_TOUCHES = ("touches", "pair")
 
 
 def templates(
-    scene: Scene,
+    parts: SceneParts,
     target: str,
     presses: str = "dataset",
     baseline: Real | None = None,
@@ -66,16 +66,16 @@ def templates(
     `require_rods` does for more than one touch and for positions.
     """
     if target in (POSITION, *TWO_TOUCHES):
-        require_rods(scene, presses, target)
+        require_rods(parts.skin, parts.plan, presses, target)
     if baseline is None:
-        return _of_mean_skin(scene, target, presses)  # pyright: ignore[reportArgumentType]
-    unknown = _unknown_skin(scene, target == POSITION)  # pyright: ignore[reportArgumentType]
+        return _of_mean_skin(parts, target, presses)  # pyright: ignore[reportArgumentType]
+    unknown = _unknown_skin(parts, target == POSITION)  # pyright: ignore[reportArgumentType]
     return _tables(unknown.conditioned_on_baseline(baseline, averaged), target, presses, drift)
 
 
 @lru_cache(maxsize=8)
-def _of_mean_skin(scene: Scene, target: str, presses: str) -> Tables:
-    unknown = _unknown_skin(scene, target == POSITION)  # pyright: ignore[reportArgumentType]
+def _of_mean_skin(parts: SceneParts, target: str, presses: str) -> Tables:
+    unknown = _unknown_skin(parts, target == POSITION)  # pyright: ignore[reportArgumentType]
     return _tables(unknown, target, presses, 0.0)
 
 
@@ -83,8 +83,8 @@ def _tables(unknown: UnknownSkin, target: str, presses: str, drift: float) -> Ta
     scene = unknown.forward.parts.scene
     chances = np.zeros(3)
     chances[: len(scene.dataset.press.touches)] = scene.dataset.press.touches
-    strengths, weights, spread = strength_prior(scene, presses)
-    fingers = finger_prior(scene, presses)
+    strengths, weights, spread = strength_prior(scene.parts.skin, scene.parts.plan, presses)
+    fingers = finger_prior(scene.parts.skin, scene.parts.plan, presses)
     touches = fingers.pixel_touches(strengths, weights)
     common = {
         "deviation": errors_of(
@@ -111,20 +111,20 @@ def _with_drift(skin: Real, unknown: UnknownSkin, drift: float) -> Tables:
 
 
 @lru_cache(maxsize=8)
-def _unknown_skin(scene: Scene, anywhere: bool) -> UnknownSkin:
-    require_static(scene.parts.skin, "a localizer by a model of the skin")
-    cells = cells_per_pixel(scene) if anywhere else 1
-    return UnknownSkin(Forward(scene.parts, cells, rtol=RTOL, train=reduced_for))
+def _unknown_skin(parts: SceneParts, anywhere: bool) -> UnknownSkin:
+    require_static(parts.skin, "a localizer by a model of the skin")
+    cells = cells_per_pixel(parts.skin, parts.plan) if anywhere else 1
+    return UnknownSkin(Forward(parts, cells, rtol=RTOL, train=reduced_for))
 
 
-def strength_prior(scene: Scene, presses: str) -> tuple[NDArray, NDArray, float]:
+def strength_prior(skin: Skin, plan: Plan, presses: str) -> tuple[NDArray, NDArray, float]:
     """Strengths, the probability of each, and their common deviation."""
-    drawn, depth = scene.drawn_factor, scene.dataset.press.depth
+    drawn, depth = plan.draws.press.factor_within(skin.foam), plan.draws.press.depth
     if presses == "press":
-        return normal_mixture(own_presses(scene.parts.skin, scene.press).at, STRENGTHS)
-    if scene.press.by_factor or depth is None:
+        return normal_mixture(own_presses(skin, plan.press).at, STRENGTHS)
+    if plan.press.by_factor or depth is None:
         return normal_mixture(drawn.at, STRENGTHS)
-    return normal_mixture(lambda chance: scene.pressed_factors(depth.at(chance)), STRENGTHS)
+    return normal_mixture(lambda chance: skin.pressed_factors(depth.at(chance)), STRENGTHS)
 
 
 def pixel_tables(unknown: UnknownSkin, touches: Sequence[PixelTouch], of_finger: float) -> Tables:

@@ -23,7 +23,8 @@ from ..models.reduced.forward import Forward
 from ..models.session_spreads import session_spreads
 from ..press.batch import NOTHING
 from ..press.pixels import cell_centres
-from ..scene.scene import Scene
+from ..scene.parts import Meter, SceneParts
+from ..scene.readings.setup import Setup
 
 STEPS = 5
 """Number of Gauss-Newton steps from the mean skin to an observed one."""
@@ -39,12 +40,11 @@ class SkinDistribution(NamedTuple):
     factor: Real
 
 
-def expected(scene: Scene) -> dict[str, float]:
+def expected(parts: SceneParts) -> dict[str, float]:
     """Mean PARAMETERS of the skin and leads over the sessions of a scene."""
-    spreads = session_spreads(scene.parts)
+    spreads = session_spreads(parts)
     return {
-        name: own + spreads[name].shift
-        for name, own in own_values(scene.parts.skin, scene.parts.setup).items()
+        name: own + spreads[name].shift for name, own in own_values(parts.skin, parts.setup).items()
     }
 
 
@@ -56,7 +56,7 @@ class UnknownSkin:
     """
 
     def __init__(self, forward: Forward) -> None:
-        self.forward, self.values = forward, expected(forward.parts.scene)
+        self.forward, self.values = forward, expected(forward.parts.scene.parts)
         self._mean = self.values
         self._deviations = {
             name: spread.deviation
@@ -117,7 +117,15 @@ class UnknownSkin:
         errors of the session, shape (number,). Parameters enter nonlinearly, cosine modes linearly.
         With hundreds of sweeps the data would be more precise than this linearization.
         """
-        skin, error = self, _baseline_covariance(self.forward.parts.scene, baseline, averaged)
+        skin, error = (
+            self,
+            _baseline_covariance(
+                self.forward.parts.scene.parts.setup,
+                self.forward.parts.scene.parts.meter,
+                baseline,
+                averaged,
+            ),
+        )
         for _ in range(STEPS):
             weighed = np.linalg.solve(error, skin._baseline_columns).T
             information = weighed @ skin._baseline_columns + np.eye(len(weighed))
@@ -158,15 +166,15 @@ class UnknownSkin:
         return np.tensordot(self._foam * pressed, by_cell, axes=1)
 
 
-def _baseline_covariance(scene: Scene, baseline: Real, averaged: int) -> Real:
+def _baseline_covariance(setup: Setup, meter: Meter, baseline: Real, averaged: int) -> Real:
     """Covariance of observed values: errors of the session are common within a meter's range.
 
     Ranges are assumed to be decades of |Z|, each with a fixed error of its own.
     """
-    read = scene.parts.setup.read
+    read = setup.read
     error = errors_of(
-        scene.parts.setup,
-        scene.parts.meter,
+        setup,
+        meter,
         averaged=averaged,
         unpressed=lambda: reading_from(baseline, read),
     )

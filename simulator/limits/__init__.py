@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from ..bounds.position_bound import PositionBounds
     from ..scene.draws.draw_distributions import AnyDistribution
-    from ..scene.scene import Scene
+    from ..scene.parts import SceneParts
     from .random_press_limits import LimitInterval
 from ..progress import ProgressCallback, silent
 
 
 def bayes_accuracy(
-    scene: Scene,
+    parts: SceneParts,
     target: str = "column",
     presses: AnyDistribution | None = None,
     *,
@@ -35,14 +35,14 @@ def bayes_accuracy(
     from ..bounds.touch_readings import TouchReadings, hypotheses
     from ..measure.experiment import own_presses
 
-    among = hypotheses(scene, target)
-    factors = presses or own_presses(scene.parts.skin, scene.press)
-    readings = TouchReadings(scene, factors, against_rest)
+    among = hypotheses(parts.skin, parts.plan, target)
+    factors = presses or own_presses(parts.skin, parts.plan.press)
+    readings = TouchReadings(parts, factors, against_rest)
     return bayes(readings, among, factors, seed, draws, progress)
 
 
 def off_centre_accuracy(
-    scene: Scene,
+    parts: SceneParts,
     target: str = "column",
     presses: AnyDistribution | None = None,
     *,
@@ -68,19 +68,19 @@ def off_centre_accuracy(
     if not 0 <= offset <= 0.5:
         raise InputError(f"`offset` must be in 0..0.5 of a pixel's side, got {offset:g}")
     random_presses = RandomPresses.of_pixels(
-        scene,
-        presses or own_presses(scene.parts.skin, scene.press),
+        parts,
+        presses or own_presses(parts.skin, parts.plan.press),
         offset=offset,
         against_rest=against_rest,
     )
-    among = hypotheses(scene, target)
+    among = hypotheses(parts.skin, parts.plan, target)
     return accuracy_of_presses(
         random_presses, among, seed=seed, draws=draws, samples=samples, progress=progress
     )
 
 
 def posterior_distance(
-    scene: Scene,
+    parts: SceneParts,
     presses: AnyDistribution | None = None,
     *,
     size: float,
@@ -100,10 +100,10 @@ def posterior_distance(
     from ..measure.experiment import own_presses
     from .random_press_limits import RandomPresses, distance_of_presses
 
-    touch = chosen_touch(scene, size)
+    touch = chosen_touch(parts.skin, parts.plan.press, size)
     random_presses = RandomPresses(
-        scene,
-        presses or own_presses(scene.parts.skin, scene.press),
+        parts,
+        presses or own_presses(parts.skin, parts.plan.press),
         size=(touch.width, touch.height),
         against_rest=against_rest,
     )
@@ -111,7 +111,7 @@ def posterior_distance(
 
 
 def position_bound(
-    scene: Scene,
+    parts: SceneParts,
     *,
     size: float | None = None,
     factor: float | None = None,
@@ -132,15 +132,15 @@ def position_bound(
     from ..bounds.fields import CELLS_PER_PIXEL, fields_of
     from ..bounds.position_bound import chosen_touch, places_on, position_slopes
 
-    touch = chosen_touch(scene, size, factor)
-    fields = fields_of(scene, float(scene.frequencies[-1]), touch)
+    touch = chosen_touch(parts.skin, parts.plan.press, size, factor)
+    fields = fields_of(parts, float(parts.setup.frequency[-1]), touch)
     slopes = position_slopes(
         fields,
-        places_on(scene, touch, CELLS_PER_PIXEL, max_places),
+        places_on(parts, touch, CELLS_PER_PIXEL, max_places),
         touch,
-        scene.frequencies,
+        parts.setup.frequency,
         against_rest=against_rest,
         unknown_skin=unknown_skin,
         progress=progress,
     )
-    return slopes.bounds(taken=scene.taken)
+    return slopes.bounds(taken=parts.setup.taken)

@@ -20,7 +20,7 @@ from ..safe_text import say
 
 if TYPE_CHECKING:
     from ..progress import ProgressCallback
-    from ..scene.scene import Scene
+    from ..scene.parts import SceneParts
     from .touch_identity import Sampling
 
 FOLDER = Path("limits")
@@ -84,7 +84,9 @@ def limits(
 
     requested = requested_scene(scene)
     with on_terminal() as bars:
-        progress = Overall("limits in all", limit_parts(requested), bars)
+        progress = Overall(
+            "limits in all", limit_parts(requested.parts.skin, requested.parts.setup), bars
+        )
         from ..bounds.position_bound import chosen_touch
         from ..chart_style import checked_ending
         from ..models.mechanics.force_depths import foldable
@@ -101,11 +103,11 @@ def limits(
         from .survey_results import WRITTEN, SurveyResults
         from .touch_identity import Sampling, identity
 
-        folded = foldable(with_finger(requested, finger), "a limit")
+        folded = foldable(with_finger(requested, finger).parts, "a limit")
         side = None if size is None else 1e-3 * size
-        touch = chosen_touch(folded, side, factor)
+        touch = chosen_touch(folded.skin, folded.plan.press, side, factor)
         loaded = with_factor(with_interfaces(folded, interface or []), 1 + touch.rise)
-        options = SurveyOptions(touch, against_rest, unknown_skin, not loaded.press.by_factor)
+        options = SurveyOptions(touch, against_rest, unknown_skin, not loaded.plan.press.by_factor)
         sampling = Sampling(seed, draws, against_rest, side)
         ending = checked_ending(charts)
         resistances = _listed(sheet_resistance)
@@ -134,23 +136,23 @@ def _listed(text: str | None) -> list[float]:
 
 
 def _print_counts(
-    scene: Scene, accuracy: float, sampling: Sampling, progress: ProgressCallback
+    parts: SceneParts, accuracy: float, sampling: Sampling, progress: ProgressCallback
 ) -> None:
     from .touch_identity import MAX_PIXELS, MIN_PIXELS, counts, grid_text
 
     for target in ("column", "pixel"):
-        found = list(counts(scene, target, accuracy, sampling, progress))
+        found = list(counts(parts, target, accuracy, sampling, progress))
         reached = [each for each in found if each.reaches(accuracy)]
         best = reached[-1] if reached else None
         if best is None:
-            possible = f"not possible even with {grid_text(scene, MIN_PIXELS)} pixels"
+            possible = f"not possible even with {grid_text(parts, MIN_PIXELS)} pixels"
         elif best.n == MAX_PIXELS:
-            possible = f"possible with {grid_text(scene, best.n)} pixels or more"
+            possible = f"possible with {grid_text(parts, best.n)} pixels or more"
         else:
-            possible = f"possible with at most {grid_text(scene, best.n)} pixels"
-        rows, columns = scene.pixels.shape
+            possible = f"possible with at most {grid_text(parts, best.n)} pixels"
+        rows, columns = parts.skin.pixels.shape
         evaluated = "; ".join(
-            f"{grid_text(scene, each.n)} at most {100 * each.accuracy.share:.1f} "
+            f"{grid_text(parts, each.n)} at most {100 * each.accuracy.share:.1f} "
             f"± {100 * each.accuracy.error:.1f} %"
             for each in found
         )

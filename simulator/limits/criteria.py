@@ -32,7 +32,7 @@ from ..measure.readout import ErrorModel, observed
 from ..models.reduced.indentation.indentation_draws import scene_spreads_presses
 from ..models.response import Response
 from ..progress import ProgressCallback, silent, tracked
-from ..scene.scene import Scene
+from ..scene.pixel_grid import Pressing
 from ..sweeps import InputError
 
 CRITERIA = ("position", "column", "pixel")
@@ -107,13 +107,13 @@ def identity_criterion(
     """Criterion of the distance between the nearest two pixels with different answers.
 
     Its figure is the inverse of their distance. touch: around the middle of a pixel, by default the
-    whole pixel as the scene presses it. Raises InputError where no pixels are resolved, and for
+    whole pixel as the parts presses it. Raises InputError where no pixels are resolved, and for
     touches of another size on pixels in groups.
     """
-    scene = fields.scene
+    parts = fields.parts
     model = errors_in_fields(fields, frequency, against_rest)
-    among = hypotheses(scene, target)
-    touch = touch or chosen_touch(scene)
+    among = hypotheses(parts.skin, parts.plan, target)
+    touch = touch or chosen_touch(parts.skin, parts.plan.press)
     pixels = _pixel_touches(fields, touch)
     answers = [
         _pressed(fields, pixels, each, frequency) for each in tracked(among, "pixels", progress)
@@ -123,12 +123,12 @@ def identity_criterion(
         for one, other in itertools.combinations(range(len(among)), 2)
         if among[one].answer != among[other].answer
     ]
-    slopes, prior = _pair_slopes(scene, touch.rise, pairs, answers, model)
+    slopes, prior = _pair_slopes(parts.plan.press, touch.rise, pairs, answers, model)
     information = summed(slopes)
     whole = variances(information.sum(axis=1) + np.diag(prior), 1)[:, 0]
     resolved = whole < MIN_SEPARATION**-2
     if not resolved.any():
-        raise InputError(f"{scene.name}: no frequencies distinguish any two {target}s")
+        raise InputError(f"{parts.skin.name}: no frequencies distinguish any two {target}s")
 
     def merit(variance: Real) -> Real:
         return np.sqrt(variance[..., 0].max(axis=-1))
@@ -139,16 +139,16 @@ def identity_criterion(
 
 def _pixel_touches(fields: AnyFields, touch: TouchSize) -> list[RasterizedTouch]:
     """Maps of a touch around the middle of each pixel, or of its whole pixel or group."""
-    scene, whole = fields.scene, chosen_touch(fields.scene)
+    parts, whole = fields.parts, chosen_touch(fields.parts.skin, fields.parts.plan.press)
     of_its_size = (touch.width, touch.height) == (whole.width, whole.height)
-    if scene.pixels.groups is not None and not of_its_size:
-        raise InputError(f"{scene.name}: touches of a size need pixels without `groups`")
-    if scene.pixels.groups is None and (
-        scene_spreads_presses(scene.parts.skin, scene.press) or not of_its_size
+    if parts.skin.pixels.groups is not None and not of_its_size:
+        raise InputError(f"{parts.skin.name}: touches of a size need pixels without `groups`")
+    if parts.skin.pixels.groups is None and (
+        scene_spreads_presses(parts.skin, parts.plan.press) or not of_its_size
     ):
-        rasterizer = rasterizer_for(scene, fields.grid, touch)
-        return [rasterizer.rasterized(middle, touch) for middle in middles(scene)]
-    maps = pixel_maps(scene, fields.cells).values()
+        rasterizer = rasterizer_for(parts.skin, parts.plan.press, fields.grid, touch)
+        return [rasterizer.rasterized(middle, touch) for middle in middles(parts.skin)]
+    maps = pixel_maps(parts.skin, fields.cells).values()
     return [RasterizedTouch(1 + touch.rise * each, {"strength": each}) for each in maps]
 
 
@@ -156,7 +156,7 @@ def _pressed(
     fields: AnyFields, pixels: Sequence[RasterizedTouch], hypothesis: Hypothesis, frequency: Real
 ) -> Response:
     """Response to one pressed pixel, with the derivative by its strength."""
-    columns, none = fields.scene.pixels.columns, np.zeros(fields.grid)
+    columns, none = fields.parts.skin.pixels.columns, np.zeros(fields.grid)
     own = [pixels[i * columns + j] for i, j in hypothesis.pixels]
     factors = 1 + sum((each.factors - 1 for each in own), none)
     by_strength = sum((each.changes["strength"] for each in own), none)
@@ -164,7 +164,7 @@ def _pressed(
 
 
 def _pair_slopes(
-    scene: Scene,
+    pressing: Pressing,
     rise: float,
     pairs: Sequence[tuple[int, int]],
     answers: Sequence[Response],
@@ -181,7 +181,7 @@ def _pair_slopes(
         in_noise(each.Z, [each.by_parameter["strength"]], model)[..., 0] for each in answers
     ]
     errors, known = session_errors(model)
-    spread = scene.press.factor_spread * abs(rise)
+    spread = pressing.factor_spread * abs(rise)
     strengths = 2 if spread else 0
     slopes = np.zeros((len(pairs), *levels[0].shape, 1 + strengths + errors.shape[-1]))
     for number, (one, other) in enumerate(pairs):

@@ -71,16 +71,18 @@ def frequencies(
     from .frequency_design import check_design, design
     from .survey import with_interfaces
 
-    folded = foldable(requested_scene(scene), "a limit")
-    loaded = with_interfaces(folded, interface or [])
-    chosen_from = frequencies_among(among, loaded)
+    folded = foldable(requested_scene(scene).parts, "a limit")
+    loaded = with_interfaces(folded.parts, interface or [])
+    chosen_from = frequencies_among(among, loaded.parts.setup)
     check_design(n, grid if chosen_from is None else len(chosen_from), repeats, grid)
     with on_terminal() as progress:
         found = design(
-            loaded,
+            loaded.parts,
             n,
-            chosen_band(band, loaded),
-            chosen_touch(loaded, None if size is None else 1e-3 * size, factor),
+            chosen_band(band, loaded.parts.setup),
+            chosen_touch(
+                loaded.parts.skin, loaded.plan.press, None if size is None else 1e-3 * size, factor
+            ),
             criterion=checked_criterion(criterion),
             grid=grid,
             against_rest=against_rest,

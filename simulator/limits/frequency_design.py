@@ -13,7 +13,7 @@ from ..bounds.fields import CELLS_PER_PIXEL, fields_of
 from ..bounds.frequency_sets import OPTIMAL, allowed, candidates_of, compared, too_near
 from ..bounds.position_bound import Slopes, TouchSize, places_on, position_slopes
 from ..progress import ProgressCallback, silent
-from ..scene.scene import Scene
+from ..scene.parts import SceneParts
 from ..sweeps import InputError
 from ..sweeps.units import prefixed
 from .criteria import Criterion, identity_criterion, position_criterion
@@ -89,7 +89,7 @@ class FrequencyDesign:
 
 
 def design(
-    scene: Scene,
+    parts: SceneParts,
     n: int,
     band: tuple[float, float],
     touch: TouchSize,
@@ -107,10 +107,10 @@ def design(
     ascending, instead of these. Raises InputError where n or the grid is out of range.
     """
     check_design(n, grid if among is None else len(among), repeats, grid)
-    others = compared(scene, n, band)
-    own = candidates_of(scene, n, band, grid) if among is None else among
+    others = compared(parts.skin, parts.setup, n, band)
+    own = candidates_of(parts.skin, parts.setup, n, band, grid) if among is None else among
     every = np.unique(np.concatenate([own, *others.values()]))
-    scored, slopes = criterion_at(scene, criterion, every, touch, against_rest, progress)
+    scored, slopes = criterion_at(parts, criterion, every, touch, against_rest, progress)
     numbers = {name: np.searchsorted(every, f) for name, f in others.items()}
     best = best_set(
         scored, np.searchsorted(every, own), n, numbers.values(), repeats, among is None
@@ -176,7 +176,7 @@ def check_design(n: int, candidates: int, repeats: bool, grid: int) -> None:
 
 
 def criterion_at(
-    scene: Scene,
+    parts: SceneParts,
     name: str,
     candidates: Real,
     touch: TouchSize,
@@ -184,12 +184,12 @@ def criterion_at(
     progress: ProgressCallback,
 ) -> tuple[Criterion, Slopes | None]:
     """The criterion and, for position, the slopes at all positions of `limits`."""
-    of_groups = name != "position" and scene.pixels.groups is not None
+    of_groups = name != "position" and parts.skin.pixels.groups is not None
     cells = 1 if of_groups else None
-    fields = fields_of(scene, float(candidates[-1]), touch, cells)
+    fields = fields_of(parts, float(candidates[-1]), touch, cells)
     if name != "position":
         return identity_criterion(fields, name, candidates, against_rest, progress, touch), None
-    places = places_on(scene, touch, CELLS_PER_PIXEL)
+    places = places_on(parts, touch, CELLS_PER_PIXEL)
     slopes = position_slopes(
         fields, places, touch, candidates, against_rest=against_rest, progress=progress
     )

@@ -15,7 +15,7 @@ from ..arrays import Real
 from ..bounds.position_bound import PositionBounds
 from ..chart_style import COLOURS, LINE_STYLES, chart, plain_numbers
 from ..report.from_above import MM, draw_foils, draw_outline, draw_pixels
-from ..scene.scene import Scene
+from ..scene.parts import Skin
 from .survey import Variant
 
 if TYPE_CHECKING:
@@ -38,11 +38,11 @@ NOISE = 1.0
 LETTERS_PER_INCH = 11
 
 
-def draw_maps(scene: Scene, variants: Sequence[Variant], title: str, path: Path) -> None:
+def draw_maps(skin: Skin, variants: Sequence[Variant], title: str, path: Path) -> None:
     """Draws the bounds of x, y and strength of all variants, as maps, or as lines for a strip."""
     if len(np.unique(variants[0].bounds.places[:, 1])) == 1:
-        return _draw_lines(scene, variants, title, path)
-    wide, high = _size_of_map(scene)
+        return _draw_lines(skin, variants, title, path)
+    wide, high = _size_of_map(skin)
     columns, rows = len(variants), len(QUANTITIES)
     width = (wide + MAP_GAP) * columns + BAR_WIDTH
     with chart(path, width, (high + MAP_GAP) * rows + OUTER_SPACE) as figure:
@@ -50,7 +50,7 @@ def draw_maps(scene: Scene, variants: Sequence[Variant], title: str, path: Path)
         panels = grid.subplots(squeeze=False)
         for row, (quantity, (unit, label)) in zip(panels, QUANTITIES.items(), strict=True):
             values = [unit * getattr(variant.bounds, quantity) for variant in variants]
-            _draw_row(row, scene, variants, values, label)
+            _draw_row(row, skin, variants, values, label)
         for axes, variant in zip(panels[0, :-1], variants, strict=True):
             axes.set_title(variant.name)
         for axes in panels[:, 0]:
@@ -64,16 +64,16 @@ def draw_maps(scene: Scene, variants: Sequence[Variant], title: str, path: Path)
     return None
 
 
-def _size_of_map(scene: Scene) -> tuple[float, float]:
+def _size_of_map(skin: Skin) -> tuple[float, float]:
     """Width and height of each map in inches, both large enough for its texts."""
-    longer = max(scene.skin.sides)
-    wide, high = (LONGER * side / longer for side in scene.skin.sides)
+    longer = max(skin.sides)
+    wide, high = (LONGER * side / longer for side in skin.sides)
     return max(wide, MIN_WIDTH), max(high, MIN_HEIGHT)
 
 
 def _draw_row(
     panels: NDArray[np.object_],
-    scene: Scene,
+    skin: Skin,
     variants: Sequence[Variant],
     values: Sequence[Real],
     label: str,
@@ -84,7 +84,7 @@ def _draw_row(
     norm, bar_axes = _norm(values), panels[-1]
     bar_axes.grid(False)
     for axes, variant, own in zip(panels, variants, values, strict=False):
-        _draw_map(axes, scene, variant.bounds, own, norm)
+        _draw_map(axes, skin, variant.bounds, own, norm)
     if norm is None:
         bar_axes.set_axis_off()
         text, position = f"{label}:\nnot resolved anywhere", (0.0, 0.5)
@@ -106,10 +106,10 @@ def _norm(values: Sequence[Real]) -> Normalize | None:
 
 
 def _draw_map(
-    axes: Axes, scene: Scene, bounds: PositionBounds, values: Real, norm: Normalize | None
+    axes: Axes, skin: Skin, bounds: PositionBounds, values: Real, norm: Normalize | None
 ) -> None:
     x, y = (np.unique(1e3 * bounds.places[:, axis]) for axis in (0, 1))
-    skin, pixels = scene.skin, scene.pixels
+    skin, pixels = skin, skin.pixels
     cells = skin.length / pixels.columns, skin.width / pixels.rows
     axes.set_facecolor("white")
     edges = _edges(x, 1e3 * cells[0]), _edges(y, 1e3 * cells[1])
@@ -122,7 +122,7 @@ def _draw_map(
     grey: Any = {"cmap": "Greys", "vmin": -1, "vmax": 3}
     for own, looks in ((evaluated, grey), (shown, {"cmap": "viridis_r", "norm": norm})):
         axes.pcolormesh(*edges, np.ma.masked_invalid(own), **looks)
-    draw_sheet(axes, scene)
+    draw_sheet(axes, skin)
 
 
 def _edges(middles: Real, alone: float) -> Real:
@@ -130,17 +130,17 @@ def _edges(middles: Real, alone: float) -> Real:
     return np.append(middles - step / 2, middles[-1] + step / 2)
 
 
-def draw_sheet(axes: Axes, scene: Scene) -> None:
+def draw_sheet(axes: Axes, skin: Skin) -> None:
     """Draws outline, pixel grid and foils, in mm."""
-    length, width = MM * np.array(scene.skin.sides)
+    length, width = MM * np.array(skin.sides)
     longer = max(length, width)
     axes.grid(False)
     axes.set_xlim(-MARGIN * longer, length + MARGIN * longer)
     axes.set_ylim(-MARGIN * longer, width + MARGIN * longer)
     axes.set_aspect("equal")
-    draw_pixels(axes, scene)
-    draw_outline(axes, scene)
-    draw_foils(axes, scene)
+    draw_pixels(axes, skin)
+    draw_outline(axes, skin)
+    draw_foils(axes, skin)
 
 
 def _draw_legend(figure: Figure) -> None:
@@ -151,7 +151,7 @@ def _draw_legend(figure: Figure) -> None:
     figure.legend(handles, named, loc="outside lower center", ncols=3)
 
 
-def _draw_lines(scene: Scene, variants: Sequence[Variant], title: str, path: Path) -> None:
+def _draw_lines(skin: Skin, variants: Sequence[Variant], title: str, path: Path) -> None:
     with chart(path, 6.5, 3.6) as figure:
         axes = figure.subplots()
         for k, variant in enumerate(variants):
@@ -159,9 +159,9 @@ def _draw_lines(scene: Scene, variants: Sequence[Variant], title: str, path: Pat
             finite = np.where(np.isfinite(deviation), deviation, np.nan)
             colour, style = COLOURS[k % len(COLOURS)], LINE_STYLES[k % len(LINE_STYLES)]
             axes.plot(x, finite, linestyle=style, color=colour, label=variant.name)
-        for line in np.linspace(0, 1e3 * scene.skin.length, scene.pixels.columns + 1):
+        for line in np.linspace(0, 1e3 * skin.length, skin.pixels.columns + 1):
             axes.axvline(line, color="0.7", linewidth=0.5)
-        axes.set_xlim(0, 1e3 * scene.skin.length)
+        axes.set_xlim(0, 1e3 * skin.length)
         axes.grid(False, axis="x")
         axes.set_yscale("log")
         plain_numbers(axes.yaxis)

@@ -25,7 +25,7 @@ from ..press.walls import require_no_walls
 from ..progress import ProgressCallback, silent, tracked
 from ..scene.draws.draw_distributions import AnyDistribution, truncated_normal
 from ..scene.draws.randomisation import CUT
-from ..scene.scene import Scene
+from ..scene.parts import SceneParts
 from ..sweeps import InputError
 
 RTOL = 1e-3
@@ -44,7 +44,7 @@ class RandomPresses:
 
     def __init__(
         self,
-        scene: Scene,
+        parts: SceneParts,
         presses: AnyDistribution,
         *,
         size: tuple[float, float],
@@ -53,27 +53,32 @@ class RandomPresses:
     ) -> None:
         """Raises InputError for a meter without noise, and for a scene that presses by fingers or
         has walls around touches."""
-        require_no_walls(scene.parts.skin, "a limit for presses at random positions")
-        if scene.press.finger:
+        require_no_walls(parts.skin, "a limit for presses at random positions")
+        if parts.plan.press.finger:
             raise InputError(
-                f"{scene.name}: limits with position errors support presses by a rod only; leave "
-                "out `press.finger`, or use the limit of whole pixels"
+                f"{parts.skin.name}: limits with position errors support presses by a rod only; "
+                "leave out `press.finger`, or use the limit of whole pixels"
             )
-        skin, pixels = scene.skin, scene.pixels
-        self.scene, self._presses, self._offset = scene.for_rods, presses, offset
+        skin, pixels = parts.skin, parts.skin.pixels
+        self.parts, self._presses, self._offset = parts.for_rods, presses, offset
         self._sides, self._extent = np.array(size), np.array([skin.length, skin.width])
         self.grid = CELLS * pixels.rows, CELLS * pixels.columns
-        require_noise(scene.readout)
+        require_noise(parts.meter.readout)
         self._against_rest = against_rest
 
     @classmethod
     def of_pixels(
-        cls, scene: Scene, presses: AnyDistribution, *, offset: float = 0.0, against_rest: int = 0
+        cls,
+        parts: SceneParts,
+        presses: AnyDistribution,
+        *,
+        offset: float = 0.0,
+        against_rest: int = 0,
     ) -> Self:
         """Presses of the size of a pixel. Raises InputError as the constructor does."""
-        skin, pixels = scene.skin, scene.pixels
+        skin, pixels = parts.skin, parts.skin.pixels
         size = skin.length / pixels.columns, skin.width / pixels.rows
-        return cls(scene, presses, size=size, offset=offset, against_rest=against_rest)
+        return cls(parts, presses, size=size, offset=offset, against_rest=against_rest)
 
     def with_offset(self, offset: float) -> Self:
         """A copy with another offset that shares the reduced model."""
@@ -83,7 +88,7 @@ class RandomPresses:
 
     def pressed(self, hypothesis: Hypothesis, random: np.random.Generator, count: int) -> Real:
         """Whitened readings without noise of `count` presses of pixels, shape (press, number)."""
-        pixels = self.scene.pixels
+        pixels = self.parts.skin.pixels
         pitch = self._extent / [pixels.columns, pixels.rows]
         middles = (
             np.array([(j + 0.5, i + 0.5) for i, j in hypothesis.pixels]).reshape(-1, 2) * pitch
@@ -111,15 +116,15 @@ class RandomPresses:
 
     def _impedances(self, batch: PressBatch) -> Complex:
         """Z in ohm at the meter, shape (press, interface, frequency)."""
-        return self.scene.parts.setup.at_meter(self._skin.sweeps(batch, self.scene.frequencies))
+        return self.parts.setup.at_meter(self._skin.sweeps(batch, self.parts.setup.frequency))
 
     @cached_property
     def _model(self) -> ErrorModel:
         """Errors of the meter, evaluated at the reading of the unpressed skin."""
         unpressed = PressBatch.of([NOTHING])
         return errors_of(
-            self.scene.parts.setup,
-            self.scene.parts.meter,
+            self.parts.setup,
+            self.parts.meter,
             self._against_rest,
             unpressed=lambda: self._impedances(unpressed)[0],
         )
@@ -130,7 +135,7 @@ class RandomPresses:
         width, height = np.moveaxis(self._sides if sides is None else sides, -1, 0)
         touches = np.full(len(middles), middles.shape[1])
         rectangles = Footprints.rectangles(x, y, width, height, factors)
-        return rasterized(self.scene.parts.skin, touches, rectangles, self.grid)
+        return rasterized(self.parts.skin, touches, rectangles, self.grid)
 
     @cached_property
     def _skin(self) -> ReducedSkin:
@@ -138,7 +143,7 @@ class RandomPresses:
 
     @cached_property
     def _reduced(self) -> Reduced:
-        divided = self.scene.on_grid(*self.grid)
+        divided = self.parts.on_grid(*self.grid)
         low, high = float(self._presses.low), float(self._presses.high)
         range_of = min(MIN_FACTOR, low), max(MAX_FACTOR, high)
 

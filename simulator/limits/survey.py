@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -20,7 +20,8 @@ from ..bounds.position_bound import (
 )
 from ..bounds.touches.rasterization_errors import RasterizationErrors
 from ..progress import ProgressCallback, silent
-from ..scene.readings.changed_readings import restricted_to_interfaces
+from ..scene.parts import SceneParts, Skin
+from ..scene.readings.setup import Setup
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.press_text import parse_touches
@@ -77,7 +78,7 @@ class SurveyOptions:
 
 
 def survey(
-    scene: Scene,
+    parts: SceneParts,
     options: SurveyOptions,
     sheet_resistances: Sequence[float] = (),
     n: int | None = None,
@@ -89,38 +90,45 @@ def survey(
     Interfaces are each alone and all together. sheet_resistances: ohm/sq. n: by default the number
     of pixels from the driven edge.
     """
-    n = n or _pixels_from_edge(scene)
-    slopes = _slopes(scene, options, candidates_of(scene, n, own_band(scene), GRID), progress)
-    own = scene.frequencies
-    name = f"the scene's {len(own)}" if scene.taken is None else "the scene's own"
-    everything = Variant(FREQUENCIES, name, slopes.bounds(own, taken=scene.taken), own)
-    sets = _sets(scene, slopes, n)
+    n = n or _pixels_from_edge(parts.skin, parts.setup)
+    slopes = _slopes(
+        parts,
+        options,
+        candidates_of(parts.skin, parts.setup, n, own_band(parts.setup), GRID),
+        progress,
+    )
+    own = parts.setup.frequency
+    name = f"the scene's {len(own)}" if parts.setup.taken is None else "the scene's own"
+    everything = Variant(FREQUENCIES, name, slopes.bounds(own, taken=parts.setup.taken), own)
+    sets = _sets(parts.skin, parts.setup, slopes, n)
     others = (Variant(FREQUENCIES, name, slopes.bounds(f), f) for name, f in sets.items())
     variants = [everything, *others]
-    if len(scene.interfaces) > 1:
-        for number, interface in enumerate(scene.interfaces):
-            its = scene.parts.setup.frequency_at(interface.name)
+    if len(parts.setup.interfaces) > 1:
+        for number, interface in enumerate(parts.setup.interfaces):
+            its = parts.setup.frequency_at(interface.name)
             alone = slopes.bounds(its, [number])
             variants.append(Variant(INTERFACES, interface.name, alone, its))
         variants.append(Variant(INTERFACES, "all together", everything.bounds, own))
     for resistance in sheet_resistances:
-        of_sheets = _slopes(with_sheets(scene, resistance), options, own, progress)
-        name, bounds = f"{1e-3 * resistance:g} kohm/sq", of_sheets.bounds(taken=scene.taken)
+        of_sheets = _slopes(with_sheets(parts, resistance).parts, options, own, progress)
+        name, bounds = f"{1e-3 * resistance:g} kohm/sq", of_sheets.bounds(taken=parts.setup.taken)
         variants.append(Variant(SHEETS, name, bounds, own))
     return variants
 
 
-def survey_rasterization_errors(scene: Scene, options: SurveyOptions) -> RasterizationErrors | None:
+def survey_rasterization_errors(
+    parts: SceneParts, options: SurveyOptions
+) -> RasterizationErrors | None:
     """Errors of touches by depth rasterized on cells, for the scene's own variant."""
     if not options.by_depth:
         return None
-    fields = fields_of(scene, float(scene.frequencies[-1]), options.touch)
-    places = places_on(scene, options.touch, CELLS_PER_PIXEL)
+    fields = fields_of(parts, float(parts.setup.frequency[-1]), options.touch)
+    places = places_on(parts, options.touch, CELLS_PER_PIXEL)
     return errors_of_places(fields, places, options.touch)
 
 
-def with_sheets(scene: Scene, sheet_resistance: float) -> Scene:
-    """The scene with another resistance of its sheets, but not of earth, ohm/sq.
+def with_sheets(parts: SceneParts, sheet_resistance: float) -> SceneParts:
+    """The parts with another resistance of the sheets, but not of earth, ohm/sq.
 
     Raises InputError.
     """
@@ -128,20 +136,19 @@ def with_sheets(scene: Scene, sheet_resistance: float) -> Scene:
         raise InputError(
             f"--sheet-resistance must be finite and > 0 ohm/sq, got {sheet_resistance:g}"
         )
-    names = ("top",) if scene.skin.one_conductor else ("top", "bottom")
-    sheets = {
-        name: scene.skin.sheet(name).model_copy(update={"sheet_resistance": sheet_resistance})
-        for name in names
-    }
-    return scene.model_copy(update={"skin": scene.skin.model_copy(update=sheets)})
+    skin = parts.skin
+    names = ("top",) if skin.one_conductor else ("top", "bottom")
+    changed = {"sheet_resistance": sheet_resistance}
+    sheets = {name: skin.sheet(name).model_copy(update=changed) for name in names}
+    return replace(parts, skin=skin.with_parts(**sheets))
 
 
-def with_factor(scene: Scene, factor: float) -> Scene:
-    """The scene pressed to `factor` times the unpressed capacitance."""
-    by = {"capacitance_factor": factor} if scene.press.by_factor else {}
-    by = by or {"depth": scene.pressed_depth(factor)}
-    pressing = scene.press.model_copy(update=by)
-    return scene.model_copy(update={"press": pressing})
+def with_factor(parts: SceneParts, factor: float) -> SceneParts:
+    """The parts pressed to `factor` times the unpressed capacitance."""
+    press = parts.plan.press
+    by = {"capacitance_factor": factor} if press.by_factor else {}
+    by = by or {"depth": parts.skin.pressed_depth(factor)}
+    return parts.pressed_by(press.model_copy(update=by))
 
 
 def with_finger(scene: Scene, text: str | None) -> Scene:
@@ -163,26 +170,22 @@ def with_finger(scene: Scene, text: str | None) -> Scene:
     return scene.with_({"press.finger": touch.finger or None})
 
 
-def with_interfaces(scene: Scene, names: Sequence[str]) -> Scene:
-    """The scene with some of its interfaces; with all of them for no names. Raises InputError."""
-    known = [interface.name for interface in scene.interfaces]
+def with_interfaces(parts: SceneParts, names: Sequence[str]) -> SceneParts:
+    """The parts with some of the interfaces; with all of them for no names. Raises InputError."""
+    known = parts.setup.names
     for name in names:
         if name not in known:
             raise InputError(f"--interface must be one of {', '.join(known)}, got {name!r}")
-    return (
-        restricted_to_interfaces(scene, [name for name in known if name in names])
-        if names
-        else scene
-    )
+    return parts.read(parts.setup.of([name for name in known if name in names])) if names else parts
 
 
 def _slopes(
-    scene: Scene, options: SurveyOptions, frequency: Real, progress: ProgressCallback
+    parts: SceneParts, options: SurveyOptions, frequency: Real, progress: ProgressCallback
 ) -> Slopes:
-    fields = fields_of(scene, float(frequency[-1]), options.touch)
+    fields = fields_of(parts, float(frequency[-1]), options.touch)
     return position_slopes(
         fields,
-        places_on(scene, options.touch, CELLS_PER_PIXEL),
+        places_on(parts, options.touch, CELLS_PER_PIXEL),
         options.touch,
         frequency,
         against_rest=options.against_rest,
@@ -191,13 +194,13 @@ def _slopes(
     )
 
 
-def _pixels_from_edge(scene: Scene) -> int:
-    edge = scene.contact(scene.interfaces[0].high[0]).edge
-    return scene.pixels.columns if edge in ("left", "right") else scene.pixels.rows
+def _pixels_from_edge(skin: Skin, setup: Setup) -> int:
+    edge = skin.contact(setup.interfaces[0].high[0]).edge
+    return skin.pixels.columns if edge in ("left", "right") else skin.pixels.rows
 
 
-def _sets(scene: Scene, slopes: Slopes, n: int) -> dict[str, Real]:
-    named = compared(scene, n, own_band(scene))
+def _sets(skin: Skin, setup: Setup, slopes: Slopes, n: int) -> dict[str, Real]:
+    named = compared(skin, setup, n, own_band(setup))
     try:
         criterion = position_criterion(sampled_positions(slopes))
     except InputError:  # no set resolves the position, so there is no best one

@@ -11,7 +11,7 @@ from ..measure.symmetry import describe_repeated
 from ..report.files import filled_at_once, write_json
 from ..report.terminal import table
 from ..safe_text import say, terminal
-from ..scene.scene import Scene
+from ..scene.parts import SceneParts
 from ..sweeps.accuracy_text import bound_text
 from .limit_charts import draw_distances, draw_maps
 from .report import summary, write_distances, write_places
@@ -40,7 +40,7 @@ class SurveyResults(NamedTuple):
     rasterization: errors of touches rasterized on cells; None where presses are factors.
     """
 
-    scene: Scene
+    parts: SceneParts
     options: SurveyOptions
     variants: Sequence[Variant]
     identity: IdentityBounds
@@ -49,7 +49,7 @@ class SurveyResults(NamedTuple):
     def write(self, folder: Path, ending: str) -> None:
         """Writes maps with this ending, tables and a summary."""
         content = {
-            "scene": self.scene.name,
+            "scene": self.parts.skin.name,
             "position_asked": self.options.assumptions,
             **(
                 {}
@@ -60,7 +60,7 @@ class SurveyResults(NamedTuple):
             "position": [summary(variant) for variant in self.variants],
             "accuracy": self.identity.summary(),
         }
-        if each := self.scene.parts.setup.own:
+        if each := self.parts.setup.own:
             content["frequencies_of_each_Hz"] = each
         with filled_at_once(folder) as made:
             self._draw(made, ending)
@@ -83,9 +83,7 @@ class SurveyResults(NamedTuple):
         more = [f"  {left} more rows in {folder / 'limits.json'}"] if left > 0 else []
         repeated = [
             f"  {line}"
-            for line in describe_repeated(
-                self.scene.parts.skin, self.scene.parts.setup, self.scene.press
-            )
+            for line in describe_repeated(self.parts.skin, self.parts.setup, self.parts.plan.press)
         ]
         meaning = f"  {bound_text(self.options.against_rest, 'a known skin')}"
         say(*more, f"  {ERROR}", *repeated, *self.identity.lines(), meaning)
@@ -94,12 +92,12 @@ class SurveyResults(NamedTuple):
     def _draw(self, folder: Path, ending: str) -> None:
         for comparison in dict.fromkeys(variant.comparison for variant in self.variants):
             chosen = [each for each in self.variants if each.comparison == comparison]
-            draw_maps(self.scene, chosen, self._title(), folder / f"{comparison}{ending}")
+            draw_maps(self.parts.skin, chosen, self._title(), folder / f"{comparison}{ending}")
         draw_distances(
             self.identity.separation,
             self.identity.names,
-            f"{self.scene.name}: distance between the sweeps of pixels, at their nearest factors; "
-            f"{self.identity.assumptions}",
+            f"{self.parts.skin.name}: distance between the sweeps of pixels, at their nearest "
+            f"factors; {self.identity.assumptions}",
             folder / f"pixels{ending}",
         )
 
@@ -108,6 +106,6 @@ class SurveyResults(NamedTuple):
         count = options.against_rest
         baseline = f" minus the mean of {count} baseline sweeps" if count else ""
         return (
-            f"{self.scene.name}: smallest standard deviation from one sweep{baseline}, at "
+            f"{self.parts.skin.name}: smallest standard deviation from one sweep{baseline}, at "
             f"{1 + options.touch.rise:.3g} times the capacitance; {options.assumptions}"
         )

@@ -20,7 +20,7 @@ from ..bounds.touches.rasterization_errors import RasterizationErrors
 from ..measure.experiment import combined_strengths, own_presses, quantiles
 from ..progress import ProgressCallback, silent
 from ..scene.draws.draw_distributions import AnyDistribution
-from ..scene.scene import Scene
+from ..scene.parts import Plan, SceneParts, Skin
 from ..sweeps import InputError
 from .touch_kinds import KindAccuracies, by_finger, digits, kind_accuracies, numbers, percent
 
@@ -93,9 +93,9 @@ class Sampling:
     against_rest: int = 0
     size: float | None = None
 
-    def readings(self, scene: Scene, presses: AnyDistribution) -> TouchReadings:
+    def readings(self, parts: SceneParts, presses: AnyDistribution) -> TouchReadings:
         """Readings of a scene under these presses."""
-        return TouchReadings(scene, presses, self.against_rest, self.size)
+        return TouchReadings(parts, presses, self.against_rest, self.size)
 
     def bayes(
         self,
@@ -152,12 +152,12 @@ class IdentityBounds:
 
 
 def identity(
-    scene: Scene, sampling: Sampling, progress: ProgressCallback = silent
+    parts: SceneParts, sampling: Sampling, progress: ProgressCallback = silent
 ) -> IdentityBounds:
     """Identity bounds of a known skin, pressed as in the scene's experiment."""
-    presses = own_presses(scene.parts.skin, scene.press)
-    readings, size = sampling.readings(scene, presses), sampling.size
-    among = {target: hypotheses(scene, target, size) for target in TARGETS}
+    presses = own_presses(parts.skin, parts.plan.press)
+    readings, size = sampling.readings(parts, presses), sampling.size
+    among = {target: hypotheses(parts.skin, parts.plan, target, size) for target in TARGETS}
     pixels = [each for each in among["pixel"] if each.pixels]
 
     def accuracy(own: Sequence[Hypothesis]) -> BayesAccuracy:
@@ -168,17 +168,17 @@ def identity(
         {t: upper_bound(readings, each, presses) for t, each in among.items()},
         distances(readings, pixels, presses),
         [",".join(map(str, each.answer)) for each in pixels],
-        _assumptions(scene, size),
+        _assumptions(parts.skin, parts.plan, size),
         readings.rasterization_errors(presses),
-        kind_accuracies(scene, among, size, accuracy),
+        kind_accuracies(parts.skin, parts.plan, among, size, accuracy),
     )
 
 
-def _assumptions(scene: Scene, size: float | None) -> str:
+def _assumptions(skin: Skin, plan: Plan, size: float | None) -> str:
     """Text of what the classifier of the bounds knows and what it does not."""
-    press, none = scene.press, "at most" if scene.experiment.unpressed else "exactly"
+    press, none = plan.press, "at most" if plan.unpressed else "exactly"
     area = "a whole pixel" if size is None else f"{1e3 * size:.3g} mm around the middle of a pixel"
-    factor = f"{scene.pressed_factor:.3g} times the capacitance{by_finger(scene, size)}"
+    factor = f"{plan.press.factor(skin):.3g} times the capacitance{by_finger(skin, plan, size)}"
     spread = f", give or take {100 * press.factor_spread:.3g} % of the rise"
     return (
         f"the classifier knows the skin, that {none} one touch is there, its area ({area}) and its "
@@ -206,7 +206,7 @@ class Count:
 
 
 def counts(
-    scene: Scene,
+    parts: SceneParts,
     target: str,
     accuracy: float,
     sampling: Sampling,
@@ -219,20 +219,20 @@ def counts(
     if not 0 < accuracy < 1:
         raise InputError(f"--accuracy must be > 0 and < 1, got {accuracy:g}")
     for n in range(MIN_PIXELS, MAX_PIXELS + 1):
-        found = counted(scene, target, n, sampling, progress)
+        found = counted(parts, target, n, sampling, progress)
         yield found
         if not found.reaches(accuracy):
             return
 
 
 def counted(
-    scene: Scene, target: str, n: int, sampling: Sampling, progress: ProgressCallback = silent
+    parts: SceneParts, target: str, n: int, sampling: Sampling, progress: ProgressCallback = silent
 ) -> Count:
     """The best accuracy with n pixels along the longer side of the grid."""
-    divided = with_pixels(scene, n)
+    divided = with_pixels(parts, n)
     presses, among = (
-        own_presses(divided.parts.skin, divided.press),
-        hypotheses(divided, target, sampling.size),
+        own_presses(divided.parts.skin, divided.plan.press),
+        hypotheses(divided.parts.skin, divided.parts.plan, target, sampling.size),
     )
     readings = sampling.readings(divided, presses)
     readings.train(progress)
@@ -240,19 +240,19 @@ def counted(
     return Count(n, sampling.bayes(readings, among, presses, progress), bound)
 
 
-def with_pixels(scene: Scene, n: int) -> Scene:
-    """The scene with n pixels along the longer side of the grid.
+def with_pixels(parts: SceneParts, n: int) -> SceneParts:
+    """The parts with n pixels along the longer side of the grid.
 
     The other side keeps the proportion of rows and columns, rounded, with at least one pixel. A
     strip stays a strip.
     """
-    own = scene.pixels.shape
+    own = parts.skin.pixels.shape
     rows, columns = (max(1, round(n * each / max(own))) for each in own)
     strip = own[0] == 1, own[1] == 1 < own[0]
-    return scene.on_grid(1 if strip[0] else rows, 1 if strip[1] else columns)
+    return parts.on_grid(1 if strip[0] else rows, 1 if strip[1] else columns)
 
 
-def grid_text(scene: Scene, n: int) -> str:
+def grid_text(parts: SceneParts, n: int) -> str:
     """The pixels of `with_pixels` as rows x columns."""
-    pixels = with_pixels(scene, n).pixels
+    pixels = with_pixels(parts, n).skin.pixels
     return f"{pixels.rows}x{pixels.columns}"

@@ -8,7 +8,7 @@ from typing import Any
 
 from ..bounds.bayes import BayesAccuracy
 from ..bounds.touch_readings import Hypothesis, by_rod, hypotheses, kinds, touched_alone
-from ..scene.scene import Scene
+from ..scene.parts import Plan, Skin
 
 OTHER_KINDS = {"pressed by a rod": by_rod, "touched by a finger without a press": touched_alone}
 
@@ -43,7 +43,8 @@ class KindAccuracies:
 
 
 def kind_accuracies(
-    scene: Scene,
+    skin: Skin,
+    plan: Plan,
     among: Mapping[str, Sequence[Hypothesis]],
     size: float | None,
     accuracy: Callable[[Sequence[Hypothesis]], BayesAccuracy],
@@ -52,18 +53,18 @@ def kind_accuracies(
 
     among: hypotheses by target. size: see `TouchReadings`. accuracy: function of hypotheses.
     """
-    if not scene.press.finger or scene.pressed_factor == 1:
+    if not plan.press.finger or plan.press.factor(skin) == 1:
         return None
     others = {
         name: {target: accuracy([*map(changed, own)]) for target, own in among.items()}
         for name, changed in OTHER_KINDS.items()
     }
-    return KindAccuracies(others, accuracy(kinds(scene, size)))
+    return KindAccuracies(others, accuracy(kinds(skin, plan, size)))
 
 
-def by_finger(scene: Scene, size: float | None) -> str:
+def by_finger(skin: Skin, plan: Plan, size: float | None) -> str:
     """Text of the finger of the scene's `press`, empty for a rod."""
-    own = [each.fingers[0] for each in hypotheses(scene, "pixel", size) if each.fingers]
+    own = [each.fingers[0] for each in hypotheses(skin, plan, "pixel", size) if each.fingers]
     return f", by a finger of {1e12 * max(own):.3g} pF" if own else ""
 
 

@@ -15,9 +15,7 @@ from ..models.solution import Solution
 from ..models.solver import Solver
 from ..press.press import Press, check_press, label_of, press_on
 from ..scene.parts import Meter, SceneParts
-from ..scene.readings.changed_readings import with_frequencies
 from ..scene.readings.setup import Setup
-from ..scene.scene import Scene
 from ..sweeps import InputError, SweepTable, build, concatenate
 from ..sweeps.free_space import check_memory
 from ..sweeps.reading_subset import read_mask, restricted
@@ -98,19 +96,15 @@ def gather(solver: Solver, pairs: Iterable[tuple[Press, Solution]]) -> SweepTabl
     )
 
 
-def resimulated(sweeps: xr.Dataset, scene: Scene, frequency: Real) -> xr.Dataset:
-    """Noise-free sweeps of a scene with the presses and interfaces of other sweeps.
+def resimulated(sweeps: xr.Dataset, parts: SceneParts, frequency: Real) -> xr.Dataset:
+    """Noise-free sweeps with the presses and interfaces of other sweeps.
 
     For foam that creeps they follow each other in the given order, session by session. frequency:
     Hz; if they are those of the sweeps, the same readings are taken as there, else all. Raises what
     `press_on` and `Solver.solve` raise.
     """
-    scene = with_frequencies(scene, frequency.tolist())
-    found = (
-        _in_sessions(sweeps, scene.parts)
-        if scene.skin.foam.in_time
-        else _of_each(sweeps, scene.parts)
-    )
+    parts = parts.read(parts.setup.taking(frequency))
+    found = (_in_sessions if parts.skin.foam.in_time else _of_each)(sweeps, parts)
     again = found.sel(interface=sweeps["interface"].values)
     again = again.assign_coords(session=("sweep", sweeps["session"].values))
     same = np.array_equal(frequency, sweeps["frequency"].values)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any
 
 from ..press.finger import finger_of
 from ..press.touch import Touch
 from ..scene.parts import Skin
 from ..scene.pixel_grid import Pressing
-from ..scene.surroundings import Body, Rim
+from ..scene.ranges import Finger
+from ..scene.surroundings import Body, Rim, Surroundings
 from ..surroundings.rim import rim_densities
 
 EFFECTS = ("body", "rim", "finger")
@@ -42,25 +42,26 @@ def effects_of(skin: Skin) -> tuple[str, ...]:
     return tuple(name for name in EFFECTS if there[name])
 
 
-def with_effects(skin: Skin, pressing: Pressing, values: Mapping[str, float]) -> dict[str, Any]:
-    """Update of a scene's `model_copy` for these values of EFFECTS; empty if they change nothing.
+def with_effects(
+    skin: Skin, pressing: Pressing, values: Mapping[str, float]
+) -> tuple[Surroundings | None, Finger | None]:
+    """Surroundings of a skin, and finger of its presses, for these values of EFFECTS.
 
     A computed rim is replaced by its values, because it would otherwise change with the body.
     Raises InputError if it cannot be computed.
     """
     around, changed = skin.around, {n: values[n] for n in EFFECTS if values.get(n)}
     if around is None or not changed:
-        return {}
+        return around, pressing.finger
     body, rim = (math.exp(changed.get(name, 0.0)) for name in ("body", "rim"))
     parts = {
         "body": tuple(_nearer(each, body) for each in around.body),
         "rim": around.rim if body == rim == 1 else _stronger(skin, rim),
     }
-    found: dict[str, Any] = {"surroundings": around.model_copy(update=parts)}
-    if finger := changed.get("finger"):
-        whole = finger_of(Touch(1, 1, 1.0), None, pressing.finger, skin) + finger
-        found["press"] = pressing.model_copy(update={"finger": whole})
-    return found
+    finger = pressing.finger
+    if more := changed.get("finger"):
+        finger = finger_of(Touch(1, 1, 1.0), None, finger, skin) + more
+    return around.model_copy(update=parts), finger
 
 
 def _nearer(body: Body, factor: float) -> Body:

@@ -14,11 +14,10 @@ from ..press.parts import SOLVED, foam_parts, parts_of
 from ..scene.foam.foam import VACUUM_PERMITTIVITY, Foam
 from ..scene.foam.foam_in_time import IN_TIME
 from ..scene.frequency import Loss
-from ..scene.parts import Skin
+from ..scene.parts import SceneParts, Skin
 from ..scene.pixel_grid import Pressing
 from ..scene.readings.setup import Setup
 from ..scene.readout.meter import Leads
-from ..scene.scene import Scene
 from ..sweeps import InputError
 from .effects import EFFECTS, NEEDED, effects_of, with_effects
 from .reader_parameters import READER, reader_values, with_reader
@@ -214,10 +213,11 @@ def variation_of(skin: Skin, values: Mapping[str, float]) -> Variation:
     )
 
 
-def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
-    """Scene with these parameters. Raises InputError for an unknown name."""
-    values = all_values(scene.parts.skin, scene.parts.setup, given)
-    skin, half = scene.skin, values["sheet_mismatch"] / 2
+def parts_with(parts: SceneParts, given: Mapping[str, float]) -> SceneParts:
+    """Parts with these parameters. Raises InputError for an unknown name."""
+    skin, setup, press = parts.skin, parts.setup, parts.plan.press
+    values = all_values(skin, setup, given)
+    half, film = values["sheet_mismatch"] / 2, math.exp(values["contact_resistance"])
     sheets = {
         name: sheet.model_copy(
             update={
@@ -228,23 +228,23 @@ def scene_with(scene: Scene, given: Mapping[str, float]) -> Scene:
         for name, sheet, turn in (("top", skin.top, half), ("bottom", skin.bottom, -half))
     }
     foam = Foam(
-        **_capacitance(scene.parts.skin, scene.press, math.exp(values["capacitance"])),
+        **_capacitance(skin, press, math.exp(values["capacitance"])),
         loss_tangent=values["loss_tangent"],
         phase_exponent=values["phase_exponent"],
         leak=values.get("leak"),
         map=skin.foam.map,
         **{name: getattr(skin.foam, name) for name in IN_TIME},
     )
-    film = math.exp(values["contact_resistance"])
     contacts = tuple(
         contact.model_copy(update={"resistance": contact.resistance * film})
-        for contact in scene.contacts
+        for contact in skin.contacts
     )
-    changed = skin.model_copy(update={**sheets, "foam": foam})
-    update = {"skin": changed, "contacts": contacts, "leads": leads_of(values)}
-    if scene.parts.setup.gain:
-        update["interfaces"] = with_reader(scene.interfaces, values)
-    return scene.model_copy(update=update | with_effects(scene.parts.skin, scene.press, values))
+    around, finger = with_effects(skin, press, values)
+    changed = skin.with_parts(**sheets, foam=foam, contacts=contacts, around=around)
+    made = replace(parts, skin=changed, setup=reading_of(setup, values))
+    if finger == press.finger:
+        return made
+    return made.pressed_by(press.model_copy(update={"finger": finger}))
 
 
 def _capacitance(skin: Skin, pressing: Pressing, factor: float) -> dict[str, Any]:
@@ -254,7 +254,7 @@ def _capacitance(skin: Skin, pressing: Pressing, factor: float) -> dict[str, Any
     sheets or creeps, the factor of a depth, or the field around the skin. Foam whose capacitance
     would be below that of vacuum becomes thicker.
     """
-    foam, press, skin = skin.foam, pressing, skin
+    foam, press = skin.foam, pressing
     c = foam.unpressed_capacitance_per_area * factor
     sheets = skin.top.piezoresistance or skin.bottom.piezoresistance
     mechanics = None if press.by_factor and not sheets and not foam.in_time else foam.mechanics

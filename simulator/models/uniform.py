@@ -3,14 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NoReturn
 
 from ..press.press import Press
 from ..press.touch import AnyTouch, Rectangle, Touch
-from ..scene.evened import evened
-from ..scene.parts import Skin
-from ..scene.pixel_grid import Pressing
-from ..scene.scene import Scene
+from ..scene.parts import SceneParts, Skin
 from ..sweeps import InputError
 
 
@@ -28,31 +24,30 @@ def equivalent_press(skin: Skin, press: Press) -> Press | None:
     return Press(tuple(_moved(touch, *ratios) for touch in press.touches))
 
 
-def folded(scene: Scene, what: str, creeps: bool = False) -> Scene:
-    """Equivalent scene for a feature `what` that presses by factors.
+def folded(parts: SceneParts, what: str, creeps: bool = False) -> SceneParts:
+    """Equivalent parts for a feature `what` that presses by factors.
 
     Positions in m are those of the stretched skin if it is uniform. If a tension spreads presses by
-    depth, the scene stays as it is; without tension a depth becomes the factor that it causes.
+    depth, the parts stay as they are; without tension a depth becomes the factor that it causes.
     creeps: True if the feature takes factors of foam that creeps. Raises InputError if the feature
     cannot take the way in which pixels are pressed, and what `require_static` raises.
     """
-    mechanics, pressed = scene.skin.foam.mechanics, uniformly_pressed(scene, what, creeps)
-    spread = not scene.press.by_factor and mechanics is not None and mechanics.tension
-    return scene if spread else pressed
+    mechanics, pressed = parts.skin.foam.mechanics, uniformly_pressed(parts, what, creeps)
+    spread = not parts.plan.press.by_factor and mechanics is not None and mechanics.tension
+    return parts if spread else pressed
 
 
-def uniformly_pressed(scene: Scene, what: str, creeps: bool = False) -> Scene:
-    """Scene as `folded` returns it, but without the spread by a tension next to applicators."""
-    if not (creeps and scene.press.by_factor):
-        require_static(scene.parts.skin, f"{what} by `press.depth`" if creeps else what)
-    skin = evened(scene.skin)
-    if scene.press.by_factor:
-        return scene if skin is scene.skin else scene.model_copy(update={"skin": skin})
-    if scene.press.force is not None:
-        return _by_depth_alone(scene.parts.skin, what)
-    factor, spread = scene.pressed_factor, scene.press.factor_spread
-    pressing = Pressing(capacitance_factor=factor, factor_spread=spread, finger=scene.press.finger)
-    return scene.model_copy(update={"press": pressing, "skin": skin})
+def uniformly_pressed(parts: SceneParts, what: str, creeps: bool = False) -> SceneParts:
+    """Parts as `folded` returns them, but without the spread by a tension next to applicators."""
+    skin, press = parts.skin, parts.plan.press
+    if not (creeps and press.by_factor):
+        require_static(skin, f"{what} by `press.depth`" if creeps else what)
+    if press.force is not None:
+        raise InputError(
+            f"{skin.name}: {what} cannot take `press.force`: it needs `press.depth` or "
+            "`press.capacitance_factor`"
+        )
+    return parts.evened if press.by_factor else parts.evened.pressed_by(press.as_factor(skin))
 
 
 def require_static(skin: Skin, what: str) -> None:
@@ -78,13 +73,6 @@ def require_uniform(skin: Skin, what: str) -> None:
             f"{skin.name}: {what} cannot take `{key}`: it needs uniform sheets and foam on a "
             "rectangle"
         )
-
-
-def _by_depth_alone(skin: Skin, what: str) -> NoReturn:
-    raise InputError(
-        f"{skin.name}: {what} cannot take `press.force`: it needs `press.depth` or "
-        "`press.capacitance_factor`"
-    )
 
 
 def _moved(touch: AnyTouch, along: float, across: float) -> AnyTouch:

@@ -44,21 +44,22 @@ def page(
             f"{scene}: a page shows impedances, and the readings of this scene are gains; use "
             "rcskin sweep or rcskin view"
         )
-    skin = uniformly_pressed(requested, "a page")
-    note_if_noise_free(scene, skin)
+    pressed = uniformly_pressed(requested.parts, "a page")
+    skin, setup = pressed.skin, pressed.setup
+    note_if_noise_free(scene, setup, pressed.meter)
     with on_terminal() as bars:
-        progress = Overall("page in all", page_parts(skin, rtol, cells), bars)
+        progress = Overall("page in all", page_parts(skin, setup, rtol, cells), bars)
         from ..models.reduced.indentation.indentation_draws import scene_spreads_presses
         from .document import document
         from .packed import page_data, reduced_for_page
 
-        reduced = reduced_for_page(skin, rtol, cells, progress)
-        text = document(page_data(skin, reduced))
+        reduced = reduced_for_page(pressed, rtol, cells, progress)
+        text = document(page_data(pressed, reduced))
     if scene_spreads_presses(requested.parts.skin, requested.press):
-        factor = f"{skin.press.capacitance_factor:.4g} x C"
+        factor = f"{pressed.plan.press.capacitance_factor:.4g} x C"
         spread = "the spread of a press by the foam's tension is left out"
         note(f"{scene}: the page presses whole pixels uniformly, by {factor}; {spread}")
-    if skin.surroundings is not None and skin.skin.foam.loss != LOSSLESS:
+    if skin.around is not None and skin.foam.loss != LOSSLESS:
         lossless = "rcskin sweep takes air without loss"
         note(f"{scene}: the page gives the air around the skin the foam's loss; {lossless}")
     with whole_file(output) as path:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..models.uniform import uniformly_pressed
 from ..progress import on_terminal
-from ..scene.scene import Scene
+from ..scene.parts import SceneParts
 from ..sweeps import InputError
 from .document import PageLink, document
 from .packed import page_data, reduced_for_page
@@ -12,14 +12,14 @@ from .packed import page_data, reduced_for_page
 RTOL, CELLS = 1e-3, 2
 
 
-def linked_page(scene: Scene, kind: str, nonce: str) -> str:
+def linked_page(parts: SceneParts, kind: str, nonce: str) -> str:
     """Page, as HTML, of a scene with the interfaces and frequencies a meter reads.
 
     kind, nonce: those of `PageLink`. Raises InputError if the scene has no page.
     """
-    if scene.parts.setup.own:
-        raise InputError(f"{scene.name}: the page takes no `frequencies` of interfaces")
-    pressed = uniformly_pressed(scene, "a page")
+    if parts.setup.own:
+        raise InputError(f"{parts.skin.name}: the page takes no `frequencies` of interfaces")
+    pressed = uniformly_pressed(parts, "a page")
     with on_terminal() as progress:
         reduced = reduced_for_page(pressed, RTOL, CELLS, progress)
     return document(page_data(pressed, reduced), PageLink(kind, nonce))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import tomllib
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -25,9 +26,10 @@ from ..press.finger import PERSON, touched_area
 from ..press.parts import Parts, parts_of
 from ..press.touch import Touch
 from ..progress import ProgressCallback, silent
+from ..scene.parts import Meter, SceneParts, Skin
+from ..scene.pixel_grid import Pressing
+from ..scene.readings.setup import Setup
 from ..scene.readout.meter import Readout
-from ..scene.scene import Scene
-from ..scene.scene_files import scene_text
 from ..sweeps import InputError
 from . import base64_arrays
 from .page_model import packed_model
@@ -45,15 +47,15 @@ POINTS = 1024
 MAX_PACKED_TOUCHES = 2
 
 
-def random_press_drawer(scene: Scene, cells: int) -> Callable[[np.random.Generator], Case]:
+def random_press_drawer(parts: SceneParts, cells: int) -> Callable[[np.random.Generator], Case]:
     """Function that draws up to two rectangles on cells; none is the unpressed skin.
 
     A rectangle has up to two pixels on a side. If both sheets are fields of their own, each has a
     resistance of its own.
     """
-    shape, apart = scene.pixels.shape, circuit_of(scene.parts.skin, scene.parts.setup).fields == 2
-    parts = parts_of(scene.parts.skin)
-    strongest = strongest_finger(scene.parts.skin, scene.parts.plan) if parts.fingers else 0.0
+    skin, of_skin = parts.skin, parts_of(parts.skin)
+    shape, apart = skin.pixels.shape, circuit_of(skin, parts.setup).fields == 2
+    strongest = strongest_finger(skin, parts.plan) if of_skin.fingers else 0.0
 
     def draw(random: np.random.Generator) -> Case:
         rises, fingers = np.zeros((2, *shape))
@@ -64,8 +66,8 @@ def random_press_drawer(scene: Scene, cells: int) -> Callable[[np.random.Generat
             rises[here] = random.uniform(*RISES)
             if strongest:
                 fingers[here] += random.uniform(0.0, strongest) / fingers[here].size
-        variation = _random_variation(scene, random, parts.around) if apart else None
-        return Case(variation, *_touched_parts(parts, rises, fingers))
+        variation = _random_variation(skin, random, of_skin.around) if apart else None
+        return Case(variation, *_touched_parts(of_skin, rises, fingers))
 
     return draw
 
@@ -82,7 +84,7 @@ def _touched_parts(parts: Parts, rises: Real, fingers: Real) -> tuple[Integer, R
     )
 
 
-def _random_variation(scene: Scene, random: np.random.Generator, around: bool) -> Variation:
+def _random_variation(skin: Skin, random: np.random.Generator, around: bool) -> Variation:
     """Random skin whose sheets differ as far as sliders allow, as do their contacts.
 
     around: True if there is more than foam, so that the capacitance of the foam is no mere scale.
@@ -93,15 +95,15 @@ def _random_variation(scene: Scene, random: np.random.Generator, around: bool) -
     return Variation(
         top=np.array([conductance["top"]]),
         bottom=np.array([conductance["bottom"]]),
-        films=np.array([conductance[contact.electrode] for contact in scene.contacts]),
-        capacitance=np.full(scene.pixels.shape, foam),
-        loss=scene.skin.foam.loss,
+        films=np.array([conductance[contact.electrode] for contact in skin.contacts]),
+        capacitance=np.full(skin.pixels.shape, foam),
+        loss=skin.foam.loss,
         beyond_pixels=foam,
     )
 
 
 def reduced_for_page(
-    scene: Scene, rtol: float, cells: int, progress: ProgressCallback = silent
+    parts: SceneParts, rtol: float, cells: int, progress: ProgressCallback = silent
 ) -> Reduced:
     """Reduced model of a scene with pixels cut into cells x cells, for a page.
 
@@ -109,52 +111,56 @@ def reduced_for_page(
     Raises InputError if a press changes sheets in a way that a page does not support, else
     InputError and ToleranceError as `reduce` does.
     """
-    if scene.skin.foam.leak:
-        raise InputError(f"{scene.name}: a page cannot take `skin.foam.leak`; leave it out here")
-    thick = parts_of(scene.parts.skin).thickness > 0
-    if (gauged(scene.skin) or thick) and scene.skin.foam.mechanics is not None:
+    if parts.skin.foam.leak:
+        raise InputError(
+            f"{parts.skin.name}: a page cannot take `skin.foam.leak`; leave it out here"
+        )
+    thick = parts_of(parts.skin).thickness > 0
+    if (gauged(parts.skin) or thick) and parts.skin.foam.mechanics is not None:
         key = "surroundings.thickness` or `surroundings.solved" if thick else "piezoresistance"
         raise InputError(
-            f"{scene.name}: a page cannot take `{key}` with `skin.foam.mechanics`: it "
+            f"{parts.skin.name}: a page cannot take `{key}` with `skin.foam.mechanics`: it "
             "knows strain of foam of constant permittivity only"
         )
     slowest, fastest = (r * c for r, c in zip(RESISTANCE, CAPACITANCE, strict=True))
-    f = scene.frequencies
+    f = parts.setup.frequency
     band = np.geomspace(f[0] * slowest, f[-1] * fastest, FREQUENCIES)
-    cells = 1 if scene.pixels.groups is not None else cells
-    divided = scene.divided(cells)
+    cells = 1 if parts.skin.pixels.groups is not None else cells
+    divided = parts.divided(cells)
     draw = random_press_drawer(divided, cells)
-    return reduce(divided.parts, rtol, draw, progress=progress, frequency=band)
+    return reduce(divided, rtol, draw, progress=progress, frequency=band)
 
 
-def page_data(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str, Any]:
+def page_data(parts: SceneParts, reduced: Reduced, points: int = POINTS) -> dict[str, Any]:
     """Data of a page, for JSON: numbers, names, and arrays as base64.
 
-    scene: as users press it; reduced: from `reduced_for_page`. points: approximate number of those
-    at which the field is shown.
+    parts: as users press the skin; reduced: from `reduced_for_page`. points: approximate number of
+    those at which the field is shown.
     """
-    skin, raster = reduced.skin(None), Raster.over(scene, points)
+    skin, raster = reduced.skin(None), Raster.over(parts.skin, parts.plan.press, points)
     picture = raster_fields(skin, raster)
-    presses = own_presses(scene.parts.skin, scene.press)
+    presses = own_presses(parts.skin, parts.plan.press)
     return {
-        "name": scene.name,
-        "description": scene.description,
+        "name": parts.skin.name,
+        "description": parts.whole.description,
         "rtol": reduced.rtol,
-        "skin": {"length": scene.skin.length, "width": scene.skin.width},
-        "pixels": {"rows": scene.pixels.rows, "columns": scene.pixels.columns},
-        "plan": plan(scene, reduced.family),
-        "interfaces": [i.model_dump(include={"name", "high", "low"}) for i in scene.interfaces],
-        "frequencies": scene.frequencies.tolist(),
-        "taken": None if scene.taken is None else scene.taken.tolist(),
+        "skin": {"length": parts.skin.length, "width": parts.skin.width},
+        "pixels": {"rows": parts.skin.pixels.rows, "columns": parts.skin.pixels.columns},
+        "plan": plan(parts.skin, reduced.family),
+        "interfaces": [
+            i.model_dump(include={"name", "high", "low"}) for i in parts.setup.interfaces
+        ],
+        "frequencies": parts.setup.frequency.tolist(),
+        "taken": None if parts.setup.taken is None else parts.setup.taken.tolist(),
         "press": {"low": presses.low, "high": presses.high}
-        | scene.press.model_dump(include={"capacitance_factor", "factor_spread"}),
+        | parts.plan.press.model_dump(include={"capacitance_factor", "factor_spread"}),
         "foam": {
-            "capacitance_per_area": scene.skin.foam.unpressed_capacitance_per_area,
-            "loss_tangent": scene.skin.foam.loss_tangent,
-            "phase_exponent": scene.skin.foam.phase_exponent,
+            "capacitance_per_area": parts.skin.foam.unpressed_capacitance_per_area,
+            "loss_tangent": parts.skin.foam.loss_tangent,
+            "phase_exponent": parts.skin.foam.phase_exponent,
         },
-        "leads": scene.leads.model_dump() | {"unguarded": scene.leads.unguarded},
-        "readout": _readout(scene, skin).model_dump(),
+        "leads": parts.setup.leads.model_dump() | {"unguarded": parts.setup.leads.unguarded},
+        "readout": _readout(parts.setup, parts.meter, skin).model_dump(),
         "range": {
             "resistance": RESISTANCE,
             "apart": MAX_SHEET_RATIO,
@@ -167,50 +173,49 @@ def page_data(scene: Scene, reduced: Reduced, points: int = POINTS) -> dict[str,
             "beside": np.flatnonzero(~picture.on_skin).tolist(),
             "conductance": base64_arrays.single_precision_array(picture.conductance),
         },
-        "sheets": list(scene.skin.sheet_resistances),
+        "sheets": list(parts.skin.sheet_resistances),
         "model": packed_model(skin),
         "basis": base64_arrays.single_precision_array(picture.potential.transpose(0, 2, 1)),
-        "scene": _scene_tables(scene),
-        **({"finger": _finger(scene)} if scene.surroundings else {}),
+        "scene": _scene_tables(parts),
+        **({"finger": _finger(parts.skin, parts.plan.press)} if parts.skin.around else {}),
     }
 
 
-def _readout(scene: Scene, skin: ReducedSkin) -> Readout:
+def _readout(setup: Setup, meter: Meter, skin: ReducedSkin) -> Readout:
     """The meter of a page, which has four numbers: their mean for the unpressed skin."""
-    frequency = scene.frequencies
-    if scene.readout.uniform:
-        return scene.readout
+    frequency = setup.frequency
+    if meter.readout.uniform:
+        return meter.readout
     Z = skin.sweeps(PressBatch.of([NOTHING]), frequency)
-    return flattened(scene.readout, scene.leads.at_meter(Z, frequency), frequency)
+    return flattened(meter.readout, setup.leads.at_meter(Z, frequency), frequency)
 
 
-def _finger(scene: Scene) -> dict[str, Any] | None:
+def _finger(skin: Skin, pressing: Pressing) -> dict[str, Any] | None:
     """Capacitance of a finger to earth: on any touch, F, or by its area in m2.
 
     It is null if it is unknown. areas: those of the skin in each pixel that has any. series:
     capacitance in series with it. earthed: True if presses are by fingers from the start.
     """
-    around, how = scene.surroundings, scene.press.finger or "earthed"
+    around, how = skin.around, pressing.finger or "earthed"
     assert around is not None
     if around.no_finger_reason or (isinstance(how, str) and around.finger_per_area is None):
         return None
-    places = np.unravel_index(pixel_coverage(scene.parts.skin).numbers, scene.pixels.shape)
+    places = np.unravel_index(pixel_coverage(skin).numbers, skin.pixels.shape)
     pixels = (Touch(int(i) + 1, int(j) + 1, 1.0) for i, j in zip(*places, strict=True))
     return {
         "whole": None if isinstance(how, str) else how,
         "perArea": around.finger_per_area,
         "series": PERSON if how == "floating" else None,
-        "areas": [touched_area(scene.parts.skin, pixel) for pixel in pixels],
-        "earthed": scene.press.finger is not None,
+        "areas": [touched_area(skin, pixel) for pixel in pixels],
+        "earthed": pressing.finger is not None,
     }
 
 
-def _scene_tables(scene: Scene) -> dict[str, Any]:
+def _scene_tables(parts: SceneParts) -> dict[str, Any]:
     """Tables of the scene, with its foam given by its capacitance per area."""
-    foam = scene.skin.foam
+    foam = parts.skin.foam
     by_area = {"capacitance_per_area": foam.unpressed_capacitance_per_area}
     if foam.mechanics is None:
         by_area |= {"thickness": None}
     plain = foam.model_copy(update={**by_area, "relative_permittivity": None})
-    skin = scene.skin.model_copy(update={"foam": plain})
-    return tomllib.loads(scene_text(scene.model_copy(update={"skin": skin})))
+    return tomllib.loads(replace(parts, skin=replace(parts.skin, foam=plain)).text)

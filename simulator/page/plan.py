@@ -11,9 +11,9 @@ from ..mesh.domain import Domain
 from ..mesh.edge_numbering import edges_of
 from ..mesh.pixel_coverage import pixel_coverage
 from ..models.reduced.families.family import Family, Triangulation
+from ..scene.parts import Skin
 from ..scene.planar import Circle
 from ..scene.readings.contacts import Contact, curve_section, path
-from ..scene.scene import Scene
 from ..scene.skin import SheetsAndFoam
 from ..scene.skin_region import curves
 
@@ -27,7 +27,7 @@ DIGITS = 7
 Points = Real
 
 
-def plan(scene: Scene, family: Family) -> dict[str, Any]:
+def plan(skin: Skin, family: Family) -> dict[str, Any]:
     """Lines in m, as lists of (x, y).
 
     family: that of the scene; its mesh has the pixels' groups. outline: closed lines. foils: with
@@ -36,27 +36,25 @@ def plan(scene: Scene, family: Family) -> dict[str, Any]:
     closed lines around the skin of each pixel, where pixels are groups.
     """
     mesh = family.mesh.domain if isinstance(family.mesh, Triangulation) else None
-    of_file = mesh if scene.skin.mesh is not None else None
-    every = pixel_coverage(scene.parts.skin)
+    of_file = mesh if skin.mesh is not None else None
+    every = pixel_coverage(skin)
     return {
-        "outline": _rounded(_outline(scene.skin) if of_file is None else boundary_lines(of_file)),
+        "outline": _rounded(_outline(skin) if of_file is None else boundary_lines(of_file)),
         "foils": [
             {
                 "name": contact.name,
                 "electrode": contact.electrode,
                 "pieces": _rounded(
-                    _foil_pieces(contact, scene.skin)
+                    _foil_pieces(contact, skin)
                     if of_file is None
                     else _facet_pieces(of_file.foils[contact.name], of_file)
                 ),
             }
-            for contact in scene.contacts
+            for contact in skin.contacts
         ],
         "held": every.numbers.tolist(),
         "middles": _rounded(every.middle.T),
-        "groups": None
-        if scene.pixels.groups is None or mesh is None
-        else _group_lines(scene, mesh),
+        "groups": None if skin.pixels.groups is None or mesh is None else _group_lines(skin, mesh),
     }
 
 
@@ -137,8 +135,8 @@ def _left_normals(start: Points, stop: Points) -> Points:
     return np.stack([-run[1], run[0]]) / np.maximum(np.linalg.norm(run, axis=0), 1e-300)
 
 
-def _group_lines(scene: Scene, mesh: Domain) -> list[list[list[list[float]]]]:
-    rows, columns = scene.pixels.shape
+def _group_lines(skin: Skin, mesh: Domain) -> list[list[list[list[float]]]]:
+    rows, columns = skin.pixels.shape
     return [
         _rounded(boundary_lines(mesh, mesh.pixel == number)) for number in range(rows * columns)
     ]

@@ -17,7 +17,8 @@ from ..models.heterogeneous.materials import Materials
 from ..models.reduced.families.family import Family, Triangulation
 from ..models.reduced.families.uniform_family import UniformFamily
 from ..models.reduced.reduced_skin import ReducedSkin
-from ..scene.scene import Scene
+from ..scene.parts import Skin
+from ..scene.pixel_grid import Pressing
 from .locating import locate_points
 
 
@@ -31,9 +32,9 @@ class Raster:
     rows: int
 
     @classmethod
-    def over(cls, scene: Scene, points: int) -> Raster:
+    def over(cls, skin: Skin, pressing: Pressing, points: int) -> Raster:
         """Raster of about so many points, equally spaced along both sides."""
-        length, width = scene.skin.sides
+        length, width = skin.sides
         columns = max(2, round((points * length / width) ** 0.5))
         return cls(length, width, columns, max(2, round(points / columns)))
 

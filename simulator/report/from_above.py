@@ -11,8 +11,8 @@ from ..chart_style import FOIL_COLOURS, foil_offset
 from ..mesh.edge_numbering import edges_of
 from ..mesh.skin_mesh import domain
 from ..press.press import Press
+from ..scene.parts import Skin
 from ..scene.readings.contacts import Contact, outwards, path
-from ..scene.scene import Scene
 from ..scene.skin_region import curves, on_skin
 
 if TYPE_CHECKING:
@@ -46,53 +46,53 @@ class Ribbon(NamedTuple):
         return self.path + gap * self.out
 
 
-def outline(scene: Scene) -> list[Places]:
+def outline(skin: Skin) -> list[Places]:
     """Curves that bound a skin, the outer one first, m, each of shape (2, place)."""
-    if scene.skin.mesh is not None:
-        return [_line_with_gaps(_mesh_edges(scene)[1])]
+    if skin.mesh is not None:
+        return [_line_with_gaps(_mesh_edges(skin)[1])]
     found = []
-    for curve in curves(scene.skin):
+    for curve in curves(skin):
         corners = curve.marks
         marks = corners if len(corners) > 2 else np.linspace(0, corners[-1], CIRCLE_PLACES)
         found.append(np.array([curve.at(mark) for mark in marks]).T)
     return found
 
 
-def ribbon(foil: Contact, scene: Scene) -> Ribbon:
+def ribbon(foil: Contact, skin: Skin) -> Ribbon:
     """Line of a foil; on a mesh its facets one after the other, on the edge itself."""
-    if scene.skin.mesh is None:
-        along = path(foil, scene.skin)
-        return Ribbon(along, outwards(along, scene.skin))
-    mesh = domain(scene.parts.skin, Press(), max(scene.skin.sides))
+    if skin.mesh is None:
+        along = path(foil, skin)
+        return Ribbon(along, outwards(along, skin))
+    mesh = domain(skin, Press(), max(skin.sides))
     along = _line_with_gaps(mesh.p[:2][:, mesh.foils[foil.name]].transpose(0, 2, 1))
     return Ribbon(along, np.zeros_like(along))
 
 
-def draw_outline(axes: Axes, scene: Scene, **looks: Any) -> None:
+def draw_outline(axes: Axes, skin: Skin, **looks: Any) -> None:
     """Draws the curves that bound a skin. looks: those of lines, as for matplotlib."""
-    for curve in outline(scene):
+    for curve in outline(skin):
         axes.plot(*(MM * curve), **{"color": "black", "linewidth": 1, **looks})
 
 
-def draw_pixels(axes: Axes, scene: Scene, **looks: Any) -> None:
+def draw_pixels(axes: Axes, skin: Skin, **looks: Any) -> None:
     """Draws the lines between pixels where there is skin. looks: those of lines."""
-    for line in _between_pixels(scene):
+    for line in _between_pixels(skin):
         axes.plot(*(MM * line), **{"color": "0.4", "linewidth": 0.5, **looks})
 
 
-def draw_foils(axes: Axes, scene: Scene, linewidth: float = 2.5, **looks: Any) -> None:
+def draw_foils(axes: Axes, skin: Skin, linewidth: float = 2.5, **looks: Any) -> None:
     """Draws foils in the colour of their sheet.
 
     The first of each sheet has a label for legends. Foils of the bottom sheet lie outside those of
     the top sheet; on a mesh, where both lie on the edge itself, they lie within them.
     """
-    named, meshed = set[str](), scene.skin.mesh is not None
-    for foil in scene.foils:
-        sheet, gap = foil.electrode, foil_offset(foil.electrode, max(scene.skin.sides))
+    named, meshed = set[str](), skin.mesh is not None
+    for foil in skin.foils:
+        sheet, gap = foil.electrode, foil_offset(foil.electrode, max(skin.sides))
         wide = linewidth * (2 if meshed and sheet == "top" else 1)
         label = "_" if sheet in named else f"foil on the {sheet} sheet"
         (line,) = axes.plot(
-            *(MM * ribbon(foil, scene).beside(gap)), color=FOIL_COLOURS[sheet], label=label
+            *(MM * ribbon(foil, skin).beside(gap)), color=FOIL_COLOURS[sheet], label=label
         )
         below = 0.1 if sheet == "top" else 0.0
         zorder = looks.get("zorder", 4) - below
@@ -100,14 +100,14 @@ def draw_foils(axes: Axes, scene: Scene, linewidth: float = 2.5, **looks: Any) -
         named.add(sheet)
 
 
-def _between_pixels(scene: Scene) -> list[Places]:
-    if scene.skin.mesh is not None:
-        return [_line_with_gaps(_mesh_edges(scene)[0])]
-    (length, width), (rows, columns) = scene.skin.sides, scene.pixels.shape
+def _between_pixels(skin: Skin) -> list[Places]:
+    if skin.mesh is not None:
+        return [_line_with_gaps(_mesh_edges(skin)[0])]
+    (length, width), (rows, columns) = skin.sides, skin.pixels.shape
     parts, ends = np.linspace(0, 1, LINE_PLACES), np.ones(LINE_PLACES)
     upright = [np.array([x * ends, width * parts]) for x in length * _inner(columns)]
     level = [np.array([length * parts, y * ends]) for y in width * _inner(rows)]
-    return [np.where(on_skin(scene.skin, line), line, np.nan) for line in [*upright, *level]]
+    return [np.where(on_skin(skin, line), line, np.nan) for line in [*upright, *level]]
 
 
 def _inner(count: int) -> Places:
@@ -115,9 +115,9 @@ def _inner(count: int) -> Places:
     return np.arange(1, count) / count
 
 
-def _mesh_edges(scene: Scene) -> tuple[Places, Places]:
+def _mesh_edges(skin: Skin) -> tuple[Places, Places]:
     """Edges between pixels and on the rim, m, each of shape (2, edge, end)."""
-    mesh = domain(scene.parts.skin, Press(), max(scene.skin.sides))
+    mesh = domain(skin, Press(), max(skin.sides))
     edges, of_triangle = edges_of(mesh.t)
     of_pixel, times = np.tile(mesh.pixel, 3), np.bincount(of_triangle.ravel())
     low, high = np.full((2, edges.shape[1]), [[mesh.pixel.max()], [-1]])

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 
 from ..models.line import cut_off_frequency
 from ..scene.form.mesh_extent import off_grid
+from ..scene.parts import Skin
 from ..scene.scene import Scene
 from .usual_ranges import HERTZ, PER_AREA, SIDE, USUAL
 
@@ -37,15 +38,14 @@ def suspicious_values(scene: Scene) -> list[str]:
         *HERTZ.slip("sweep.frequencies", frequencies[0]),
         *(HERTZ.slip("sweep.frequencies", frequencies[-1]) if len(frequencies) > 1 else ()),
         *_beyond_usual(scene.model_dump(by_alias=True, exclude_none=True)),
-        *_off_grid(scene),
+        *_off_grid(scene.parts.skin),
     ]
-    return found or [*_one_sheet_in_kilo(scene), *_cut_off(scene)]
+    return found or [*_one_sheet_in_kilo(scene.parts.skin), *_cut_off(scene)]
 
 
-def _off_grid(scene: Scene) -> Iterator[str]:
+def _off_grid(skin: Skin) -> Iterator[str]:
     """A warning if a mesh lies beside the grid of pixels that cut it."""
-    skin = scene.skin
-    if skin.mesh is not None and scene.pixels.groups is None:
+    if skin.mesh is not None and skin.pixels.groups is None:
         yield from off_grid(skin.mesh.surface, skin.length, skin.width)
 
 
@@ -65,12 +65,12 @@ def _beyond_usual(table: object, key: str = "", place: str = "") -> Iterator[str
         yield from USUAL[key].slip(place, table)
 
 
-def _one_sheet_in_kilo(scene: Scene) -> Iterator[str]:
+def _one_sheet_in_kilo(skin: Skin) -> Iterator[str]:
     """A warning if one sheet has about a thousandth of the other's sheet resistance.
 
     Real pairs do not: metal has an ohm or less, a ten-thousandth of carbon-filled rubber.
     """
-    top, bottom = scene.skin.sheet_resistances
+    top, bottom = skin.sheet_resistances
     less, more = sorted((top, bottom))
     if not (IN_KILO / NEARLY <= more / less <= IN_KILO * NEARLY and less < IN_KILO):
         return

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from ..models.validity import earth_left_out, warnings
+from ..scene.parts import Meter, Skin
+from ..scene.readings.setup import Setup
 from ..scene.scene import Scene
 from ..scene.scene_files import load_scene
 from .console import note, warn
@@ -32,26 +34,26 @@ def warn_of_model(name: str, scene: Scene) -> None:
         warn(f"{name}: {warning}")
 
 
-def warn_of_earth(name: str, scene: Scene) -> None:
+def warn_of_earth(name: str, skin: Skin) -> None:
     """Warns of the effect of earth if the scene of a measured skin has no [surroundings]."""
-    warning = earth_left_out(scene.parts.skin.electrical)
+    warning = earth_left_out(skin.electrical)
     if warning is not None:
         warn(f"{name}: {warning}")
 
 
-def note_if_noise_free(name: str, scene: Scene) -> None:
+def note_if_noise_free(name: str, setup: Setup, meter: Meter) -> None:
     """Prints a note if the meter of a scene reads without error."""
-    if text := noise_free(scene):
+    if text := noise_free(setup, meter):
         note(f"{name}: {text}")
 
 
-def noise_free(scene: Scene) -> str:
+def noise_free(setup: Setup, meter: Meter) -> str:
     """Text that says so if the meter of a scene reads without error, else empty."""
-    if not scene.readout.exact:
+    if not meter.readout.exact:
         return ""
     given = (
         "[readout.converter] sets noise in volts or bits"
-        if scene.parts.setup.gain
+        if setup.gain
         else 'readout = "IM3523", above the first table, sets those of such a meter'
     )
     return f"the readout is free of noise because [readout] sets no errors; {given}"

@@ -10,7 +10,8 @@ from typing import TypeVar
 import numpy as np
 
 from ..progress import duration
-from ..scene.scene import Scene
+from ..scene.parts import Skin
+from ..scene.readings.setup import Setup
 from .console import note
 
 Item = TypeVar("Item")
@@ -44,17 +45,17 @@ def slowness() -> float:
     return (perf_counter() - started) / REFERENCE
 
 
-def complexity(scene: Scene) -> float:
+def complexity(skin: Skin, setup: Setup) -> float:
     """Work of one solution of a skin over that of one field without surroundings."""
-    edge = {contact.name: contact.edge for contact in scene.contacts}
-    wired = [{edge.get(name) for name in (*each.high, *each.low)} for each in scene.interfaces]
-    two = scene.surroundings is not None or any(len(edges) > 1 for edges in wired)
-    return (EARTH if scene.surroundings else 1.0) * (TWO_FIELDS if two else 1.0)
+    edge = {contact.name: contact.edge for contact in skin.contacts}
+    wired = [{edge.get(name) for name in (*each.high, *each.low)} for each in setup.interfaces]
+    two = skin.around is not None or any(len(edges) > 1 for edges in wired)
+    return (EARTH if skin.around else 1.0) * (TWO_FIELDS if two else 1.0)
 
 
-def page_parts(scene: Scene, rtol: float, cells: int) -> dict[str, float]:
+def page_parts(skin: Skin, setup: Setup, rtol: float, cells: int) -> dict[str, float]:
     """Expected seconds of the parts of a page, by the name of their progress."""
-    count, times = cells**2 * scene.pixels.rows * scene.pixels.columns, complexity(scene)
+    count, times = cells**2 * skin.pixels.rows * skin.pixels.columns, complexity(skin, setup)
     each = {
         "choosing the mesh of a reduced model": IMPORT_SECONDS + MESH_SECONDS * times,
         "training a reduced model": TRAINING_SECONDS * count * times**TRAINING_POWER,
@@ -62,9 +63,9 @@ def page_parts(scene: Scene, rtol: float, cells: int) -> dict[str, float]:
     return _scaled(each, (1e-3 / rtol) ** 0.25)
 
 
-def limit_parts(scene: Scene) -> dict[str, float]:
+def limit_parts(skin: Skin, setup: Setup) -> dict[str, float]:
     """Expected seconds of the parts of limits, by the name of their progress."""
-    pixels, times = scene.pixels.rows * scene.pixels.columns, complexity(scene)
+    pixels, times = skin.pixels.rows * skin.pixels.columns, complexity(skin, setup)
     each = {
         "fields": IMPORT_SECONDS + FIELD_SECONDS * times,
         "places": PLACE_SECONDS * PLACES * pixels * times**PLACE_POWER,
@@ -74,15 +75,15 @@ def limit_parts(scene: Scene) -> dict[str, float]:
     return _scaled(each, 1.0)
 
 
-def study_seconds(scene: Scene, points: int, workers: int) -> float:
+def study_seconds(skin: Skin, setup: Setup, points: int, workers: int) -> float:
     """Expected seconds of a study on the processor of the rates."""
-    each = POINT_SECONDS + SKIN_SECONDS * complexity(scene)
+    each = POINT_SECONDS + SKIN_SECONDS * complexity(skin, setup)
     return each * math.ceil(points / workers)
 
 
-def study_parts(scene: Scene, points: int, workers: int) -> dict[str, float]:
+def study_parts(skin: Skin, setup: Setup, points: int, workers: int) -> dict[str, float]:
     """Expected seconds of a study here and now, by the name of its progress."""
-    return _scaled({"accuracy": study_seconds(scene, points, workers)}, 1.0)
+    return _scaled({"accuracy": study_seconds(skin, setup, points, workers)}, 1.0)
 
 
 def _scaled(parts: Mapping[str, float], times: float) -> dict[str, float]:

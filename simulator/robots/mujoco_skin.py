@@ -87,7 +87,7 @@ class MujocoSkin:
             numbered(model, mujoco.mjtObj.mjOBJ_GEOM, name): _positive(f"curvature of {name!r}", r)
             for name, r in (curvature or {}).items()
         }
-        self.mount = mounted(model, self.scene, site, uv, geoms, known)
+        self.mount = mounted(model, self.scene.parts.skin, site, uv, geoms, known)
         self._rule, self._foam = _rule_of(patch), foam_tables(foam)
         check_geoms(self.mount, patch)
         self.sensor = Sensor(self.scene, skins=envs, **options)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Real
-from ..scene.scene import Scene
+from ..scene.parts import Skin
 from ..scene.skin import SheetsAndFoam
 from ..sweeps import InputError
 from .contact_curvature import GeomNumbers
@@ -84,7 +84,7 @@ class SkinMount:
 
 def mounted(
     model: MjModel,
-    scene: Scene,
+    skin: Skin,
     site: str | None,
     uv: str | None,
     geoms: Sequence[str] | None,
@@ -104,17 +104,17 @@ def mounted(
         frame = numbered(model, mujoco.mjtObj.mjOBJ_SITE, site)
         body = model.site_bodyid[frame]
         own = np.flatnonzero(model.geom_bodyid == body)
-        surface = _surface_at_site(scene)
+        surface = _surface_at_site(skin)
     else:
         assert uv is not None
         frame = numbered(model, mujoco.mjtObj.mjOBJ_GEOM, uv)
-        own, surface = np.array([frame]), _surface_by_uv(model, scene, frame, uv)
+        own, surface = np.array([frame]), _surface_by_uv(model, skin, frame, uv)
     if geoms is not None:
         own = np.array([numbered(model, mujoco.mjtObj.mjOBJ_GEOM, name) for name in geoms])
     if not own.size:
         raise InputError(f"MujocoSkin: the body of site {site!r} has no geom that could be touched")
     which = tuple(own.tolist())
-    return SkinMount(model, scene.skin, surface, frame, site is None, which, curvature or {})
+    return SkinMount(model, skin, surface, frame, site is None, which, curvature or {})
 
 
 def numbered(model: MjModel, kind: Any, name: str) -> int:
@@ -131,10 +131,10 @@ def numbered(model: MjModel, kind: Any, name: str) -> int:
     return number
 
 
-def _surface_at_site(scene: Scene) -> MountedSurface:
-    mesh = scene.skin.mesh
+def _surface_at_site(skin: Skin) -> MountedSurface:
+    mesh = skin.mesh
     if mesh is None or len(mesh.surface.p) == 2:
-        return ShapedSurface(scene.skin)
+        return ShapedSurface(skin)
     p, t = mesh.surface.p, mesh.surface.t
     (ax, ay), (bx, by), (cx, cy) = p[:2, t].transpose(1, 0, 2)
     clockwise = (bx - ax) * (cy - ay) < (cx - ax) * (by - ay)
@@ -142,7 +142,7 @@ def _surface_at_site(scene: Scene) -> MountedSurface:
     return TriangleSurface(corners, corners[:, :2])
 
 
-def _surface_by_uv(model: MjModel, scene: Scene, geom: int, name: str) -> MountedSurface:
+def _surface_by_uv(model: MjModel, skin: Skin, geom: int, name: str) -> MountedSurface:
     """Triangles of a mesh geom whose texture coordinates lie within 0..1.
 
     u runs along the skin's length, v along its width. Raises InputError if there are none, or if
@@ -162,14 +162,14 @@ def _surface_by_uv(model: MjModel, scene: Scene, geom: int, name: str) -> Mounte
         raise InputError(
             f"MujocoSkin: no triangle of geom {name!r} has texture coordinates within 0..1"
         )
-    sides = np.array(scene.skin.sides)
+    sides = np.array(skin.sides)
     corners, flat = vertices[within].astype(float), uv[within].astype(float) * sides
     surface = TriangleSurface(corners.transpose(1, 2, 0), flat.transpose(1, 2, 0))
-    expected = float(np.prod(scene.skin.stretched_sides))
+    expected = float(np.prod(skin.stretched_sides))
     if abs(surface.area / expected - 1) > MAX_AREA_DEVIATION:
         raise InputError(
             f"MujocoSkin: the part of geom {name!r} with texture coordinates within 0..1 has "
-            f"{surface.area:.4g} m², the skin {scene.name} {expected:.4g} m²; they must agree to "
+            f"{surface.area:.4g} m², the skin {skin.name} {expected:.4g} m²; they must agree to "
             f"{100 * MAX_AREA_DEVIATION:g} %"
         )
     return surface

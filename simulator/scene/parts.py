@@ -7,7 +7,7 @@ alone, by `Scene.parts`. A computation takes those that it needs.
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Self
 
@@ -28,7 +28,8 @@ from .pixel_grid import Pixels, Pressing
 from .readings.contacts import Contact, Interface, max_foil_distance
 from .readings.readers import sources_of_others
 from .readings.setup import Setup
-from .readout.meter import Readout
+from .readings.wiring_checks import DrivenByTouch, driven_by_touch
+from .readout.meter import Readout, Sweep
 from .skin import Sheet, SheetsAndFoam
 from .surroundings import Surroundings
 
@@ -205,14 +206,14 @@ class Plan(Part):
     `Experiment`. before, pause: see `Timing`, s. draws: of presses and of sessions.
     """
 
-    press: Pressing
-    repetitions: int
-    unpressed: bool
-    seed: int
-    before: float
-    pause: float
-    draws: Randomisation
-    design: Design | None
+    press: Pressing = Pressing()
+    repetitions: int = 6
+    unpressed: bool = True
+    seed: int = 1
+    before: float = 0.0
+    pause: float = 1.0
+    draws: Randomisation = Randomisation()
+    design: Design | None = None
 
 
 @dataclass(frozen=True)
@@ -226,12 +227,34 @@ class SceneParts:
     setup: Setup
     meter: Meter
     plan: Plan
-    whole: Scene
+    whole: Scene = field(compare=False, repr=False)
+
+    @property
+    def parts(self) -> SceneParts:
+        return self
 
     @cached_property
     def evened(self) -> SceneParts:
         """The parts with the electrically equivalent skin, see `Skin.electrical`."""
         return replace(self, skin=self.skin.electrical)
+
+    @cached_property
+    def for_rods(self) -> SceneParts:
+        """The parts with `Skin.for_rods`; themselves if pixels are pressed by a finger."""
+        return self if self.plan.press.finger else replace(self, skin=self.skin.for_rods)
+
+    def read(self, setup: Setup) -> SceneParts:
+        """The parts with another setup."""
+        return replace(self, setup=setup)
+
+    @property
+    def driven_by_touch(self) -> list[DrivenByTouch]:
+        """Contacts that float at an interface but touch driven ones."""
+        return driven_by_touch(self.skin.contacts, self.setup.interfaces, self.skin)
+
+    def pressed_by(self, press: Pressing) -> SceneParts:
+        """The parts with another press of pixels."""
+        return replace(self, plan=replace(self.plan, press=press))
 
     def on_grid(self, rows: int, columns: int) -> SceneParts:
         """The parts with a grid of equal pixels, see `Skin.on_grid`."""
@@ -255,6 +278,11 @@ class SceneParts:
             "surroundings": skin.around,
             "interfaces": setup.interfaces,
             "leads": setup.leads,
+            "sweep": Sweep(frequencies=tuple(setup.frequency.tolist())),
+            "press": self.plan.press,
+            "dataset": self.plan.draws,
+            "design": self.plan.design,
+            "readout": self.meter.readout,
         }
         return self.whole.model_copy(update=changed)
 

@@ -79,6 +79,19 @@ class Pressing(Table):
         """
         return self.capacitance_factor if self.by_factor else skin.factor_at(self.depth)
 
+    def as_factor(self, skin: Skin) -> Pressing:
+        """The press by the factor that its depth causes; itself if it is by a factor.
+
+        Raises InputError as `factor` does.
+        """
+        if self.by_factor:
+            return self
+        return Pressing(
+            capacitance_factor=self.factor(skin),
+            factor_spread=self.factor_spread,
+            finger=self.finger,
+        )
+
     @model_validator(mode="after")
     def _pressed_one_way(self) -> Self:
         named = [name for name in PRESSED_BY if name in self.model_fields_set]

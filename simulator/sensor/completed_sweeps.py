@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..arrays import Real
-from ..scene.scene import Scene
-from ..scene.scene_files import scene_text
+from ..scene.parts import SceneParts
 from ..sweeps import InputError, build
 from ..sweeps.schema import CONTACT, CONTACTS, SENSOR
 from .given_press import PressLabel
@@ -31,7 +30,11 @@ class CompletedSweep(NamedTuple):
 
 
 def as_dataset(
-    scene: Scene, sweeps: Sequence[CompletedSweep], numbers: Sequence[int], seed: int, rtol: float
+    parts: SceneParts,
+    sweeps: Sequence[CompletedSweep],
+    numbers: Sequence[int],
+    seed: int,
+    rtol: float,
 ) -> xr.Dataset:
     """Sweeps in the schema: those of the first skin, then those of the next one.
 
@@ -45,17 +48,17 @@ def as_dataset(
     values = np.stack([sweep.values for sweep in sweeps], axis=2)
     quantities, skins, count = values.shape[:3]
     flat = values.reshape(quantities, skins * count, *values.shape[3:])
-    whole = np.isfinite(flat[..., scene.parts.setup.read]).all(axis=(0, 2))
+    whole = np.isfinite(flat[..., parts.setup.read]).all(axis=(0, 2))
     if not whole.any():
         raise InputError("no sweep is complete since the skins began again")
-    kind = scene.parts.setup.kind
+    kind = parts.setup.kind
     shown = dict(zip(kind.names, flat[:, whole], strict=True))
     presses = [sweep.presses[skin] for skin in range(skins) for sweep in sweeps]
     presses = [presses[k].in_words for k in np.flatnonzero(whole).tolist()]
     found = build(
         kind.reading(shown),
-        scene.frequencies,
-        interface=[each.name for each in scene.interfaces],
+        parts.setup.frequency,
+        interface=[each.name for each in parts.setup.interfaces],
         press=[press.text for press in presses],
         row=[press.row for press in presses],
         column=[press.column for press in presses],
@@ -63,9 +66,9 @@ def as_dataset(
         time=np.tile([sweep.time for sweep in sweeps], skins)[whole].tolist(),
         shown=shown,
         kind=kind,
-        taken=scene.taken,
+        taken=parts.setup.taken,
         attributes={
-            "scene": scene_text(scene),
+            "scene": parts.text,
             "model": SENSOR,
             "rtol": rtol,
             "seed": seed,

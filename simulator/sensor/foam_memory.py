@@ -16,7 +16,7 @@ from ..arrays import Integer, Mask, Real
 from ..measure.foam_state import NEGLIGIBLE
 from ..press.batch import PressBatch
 from ..press.foam_creep import Creep, unloading_strain
-from ..scene.scene import Scene
+from ..scene.parts import Skin
 from ..sweeps import InputError
 
 
@@ -27,9 +27,9 @@ class FoamMemory:
     Arrays have the shape (skin, cell), internal strains y (solid, skin, cell).
     """
 
-    def __init__(self, scene: Scene, cells: int, skins: int) -> None:
+    def __init__(self, skin: Skin, cells: int, skins: int) -> None:
         """cells: number of cells of the foam; parts of higher numbers do not creep."""
-        self._scene, self._foam, self._creep = scene, scene.skin.foam, Creep.of(scene.skin.foam)
+        self._skin, self._foam, self._creep = skin, skin.foam, Creep.of(skin.foam)
         self._count, self._cells = cells, np.zeros(0, dtype=np.int64)
         self._factor = np.ones((skins, 0))
         self._strain, self._largest, self._at_once = np.zeros((3, skins, 0))
@@ -122,7 +122,7 @@ class FoamMemory:
         allowed = self._foam.greatest_strain
         if reached > allowed:
             raise InputError(
-                f"{self._scene.name}: under these contacts the foam would creep to {reached:.3g} "
+                f"{self._skin.name}: under these contacts the foam would creep to {reached:.3g} "
                 f"of its thickness; it must stay within {allowed:.3g}: press less, or reduce "
                 "`share` of skin.foam.relaxation"
             )

@@ -17,6 +17,7 @@ from ..press.capacitance import touched_box, touched_cells
 from ..press.parts import foam_parts
 from ..press.press import Press, check_press, label_of, press_on, pressed_factor
 from ..press.touch import AnyTouch, Depth, Disc, Force, Indentation, Rectangle, Touch
+from ..scene.parts import Skin
 from ..scene.scene import Scene
 from ..sweeps import UNPRESSED, InputError
 from ..sweeps.schema import UNKNOWN_PRESS
@@ -207,7 +208,7 @@ class PressReader:
         label = PressLabel(label_of(press, self.scene.parts.skin, self.scene.press), *press.pixel)
         fixed = self._fixes_depths(press)
         if press.indented and spreads(self.scene.parts.skin):
-            pressed = self._rasterizer(_indenters(self.scene, press))
+            pressed = self._rasterizer(_indenters(self.scene.parts.skin, press))
             limited = bool(pressed.limited[0])
             return GivenPress(pressed.batch, (label,), (fixed,), (limited,), (0.0,))
         by_factor = Press(
@@ -271,7 +272,7 @@ def _labels(given: PointContacts, radius: Real) -> Iterator[PressLabel]:
         yield label_of_contacts(own[:count])
 
 
-def _indenters(scene: Scene, press: Press) -> PointContacts:
+def _indenters(skin: Skin, press: Press) -> PointContacts:
     """Point contacts of a press whose touches are all by depth or all by force.
 
     Raises InputError for other presses, unless all touches are discs or all are pixels and
@@ -287,7 +288,7 @@ def _indenters(scene: Scene, press: Press) -> PointContacts:
             f"press {press}: where `skin.foam.mechanics.tension` spreads it, a sensor takes "
             "touches all by depth or all by force, all disc or all pixels and rect, and no finger"
         )
-    sides = [disc.box for disc in discs] or [touched_box(scene.parts.skin, box) for box in boxes]
+    sides = [disc.box for disc in discs] or [touched_box(skin, box) for box in boxes]
     x, y = ([(box[k] + box[k + 1]) / 2 for box in sides] for k in (0, 2))
     end: dict[str, list] = {"radius": [disc.radius for disc in discs]}
     if not discs:

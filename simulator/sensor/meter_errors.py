@@ -10,7 +10,8 @@ import numpy as np
 
 from ..arrays import Complex, Real
 from ..measure.streams import METER, stream
-from ..scene.scene import Scene
+from ..scene.parts import Meter
+from ..scene.readings.setup import Setup
 from ..sweeps.reading_quantities import KINDS
 
 
@@ -21,21 +22,23 @@ class MeterErrors:
     are kept for each slot of a sweep, for readings that stay the same.
     """
 
-    def __init__(self, scene: Scene, seed: int, numbers: Sequence[int], noise: bool) -> None:
+    def __init__(
+        self, setup: Setup, meter: Meter, seed: int, numbers: Sequence[int], noise: bool
+    ) -> None:
         """numbers: of the sessions. noise: False for meters without errors and rounding."""
         from .readout_kernel import shown_quantities
 
         self._kernel = shown_quantities
-        self._readout, self._shape, count = scene.readout, scene.parts.setup.shape, len(numbers)
-        self._frequency, self._noisy = scene.frequencies, noise
-        self._kind, self._digits = KINDS.index(scene.parts.setup.kind), 0
+        self._readout, self._shape, count = meter.readout, setup.shape, len(numbers)
+        self._frequency, self._noisy = setup.frequency, noise
+        self._kind, self._digits = KINDS.index(setup.kind), 0
         self._fixed, self._sweep = np.zeros((2, count, self._shape[0])), -1
         self._noise = np.zeros((2, count, *self._shape))
-        self._uniform = np.zeros((4, 1, 1)) if scene.readout.uniform or not noise else None
+        self._uniform = np.zeros((4, 1, 1)) if meter.readout.uniform or not noise else None
         self._randoms = []
         self._latest: dict[tuple[int, int], tuple[Complex, Real]] = {}
         if noise:
-            self._digits = scene.readout.display_digits
+            self._digits = meter.readout.display_digits
             self._randoms = [stream(seed, number, METER) for number in numbers]
             fixed = [random.standard_normal((2, self._shape[0], 1)) for random in self._randoms]
             self._fixed = np.stack(fixed, axis=1)[..., 0]

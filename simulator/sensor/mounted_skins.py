@@ -16,9 +16,9 @@ from ..models.heterogeneous.materials import gauged
 from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.batch import PressBatch
+from ..scene.parts import SceneParts, Skin
 from ..scene.readings.setup import Setup
 from ..scene.readout.meter import Leads
-from ..scene.scene import Scene
 from ..sweeps.free_space import check_memory
 from .skin_stack import SkinStack
 
@@ -33,7 +33,7 @@ class MountedSkins:
 
     def __init__(
         self,
-        scene: Scene,
+        parts: SceneParts,
         family: Reduced,
         seed: int,
         numbers: Sequence[int],
@@ -58,14 +58,14 @@ class MountedSkins:
         self.family, self.distinct, self.count = family, len(distinct), len(numbers)
         grid, modes = family.grid, family.modes
         self._drawn = [
-            _with_faults(drawn_skin(scene.parts, seed, number, grid, modes), faults, scene, grid)
+            _with_faults(drawn_skin(parts, seed, number, grid, modes), faults, parts.skin, grid)
             for number in distinct
         ]
-        self._setup = scene.parts.setup.behind(_stacked_leads(self._drawn))
-        names = [each.name for each in scene.interfaces]
+        self._setup = parts.setup.behind(_stacked_leads(self._drawn))
+        names = [each.name for each in parts.setup.interfaces]
         self._connected = np.isin(names, names if connected is None else [*connected])
         self._number = np.cumsum(self._connected) - 1
-        gains = [fault.gain(scene.frequencies) for fault in faults]
+        gains = [fault.gain(parts.setup.frequency) for fault in faults]
         self._gain = np.prod(gains, axis=0) if faults else None
 
     def readings(
@@ -152,16 +152,14 @@ class MountedSkins:
 
 
 def _with_faults(
-    drawn: DrawnSkin, faults: Sequence[SkinFault], scene: Scene, grid: tuple[int, int]
+    drawn: DrawnSkin, faults: Sequence[SkinFault], skin: Skin, grid: tuple[int, int]
 ) -> DrawnSkin:
     """Skin with its stuck spots, and without the films of dead foils."""
     variation = drawn.variation
-    remaining = np.ones(len(scene.contacts), dtype=bool)
+    remaining = np.ones(len(skin.contacts), dtype=bool)
     for fault in faults:
-        remaining &= fault.remaining(scene.parts.skin)
-        variation = replace(
-            variation, capacitance=variation.capacitance * fault.foam(scene.parts.skin, grid)
-        )
+        remaining &= fault.remaining(skin)
+        variation = replace(variation, capacitance=variation.capacitance * fault.foam(skin, grid))
     return replace(drawn, variation=replace(variation, films=variation.films[remaining]))
 
 

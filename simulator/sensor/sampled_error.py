@@ -14,9 +14,9 @@ from ..models.solution import reading_difference
 from ..models.solver import Solver
 from ..press.batch import PressBatch
 from ..press.press import parse_press
-from ..scene.scene import Scene
+from ..scene.parts import SceneParts
 from .cell_spreading import SkinCells
-from .skin_family import FAMILIES_KEPT, family_scene, highest_factor, trained_family
+from .skin_family import FAMILIES_KEPT, family_parts, highest_factor, trained_family
 
 SAMPLE = 8
 BEYOND_SAMPLE = 2.0
@@ -27,33 +27,40 @@ TRUTH_SHARE = 0.1
 
 
 @lru_cache(maxsize=FAMILIES_KEPT)
-def estimated_error(scene: Scene, drawn: bool, rtol: float) -> float:
+def estimated_error(parts: SceneParts, drawn: bool, rtol: float) -> float:
     """Estimated largest relative error of readings of a scene's sensor, without its meter.
 
     It is BEYOND_SAMPLE times the largest error of a sample of touches on the nominal skin, against
-    the full model. drawn, rtol: see `family_scene`.
+    the full model. drawn, rtol: see `family_parts`.
     """
-    own = family_scene(scene, drawn, rtol)
-    family = trained_family(own, rtol)  # pyright: ignore[reportArgumentType]
-    errors = press_errors(scene, own, family, SAMPLE, rtol)
+    own = family_parts(parts, drawn, rtol)
+    errors = press_errors(parts, own, trained_family(own, rtol), SAMPLE, rtol)
     return BEYOND_SAMPLE * float(errors.max())
 
 
 def press_errors(
-    scene: Scene, own: Scene, family: Reduced, count: int, rtol: float, seed: int = 0
+    parts: SceneParts,
+    own: SceneParts,
+    family: Reduced,
+    count: int,
+    rtol: float,
+    seed: int = 0,
 ) -> Real:
     """Relative errors of readings of random touches, shape (press,).
 
-    own: the scene of the family, which draws the touches. Presses that a sensor refuses because
+    own: the parts of the family, which draws the touches. Presses that a sensor refuses because
     touches overlap are left out.
     """
-    cells, highest = SkinCells.of(scene, family.grid), highest_factor(scene)
+    cells, highest = (
+        SkinCells.of(parts.scene, family.grid),
+        highest_factor(parts.skin, parts.plan),
+    )
     presses = drawn_presses(own, np.random.default_rng(seed), count, cells.fine)
     texts, batch = presses.text, presses.batch
     some = [k for k in range(count) if batch.one(k).rises.max(initial=0.0) <= highest - 1]
     spread = cells.spread(PressBatch.of(batch.one(k) for k in some))
-    found = scene.parts.setup.at_meter(nominal_skin(own, family).sweeps(spread))
-    solver = Solver(scene.parts, TRUTH_SHARE * rtol)
+    found = parts.setup.at_meter(nominal_skin(own.skin, family).sweeps(spread))
+    solver = Solver(parts, TRUTH_SHARE * rtol)
     exact = [solver.solve(parse_press(texts[k], np.nan)).Z for k in some]
-    errors = reading_difference(found, np.stack(exact), scene.parts.setup.kind)
+    errors = reading_difference(found, np.stack(exact), parts.setup.kind)
     return np.asarray(np.nanmax(errors, axis=(0, 2, 3)))

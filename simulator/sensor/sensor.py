@@ -16,6 +16,7 @@ from ..dataset.dataset_plan import MAX_SEED
 from ..measure.skin_faults import SkinFault, parse_fault
 from ..press.parts import foam_parts
 from ..requests.argument_types import real, scene_of, typed, whole
+from ..scene.parts import SceneParts
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.free_space import SHARE, check_count, free_memory
@@ -28,7 +29,7 @@ from .mounted_skins import MountedSkins
 from .reading_clock import PER_SECOND, DueReading, ReadingClock, in_ticks
 from .sampled_error import estimated_error
 from .sensor_reading import SensorReading, TakenReading, VectorLayout
-from .skin_family import family_scene, highest_factor, trained_family
+from .skin_family import family_parts, highest_factor, trained_family
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -89,13 +90,11 @@ class Sensor:
             raise InputError(f"`keep` must be in 1..{MAX_KEPT}, got {keep!r}")
         self._sweeps = deque[CompletedSweep](maxlen=max(1, keep // len(numbers)))
         self._drawn = session == "drawn"
-        self._own = family_scene(self.scene, self._drawn, rtol)
-        self._family = trained_family(self._own, rtol)  # pyright: ignore[reportArgumentType]
-        self._faults = self._first_faults = tuple(
-            parse_fault(text, self._own.parts) for text in faults
-        )
+        self._own = family_parts(self.scene.parts, self._drawn, rtol)
+        self._family = trained_family(self._own, rtol)
+        self._faults = self._first_faults = tuple(parse_fault(text, self._own) for text in faults)
         self._cells = SkinCells.of(self.scene, self._family.grid)
-        highest = highest_factor(self.scene)
+        highest = highest_factor(self.scene.parts.skin, self.scene.parts.plan)
         self._press = PressReader(self.scene, self._cells, len(numbers), highest)
         self._clock = ReadingClock.of(self.scene)
         self._layout = VectorLayout.of(self.scene.parts.setup)
@@ -138,22 +137,21 @@ class Sensor:
         fault: its text, such as "tear top bottom 0.5 0.6". Raises InputError if the skins cannot
         have it, ToleranceError if it cannot be modelled within rtol.
         """
-        faults = (*self._faults, parse_fault(fault, self._own.parts))
+        faults = (*self._faults, parse_fault(fault, self._own))
         self._mounted, self._known = self._mount(self.seed, faults), {}
         self._faults = faults
 
     def _mount(self, seed: int, faults: tuple[SkinFault, ...]) -> MountedSkins:
         """The skins with these faults."""
-        changed: Scene | None = self._own
+        changed: SceneParts | None = self._own
         for fault in faults:
             if changed is not None:
-                fault.check(changed.parts)
-                left_parts = fault.changed(changed.parts)
-                changed = left_parts and left_parts.scene
-        left = () if changed is None else [each.name for each in changed.interfaces]
+                fault.check(changed)
+                changed = fault.changed(changed)
+        left = () if changed is None else changed.setup.names
         family = self._family
         if changed is not None and changed is not self._own:
-            family = trained_family(changed, self.rtol)  # pyright: ignore[reportArgumentType]
+            family = trained_family(changed, self.rtol)
         return MountedSkins(self._own, family, seed, self.numbers, self._drawn, faults, left)
 
     def copy(self) -> Self:
@@ -240,8 +238,7 @@ class Sensor:
         It compares a sample of touches with the full model when it is first read, on skins without
         faults.
         """
-        given = self.scene, self._drawn, self.rtol
-        return estimated_error(*given)  # pyright: ignore[reportArgumentType]
+        return estimated_error(self.scene.parts, self._drawn, self.rtol)
 
     def sweeps(self) -> xr.Dataset:
         """Whole sweeps since the start, or the latest `keep` of them, those of each skin together.
@@ -265,7 +262,7 @@ class Sensor:
         return self._dataset([self._sweeps[-1]]) if self._sweeps else None
 
     def _dataset(self, sweeps: Sequence[CompletedSweep]) -> xr.Dataset:
-        return as_dataset(self.scene, sweeps, self.numbers, self.seed, self.rtol)
+        return as_dataset(self.scene.parts, sweeps, self.numbers, self.seed, self.rtol)
 
     @typed
     def unpress(self, skins: Sequence[int]) -> None:
@@ -293,10 +290,12 @@ class Sensor:
         if self._mounted is None or repaired or (self._drawn and seed != self.seed):
             self._mounted = self._mount(seed, self._faults)
         self.seed, self._now = seed, 0
-        self._errors = MeterErrors(self.scene, seed, self.numbers, self.noise)
+        self._errors = MeterErrors(
+            self.scene.parts.setup, self.scene.parts.meter, seed, self.numbers, self.noise
+        )
         self._pressed, foam = self._press(None), foam_parts(self.scene.parts.skin, self._cells.fine)
         in_time = self.scene.skin.foam.in_time
-        self._foam = FoamMemory(self.scene, foam, count) if in_time else None
+        self._foam = FoamMemory(self.scene.parts.skin, foam, count) if in_time else None
         self._known: dict[int, Complex] = {}
         self._report(self._pressed)
         self._pending: deque[TakenReading] = deque()

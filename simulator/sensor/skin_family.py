@@ -8,7 +8,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from ..dataset.dataset_plan import MAX_CELLS, Plan
+from ..dataset.dataset_plan import MAX_CELLS, DatasetPlan
 from ..dataset.drawn_presses import drawn_presses
 from ..dataset.skin_model import reduced
 from ..measure.skins import drawn_skin
@@ -18,8 +18,9 @@ from ..models.reduced.reduced_model import Reduced
 from ..press.foam_creep import Creep
 from ..scene.draws.draw_distributions import Fixed, Uniform
 from ..scene.draws.randomisation import DrawnPress, Randomisation, Session
+from ..scene.parts import Plan, SceneParts, Skin
 from ..scene.pixel_grid import Pressing
-from ..scene.scene import Scene
+from ..scene.readings.setup import Setup
 from ..sweeps import InputError
 
 STRONGEST, BY_FOAM = 4.0, 8.0
@@ -59,61 +60,62 @@ NOMINAL = Session(
 """Session without any variation."""
 
 
-def family_scene(scene: Scene, drawn: bool, rtol: float) -> Scene:
-    """The scene with the random touches and skins that its family is trained on.
+def family_parts(parts: SceneParts, drawn: bool, rtol: float) -> SceneParts:
+    """The parts with the random touches and skins that its family is trained on.
 
     The cells are fine enough for a relative tolerance. drawn: True if skins vary as in
     `dataset.session`. Presses by depth or force become factors: cells take the factors that these
     cause.
     """
-    press, own = scene.press, scene.dataset.press
+    skin, plan = parts.skin, parts.plan
+    press, own = plan.press, plan.draws.press
     if not press.by_factor:
         press = Pressing(factor_spread=press.factor_spread, finger=press.finger)
-    length, width = scene.skin.sides
-    pixel = min(length / scene.pixels.columns, width / scene.pixels.rows)
+    length, width = skin.sides
+    pixel = min(length / skin.pixels.columns, width / skin.pixels.rows)
     touch = DrawnPress(
-        touches=ON_CREEPING_FOAM if scene.skin.foam.in_time else TOUCHES,
+        touches=ON_CREEPING_FOAM if skin.foam.in_time else TOUCHES,
         place="anywhere",
         size=Uniform(low=SMALLEST * pixel, high=LARGEST * min(length, width)),
-        cells_per_pixel=_cells_per_pixel(scene, rtol),
-        factor=Uniform(low=1.0, high=highest_factor(scene)),
+        cells_per_pixel=_cells_per_pixel(skin, parts.setup, plan, rtol),
+        factor=Uniform(low=1.0, high=highest_factor(skin, plan)),
         finger=own.finger,
         without_press=own.without_press,
     )
-    session = scene.dataset.session if drawn else NOMINAL
-    changed = {"press": press, "dataset": Randomisation(press=touch, session=session)}
-    return scene.model_copy(update=changed)
+    session = plan.draws.session if drawn else NOMINAL
+    draws = Randomisation(press=touch, session=session)
+    return replace(parts, plan=replace(plan, press=press, draws=draws))
 
 
-def _cells_per_pixel(scene: Scene, rtol: float) -> int:
+def _cells_per_pixel(skin: Skin, setup: Setup, plan: Plan, rtol: float) -> int:
     """Cells along each side of a pixel; see CELL_OF_DECAY and CELLS_OF_SIDE.
 
     Raises InputError if a tolerance needs more cells than a model can be trained for.
     """
-    skin, omega = scene.skin, 2 * math.pi * float(scene.frequencies[-1])
-    c = highest_factor(scene) * skin.foam.unpressed_capacitance_per_area
+    omega = 2 * math.pi * float(setup.frequency[-1])
+    c = highest_factor(skin, plan) * skin.foam.unpressed_capacitance_per_area
     decay = 1 / math.sqrt(omega * sum(skin.sheet_resistances) * c)
     largest = CELL_OF_DECAY * (rtol / AT_RTOL) ** (1 / 3) * decay
-    counts, most = scene.pixels.shape[::-1], MAX_CELLS // max(scene.pixels.shape)
+    counts, most = skin.pixels.shape[::-1], MAX_CELLS // max(skin.pixels.shape)
     sides = zip(skin.sides, counts, strict=True)
     needed = max(math.ceil(side / largest / count) for side, count in sides)
     if needed > most:
         raise InputError(
-            f"{scene.name}: `rtol` must be larger: {rtol:g} needs {needed} cells along each side "
+            f"{skin.name}: `rtol` must be larger: {rtol:g} needs {needed} cells along each side "
             f"of a pixel, and a sensor has at most {MAX_CELLS} along each side of the skin"
         )
     return max(needed, min(most, math.ceil(CELLS_OF_SIDE / min(counts))))
 
 
-def highest_factor(scene: Scene) -> float:
+def highest_factor(skin: Skin, plan: Plan) -> float:
     """Largest factor on c that the family of a scene is trained on.
 
     Foam that creeps must stay within its greatest strain.
     """
-    drawn, foam = scene.dataset.press.factor, scene.skin.foam
+    drawn, foam = plan.draws.press.factor, skin.foam
     highest = STRONGEST if drawn is None else max(STRONGEST, drawn.high)
     if foam.mechanics is not None:
-        highest = max(highest, min(scene.max_factor, BY_FOAM))
+        highest = max(highest, min(skin.max_factor, BY_FOAM))
     if not foam.in_time:
         return highest
     at_once = foam.greatest_strain / float(Creep.of(foam).greatest(np.zeros((0,)), np.array(1.0)))
@@ -121,23 +123,23 @@ def highest_factor(scene: Scene) -> float:
 
 
 @lru_cache(maxsize=FAMILIES_KEPT)
-def trained_family(scene: Scene, rtol: float) -> Reduced:
-    """Reduced model of a `family_scene`, trained once per process.
+def trained_family(parts: SceneParts, rtol: float) -> Reduced:
+    """Reduced model of a `family_parts`, trained once per process.
 
     Raises InputError for a scene that cannot be reduced, ToleranceError if rtol is not reached.
     """
-    Plan(scene, 1, 0, rtol)
-    model = reduced(scene, TRAINED_TO * rtol)
-    return _with_lower_rank(scene, model, rtol)
+    DatasetPlan(parts, 1, 0, rtol)
+    model = reduced(parts, TRAINED_TO * rtol)
+    return _with_lower_rank(parts, model, rtol)
 
 
-def _with_lower_rank(scene: Scene, model: Reduced, rtol: float) -> Reduced:
+def _with_lower_rank(parts: SceneParts, model: Reduced, rtol: float) -> Reduced:
     """Model whose factors of M have the lowest rank that RANK_SHARE allows."""
     random = np.random.default_rng(0)
     cases = []
     for session in range(RANK_SKINS):
-        skin = drawn_skin(scene.parts, 0, session, model.grid, model.modes)
-        presses = drawn_presses(scene, random, PRESSES_ON_SKIN, model.grid).batch
+        skin = drawn_skin(parts, 0, session, model.grid, model.modes)
+        presses = drawn_presses(parts.scene.parts, random, PRESSES_ON_SKIN, model.grid).batch
         cases += [Case(skin.variation, *press) for press in presses.each()]
     looser = replace(model, rtol=RANK_SHARE / COMPRESSED_SHARE * rtol)
     return replace(compressed(looser, cases), rtol=model.rtol, built=model.built)

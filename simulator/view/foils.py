@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from ..mesh.domain import Domain
     from ..press.press import Press
     from ..press.touch import Touch
+    from ..scene.parts import Skin
     from ..scene.readings.contacts import Contact, Interface
-    from ..scene.scene import Scene
     from .skin_surface import SkinSurface
 
 
@@ -51,9 +51,9 @@ class Foil:
 
 
 def foils(
-    scene: Scene,
+    skin: Skin,
     interface: Interface,
-    skin: SkinSurface,
+    surface: SkinSurface,
     to_space: Callable[[Real], Real],
     mesh: SkinMesh | None = None,
 ) -> tuple[Foil, ...]:
@@ -63,14 +63,14 @@ def foils(
     of a skin that a file describes.
     """
     drawn: list[Foil] = []
-    for contact in scene.foils:
-        near, far = (skin.size * offset for offset in BAND[contact.electrode])
+    for contact in skin.foils:
+        near, far = (surface.size * offset for offset in BAND[contact.electrode])
         if mesh:
             ends, out = mesh.foil(contact.name)
             inner, outer = ends + near * out, ends + far * out
         else:
-            along = path(contact, scene.skin, PIECES)
-            out = skin.outward(along)
+            along = path(contact, skin, PIECES)
+            out = surface.outward(along)
             inner, outer = (_pieces(to_space(along + off * out)) for off in (near, far))
         quads = np.stack([inner[:, 0], inner[:, 1], outer[:, 1], outer[:, 0]], axis=1)
         drawn.append(Foil(contact.name, _role(contact, interface), quads))
@@ -91,13 +91,13 @@ def _role(contact: Contact, interface: Interface) -> Role:
 class SkinMesh:
     """Triangles of a scene's mesh, in space as the skin is drawn."""
 
-    def __init__(self, scene: Scene, press: Press, skin: SkinSurface) -> None:
+    def __init__(self, skin: Skin, press: Press, surface: SkinSurface) -> None:
         from ..mesh.skin_mesh import domain
 
-        self._rows, self._columns = scene.pixels.rows, scene.pixels.columns
-        self._domain: Domain = domain(scene.parts.skin, press, skin.size)
+        self._rows, self._columns = skin.pixels.rows, skin.pixels.columns
+        self._domain: Domain = domain(skin, press, surface.size)
         p = self._domain.p
-        self._p = p if len(p) == 3 else skin.carry(p)[0]
+        self._p = p if len(p) == 3 else surface.carry(p)[0]
 
     @cached_property
     def _edges(self) -> tuple[Integer, Integer, Integer]:

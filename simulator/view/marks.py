@@ -18,8 +18,8 @@ from .foils import Foil, SkinMesh, foils
 if TYPE_CHECKING:
     from ..press.press import Press
     from ..press.touch import AnyTouch
+    from ..scene.parts import Skin
     from ..scene.readings.contacts import Interface
-    from ..scene.scene import Scene
     from .skin_surface import SkinSurface
 
 Point = Real | tuple[float, float]
@@ -62,77 +62,75 @@ class Arrows:
     directions: Real
     length: float
 
-    def facing(self, skin: SkinSurface, towards: Real | None) -> Arrows:
+    def facing(self, surface: SkinSurface, towards: Real | None) -> Arrows:
         """Arrows on the side of the skin that faces an eye (3,); all if it may move."""
         if towards is None or not self.places.size:
             return self
-        visible = towards @ skin.normals[:, skin.nearest(self.places)] > EDGE_ON
+        visible = towards @ surface.normals[:, surface.nearest(self.places)] > EDGE_ON
         return replace(self, places=self.places[:, visible], directions=self.directions[:, visible])
 
 
 def marks(
-    scene: Scene,
+    skin: Skin,
     press: Press,
     interface: Interface,
-    skin: SkinSurface,
+    surface: SkinSurface,
     to_space: Callable[[Real], Real],
 ) -> Marks:
     """Marks on the skin, without the field; `to_space` as for `foils`."""
-    mesh = SkinMesh(scene, press, skin) if scene.skin.mesh else None
-    if mesh and scene.pixels.groups:
+    mesh = SkinMesh(skin, press, surface) if skin.mesh else None
+    if mesh and skin.pixels.groups:
         grid, middles = list(mesh.pixel_lines()), mesh.middles()
     else:
-        grid = [line for flat in pixel_grid(scene) for line in _on_skin(flat, skin)]
-        middles = _middles(scene, skin)
-    rim = skin.points[:, skin.rim]
+        grid = [line for flat in pixel_grid(skin) for line in _on_skin(flat, surface)]
+        middles = _middles(skin, surface)
+    rim = surface.points[:, surface.rim]
     return Marks(
-        foils=foils(scene, interface, skin, to_space, mesh),
+        foils=foils(skin, interface, surface, to_space, mesh),
         pixels=tuple(grid),
-        pressed=tuple(_pressed_outlines(scene, press, skin, mesh)),
+        pressed=tuple(_pressed_outlines(skin, press, surface, mesh)),
         rim=tuple(rim.transpose(2, 0, 1)),
-        middles=middles.reshape(3, scene.pixels.rows, scene.pixels.columns),
-        grid_lines=None if scene.pixels.groups else _grid_lines(scene, to_space),
+        middles=middles.reshape(3, skin.pixels.rows, skin.pixels.columns),
+        grid_lines=None if skin.pixels.groups else _grid_lines(skin, to_space),
     )
 
 
-def _grid_lines(scene: Scene, to_space: Callable[[Real], Real]) -> tuple[Real, Real]:
-    x, y = pixel_lines(scene.parts.skin, 0), pixel_lines(scene.parts.skin, 1)
+def _grid_lines(skin: Skin, to_space: Callable[[Real], Real]) -> tuple[Real, Real]:
+    x, y = pixel_lines(skin, 0), pixel_lines(skin, 1)
     along, across = np.stack([x, 0 * x]), np.stack([0 * y, y])
     return to_space(along)[0], to_space(across)[1]
 
 
-def _middles(scene: Scene, skin: SkinSurface) -> Real:
+def _middles(skin: Skin, surface: SkinSurface) -> Real:
     """Middles of pixels in a grid, in space, m, (3, pixel); nan off the skin."""
-    flat = cell_centres(scene.parts.skin, scene.pixels.shape).reshape(2, -1)
-    places, _, _ = skin.carry(flat)
-    return np.where(skin.covers(flat), places, np.nan)
+    flat = cell_centres(skin, skin.pixels.shape).reshape(2, -1)
+    places, _, _ = surface.carry(flat)
+    return np.where(surface.covers(flat), places, np.nan)
 
 
 def _pressed_outlines(
-    scene: Scene, press: Press, skin: SkinSurface, mesh: SkinMesh | None
+    skin: Skin, press: Press, surface: SkinSurface, mesh: SkinMesh | None
 ) -> Iterator[Real]:
     """Lines (3, n) around the pressed places."""
     for touch in press.touches:
         place = place_of(touch)
-        if mesh and scene.pixels.groups and isinstance(place, Touch):
+        if mesh and skin.pixels.groups and isinstance(place, Touch):
             yield from mesh.around(place)
         else:
-            yield from _on_skin(outline(touch, scene), skin)
+            yield from _on_skin(outline(touch, skin), surface)
 
 
-def pixel_grid(scene: Scene) -> list[Real]:
+def pixel_grid(skin: Skin) -> list[Real]:
     """Lines between pixels, flat (2, n)."""
-    length, width = scene.skin.length, scene.skin.width
-    upright = [_between((x, 0.0), (x, width)) for x in pixel_lines(scene.parts.skin, 0)[1:-1]]
-    return upright + [
-        _between((0.0, y), (length, y)) for y in pixel_lines(scene.parts.skin, 1)[1:-1]
-    ]
+    length, width = skin.length, skin.width
+    upright = [_between((x, 0.0), (x, width)) for x in pixel_lines(skin, 0)[1:-1]]
+    return upright + [_between((0.0, y), (length, y)) for y in pixel_lines(skin, 1)[1:-1]]
 
 
-def outline(touch: AnyTouch, scene: Scene) -> Real:
+def outline(touch: AnyTouch, skin: Skin) -> Real:
     """Closed flat line (2, n) around a touch."""
     place = place_of(touch)
-    corners = polygon_of(scene.parts.skin, polygonal(place, CIRCLE))
+    corners = polygon_of(skin, polygonal(place, CIRCLE))
     steps = 1 if isinstance(place, Disc) else STEPS
     return np.hstack([_between(low, high, steps) for low, high in sides(corners)])
 
@@ -141,34 +139,34 @@ def _between(low: Point, high: Point, steps: int = STEPS) -> Real:
     return np.linspace(np.asarray(low), np.asarray(high), steps + 1).T
 
 
-def _on_skin(flat: Real, skin: SkinSurface) -> list[Real]:
+def _on_skin(flat: Real, surface: SkinSurface) -> list[Real]:
     """Parts of a flat line that lie on the skin, in space."""
-    middle = skin.x.mean(axis=1, keepdims=True)
-    inside = skin.covers(flat + 1e-6 * (middle - flat))
-    places, _, _ = skin.carry(flat)
+    middle = surface.x.mean(axis=1, keepdims=True)
+    inside = surface.covers(flat + 1e-6 * (middle - flat))
+    places, _, _ = surface.carry(flat)
     ends = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]])))
     return [places[:, low:high] for low, high in ends.reshape(-1, 2) if high - low > 1]
 
 
-def arrows(skin: SkinSurface, current: Real, highest: float) -> Arrows:
+def arrows(surface: SkinSurface, current: Real, highest: float) -> Arrows:
     """Arrows along a real current density (2, point), except where it is faint.
 
     highest: density that it is compared with.
     """
-    spans = np.ptp(skin.x, axis=1)
+    spans = np.ptp(surface.x, axis=1)
     step = spans.max() / ARROWS_ALONG
     axes = [
         low + (np.arange(int(span / step)) + 0.5) * span / int(max(span / step, 1))
-        for low, span in zip(skin.x.min(axis=1), spans, strict=True)
+        for low, span in zip(surface.x.min(axis=1), spans, strict=True)
     ]
     flat = np.stack([axis.ravel() for axis in np.meshgrid(*axes)])
-    flat = flat[:, skin.covers(flat)]
-    strength = skin.at(flat, current)
+    flat = flat[:, surface.covers(flat)]
+    strength = surface.at(flat, current)
     size = np.hypot(*strength)
     kept = size > MIN_ARROW_CURRENT * highest
     flat, along = flat[:, kept], strength[:, kept] / size[kept]
-    places, normals, _ = skin.carry(flat)
-    ahead, _, _ = skin.carry(flat + 1e-3 * skin.size * along)
-    behind, _, _ = skin.carry(flat - 1e-3 * skin.size * along)
+    places, normals, _ = surface.carry(flat)
+    ahead, _, _ = surface.carry(flat + 1e-3 * surface.size * along)
+    behind, _, _ = surface.carry(flat - 1e-3 * surface.size * along)
     directions = (ahead - behind) / np.linalg.norm(ahead - behind, axis=0)
-    return Arrows(places + 2e-3 * skin.size * normals, directions, 0.72 * step)
+    return Arrows(places + 2e-3 * surface.size * normals, directions, 0.72 * step)

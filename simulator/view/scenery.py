@@ -73,7 +73,7 @@ class ViewedPress:
 
     def panels(self, skin: SkinSurface, frames: list[DisplayedQuantity]) -> list[Panel]:
         """Panels of the frames on the skin, all seen from the same place."""
-        drawn = marks(self.scene, self.press, self.interface, skin, self.to_space)
+        drawn = marks(self.scene.parts.skin, self.press, self.interface, skin, self.to_space)
         scenery = Scenery(skin, drawn, tuple(self._bodies(skin)))
         camera = _camera(scenery)
         return [Panel(scenery, frame, camera) for frame in frames]

@@ -67,11 +67,21 @@ def test_more_work_is_expected_to_take_longer(monkeypatch):
     earth = large.with_({"surroundings": {"body": {"distance": 4e-3}}})
 
     def expected(scene):
-        parts = page_parts(scene, 1e-3, 2), limit_parts(scene), study_parts(scene, 8, 2)
+        parts = (
+            page_parts(scene.parts.skin, scene.parts.setup, 1e-3, 2),
+            limit_parts(scene.parts.skin, scene.parts.setup),
+            study_parts(scene.parts.skin, scene.parts.setup, 8, 2),
+        )
         return [sum(each.values()) for each in parts]
 
     few, more, most = map(expected, (small, large, earth))
     assert all(a < b < c for a, b, c in zip(few[:2], more[:2], most[:2], strict=True))
     assert more[2] < most[2]
-    assert sum(study_parts(large, 9, 2).values()) == pytest.approx(1.25 * more[2])
-    assert complexity(small) == complexity(large) < complexity(earth)
+    assert sum(study_parts(large.parts.skin, large.parts.setup, 9, 2).values()) == pytest.approx(
+        1.25 * more[2]
+    )
+    assert (
+        complexity(small.parts.skin, small.parts.setup)
+        == complexity(large.parts.skin, large.parts.setup)
+        < complexity(earth.parts.skin, earth.parts.setup)
+    )

@@ -52,7 +52,7 @@ def scene(request, folder):
 @pytest.fixture(scope="module")
 def ports(scene):
     """A virtual meter on that sheet."""
-    exhibit = simulated(rcskin.load(str(scene)), seed=7)
+    exhibit = simulated(rcskin.load(str(scene)).parts, seed=7)
     with run_in_thread(instrument(exhibit, pace=0)) as ports:
         yield ports
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.localization.model.training import train
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.drawn_presses import drawn_presses
 from rcskin.simulator.dataset.memory_dataset import in_memory
 from rcskin.simulator.dataset.skin_model import nominal_skin, reduced
@@ -35,11 +35,11 @@ PRESSED = {"dataset.press.without_press": None}
 
 @pytest.fixture(scope="module")
 def family():
-    return reduced(FINGERS, RTOL)
+    return reduced(FINGERS.parts, RTOL)
 
 
 def sweeps(family, changes, count, seed):
-    return in_memory(Plan(FINGERS.with_(changes), count, seed, RTOL), family)
+    return in_memory(DatasetPlan(FINGERS.with_(changes).parts, count, seed, RTOL), family)
 
 
 @pytest.mark.parametrize(
@@ -67,8 +67,8 @@ def test_the_pixel_is_named_alike_with_and_without_a_finger(family):
 
 
 def test_sweeps_are_those_of_what_their_texts_say(family):
-    presses = drawn_presses(FINGERS, stream(1, 0, PRESSES), 6, family.grid)
-    Z = nominal_skin(FINGERS, family).sweeps(presses.batch)
+    presses = drawn_presses(FINGERS.parts, stream(1, 0, PRESSES), 6, family.grid)
+    Z = nominal_skin(FINGERS.parts.skin, family).sweeps(presses.batch)
     solver = Solver(FINGERS.parts, RTOL / 3)
     exact = np.stack([solver.solve(parse_press(text, np.nan)).Z for text in presses.text])
     np.testing.assert_allclose(FINGERS.leads.at_meter(Z, FINGERS.frequencies), exact, rtol=RTOL)
@@ -76,7 +76,7 @@ def test_sweeps_are_those_of_what_their_texts_say(family):
 
 @pytest.mark.slow
 def test_tables_hold_every_finger_that_may_touch():
-    tables = templates(FINGERS, "pixel")
+    tables = templates(FINGERS.parts, "pixel")
     places, ways, numbers = tables["single"].shape
     assert (places, ways) == (9, 6 * 6 + 6) and tables["weights"].sum() == pytest.approx(1)
     assert tables["weights"][36:].sum() == pytest.approx(0.1)
@@ -90,4 +90,4 @@ def test_tables_hold_every_finger_that_may_touch():
 @pytest.mark.parametrize("target", ["position", "pair", "touches"])
 def test_fingers_that_tables_do_not_cover_are_refused(target):
     with pytest.raises(InputError, match="for presses by a rod only"):
-        templates(FINGERS, target)
+        templates(FINGERS.parts, target)

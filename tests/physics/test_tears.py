@@ -58,7 +58,7 @@ def test_a_tear_breaks_a_symmetry_that_a_coarse_grid_of_points_would_miss():
 
 
 def test_a_scene_describes_its_tear():
-    text = str(list(key_facts(torn(STRIP, "top", edge="bottom", at=0.5, length=0.25))))
+    text = str(list(key_facts(torn(STRIP, "top", edge="bottom", at=0.5, length=0.25).parts)))
     assert "torn from the bottom edge over 25 % of the skin" in text
 
 

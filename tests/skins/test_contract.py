@@ -12,7 +12,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.line_slopes import LineModel
@@ -256,7 +256,9 @@ SWEEPS = {
 def test_a_data_set_has_the_sweeps_of_the_full_solver(library, tmp_path, name):
     """And presses every pixel that has skin."""
     rtol, scene = KINDS[name].rtol, library.scene(name).with_(ALIKE | SWEEPS[name])
-    generate(Plan(scene, 20 if name in BY_DEPTH else 40, 1, rtol), tmp_path / "set.zarr")
+    generate(
+        DatasetPlan(scene.parts, 20 if name in BY_DEPTH else 40, 1, rtol), tmp_path / "set.zarr"
+    )
     data = open_zarr(tmp_path / "set.zarr").load()
     pressed = {*zip(data["row"].values.tolist(), data["column"].values.tolist(), strict=True)}
     assert pressed - {(0, 0), (-1, -1)} == set(pixels_with_skin(scene.parts.skin))

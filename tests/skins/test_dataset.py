@@ -3,7 +3,7 @@
 import meshio
 import numpy as np
 import pytest
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.drawn_presses import drawn_presses
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.fem.error_estimate import relative_difference
@@ -19,7 +19,7 @@ ANYWHERE = {"dataset.press.place": "anywhere", "dataset.press.cells_per_pixel": 
 
 
 def made(scene, path, sweeps=40):
-    generate(Plan(scene, sweeps, 1, RTOL), path)
+    generate(DatasetPlan(scene.parts, sweeps, 1, RTOL), path)
     return open_zarr(path).load()
 
 
@@ -84,7 +84,7 @@ def test_a_rectangle_by_any_route_gives_the_data_of_a_rectangle(plain_set, tmp_p
 
 def test_pixels_are_placed_at_the_middle_of_their_skin(kinds):
     scene = kinds["mesh"]
-    presses = drawn_presses(scene, np.random.default_rng(1), 100, (1, 2))
+    presses = drawn_presses(scene.parts, np.random.default_rng(1), 100, (1, 2))
     single = presses.touches == 1
     expected = np.where(presses.column[single] == 1, 0.02, 0.10)
     np.testing.assert_allclose(presses.x[single, 0], expected)
@@ -93,7 +93,7 @@ def test_pixels_are_placed_at_the_middle_of_their_skin(kinds):
 
 def test_touches_anywhere_have_their_middles_on_the_skin(kinds):
     scene = kinds["l with a hole"].with_(ANYWHERE)
-    presses = drawn_presses(scene, np.random.default_rng(1), 300, (8, 8))
+    presses = drawn_presses(scene.parts, np.random.default_rng(1), 300, (8, 8))
     there = np.arange(2) < presses.touches[:, None]
     x = np.stack([presses.x[there], presses.y[there]])
     within = on_skin(scene.skin, x)
@@ -117,4 +117,4 @@ def test_a_hand_beside_pixels_that_are_groups_is_refused(kinds):
     scene = kinds["mesh"].with_({"dataset.press.offset": 0.1})
     told = "`dataset.press.offset` must be 0 where `pixels.groups` says what pixels are, got 0.1"
     with pytest.raises(InputError, match=told):
-        Plan(scene, 10, 1, RTOL)
+        DatasetPlan(scene.parts, 10, 1, RTOL)

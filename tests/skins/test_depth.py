@@ -6,7 +6,7 @@ from rcskin.localization.study.point import EvaluationSettings, impedances
 from rcskin.simulator.bounds.position_bound import chosen_touch
 from rcskin.simulator.calibration.fitting.fit_options import Options
 from rcskin.simulator.calibration.run import calibrate
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.skin_model import reduced as family_of
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.limits import bayes_accuracy
@@ -106,15 +106,15 @@ def test_a_calibration_finds_the_sheets_of_a_twin_pressed_by_depth(scene):
 
 def test_limits_and_studies_press_by_depth(scene, coarse):
     planned = scene.with_({"experiment": {"repetitions": 5}})
-    assert 0.6 < bayes_accuracy(planned, "pixel", draws=100, seed=1).share <= 1.0
-    assert chosen_touch(planned).rise == scene.pressed_factor - 1
+    assert 0.6 < bayes_accuracy(planned.parts, "pixel", draws=100, seed=1).share <= 1.0
+    assert chosen_touch(planned.parts.skin, planned.press).rise == scene.pressed_factor - 1
     presses = planned_presses(planned.parts.skin, planned.parts.plan, np.random.default_rng(1))
     assert all(touch.by.unit == "m" for press in presses for touch in press.touches)
-    plan = EvaluationSettings(draws=1).plan(planned, 0, RTOL)
+    plan = EvaluationSettings(draws=1).plan(planned.parts, 0, RTOL)
     (Z,) = impedances(
-        plan.scene,
-        [press_on(plan.scene.parts.skin, plan.scene.press, "1,2")],
-        family_of(plan.scene, RTOL),
+        plan.parts,
+        [press_on(plan.parts.skin, plan.parts.plan.press, "1,2")],
+        family_of(plan.parts, RTOL),
         RTOL,
     )
     off = relative_difference(Z, Solver(scene.parts, CLOSELY).solve(parse_press("1,2", DEEP)).Z)
@@ -132,7 +132,7 @@ def test_limits_and_studies_press_by_depth(scene, coarse):
 )
 def test_data_sets_refuse_in_one_line_what_they_cannot_press(scene, changed, reason):
     with pytest.raises(InputError, match=reason):
-        Plan(folded(scene.with_(changed), "a data set"), 10, 1, RTOL)
+        DatasetPlan(folded(scene.with_(changed), "a data set").parts, 10, 1, RTOL)
 
 
 def test_the_virtual_meter_reads_one_press_at_all_frequencies(scene):

@@ -15,7 +15,7 @@ from rcskin.simulator.dataset.anywhere.deflections import (
 )
 from rcskin.simulator.dataset.anywhere.touch_places import place_texts
 from rcskin.simulator.dataset.cell_errors import lattice_error, rasterization_error
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.drawn_presses import drawn_presses
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.dataset.skin_model import REDUCED, Training
@@ -95,15 +95,23 @@ def test_estimated_errors_cover_those_of_other_presses_and_the_worst(scenes, nam
 def covered(scene, count, *others):
     """Whether errors told hold for so many presses drawn, and for others."""
     family = trained(scene, RTOL)
-    of_cells = rasterization_error(scene, family, SEED, RTOL)
-    of_deflections = lattice_error(scene, family, SEED)
+    of_cells = rasterization_error(scene.parts, family, SEED, RTOL)
+    of_deflections = lattice_error(scene.parts, family, SEED)
     own = family.skin(None)
-    drawn = drawn_presses(scene, np.random.default_rng(7), count, family.grid)
+    drawn = drawn_presses(scene.parts, np.random.default_rng(7), count, family.grid)
     solver = Solver(scene.parts, RTOL / 10)
     for touches, placed in ((drawn.touches, drawn.placed), *others):
-        Z = own.sweeps(cell_presses(scene, touches, placed, family.grid))
-        by_triangles = own.sweeps(cell_presses_by_triangles(scene, touches, placed, family.grid))
-        told = place_texts(touches, placed, *written_strengths(scene, placed))
+        Z = own.sweeps(
+            cell_presses(scene.parts.skin, scene.parts.plan, touches, placed, family.grid)
+        )
+        by_triangles = own.sweeps(
+            cell_presses_by_triangles(
+                scene.parts.skin, scene.parts.plan, touches, placed, family.grid
+            )
+        )
+        told = place_texts(
+            touches, placed, *written_strengths(scene.parts.skin, scene.press, placed)
+        )
         exact = np.stack([solver.solve(parse_press(text, np.nan)).Z for text in told])
         moved = relative_difference(Z, by_triangles).max()
         assert 0 < moved <= of_deflections
@@ -112,7 +120,7 @@ def covered(scene, count, *others):
 
 
 def drawn_on(scene, sweeps=60):
-    return drawn_presses(scene, np.random.default_rng(1), sweeps, (8, 8))
+    return drawn_presses(scene.parts, np.random.default_rng(1), sweeps, (8, 8))
 
 
 def test_presses_are_written_with_the_depth_that_was_solved(scenes):
@@ -147,7 +155,7 @@ def test_a_press_beside_its_pixel_is_labelled_by_that_pixel(scenes):
 def test_bytes_are_the_same_by_two_workers_and_when_resumed(scenes, compared, tmp_path):
     compared(1)
     scene = scenes["flat"].with_(COARSE)
-    plan = Plan(scene, 30, SEED, RTOL, block_values=10 * len(scene.frequencies))
+    plan = DatasetPlan(scene.parts, 30, SEED, RTOL, block_values=10 * len(scene.frequencies))
     training = Training(trained, REDUCED.save, cache(REDUCED.load))
     generate(plan, tmp_path / "one.zarr", training=training)
     generate(
@@ -208,4 +216,4 @@ def test_a_mesh_in_space_is_refused(scenes, tmp_path):
     edges = {"contact.top-left.edge": "rim", "contact.bottom-left.edge": "rim"}
     scene = scenes["flat"].with_({"skin.mesh": str(tmp_path / "slope.msh"), **edges})
     with pytest.raises(InputError, match="must lie in a plane for depth"):
-        Plan(scene, 10, SEED, RTOL)
+        DatasetPlan(scene.parts, 10, SEED, RTOL)

@@ -64,7 +64,7 @@ def test_live_finds_columns_of_a_skin_pressed_by_depth(swept):
     several = [read_out(read(swept), strip().readout, random, k) for k in range(4)]
     write(concatenate(several), swept.with_name("several.nc"))
     run("train", swept.with_name("several.nc"), "--features", "dlnZ,dphase", "-o", model)
-    meter = instrument(simulated(strip(), seed=7), pace=0)
+    meter = instrument(simulated(strip().parts, seed=7), pace=0)
     with run_in_thread(meter, ControlPort(meter, ())) as ports:
         where = ["--resource", ports.resource, "--model", model, "--sweeps", 2]
         rest = swept.with_name("rest.nc")
@@ -83,10 +83,10 @@ def test_forces_stand_for_the_depths_that_they_take(caplog):
     strain = foam.strain_at(np.array(factor))
     assert foam.elastic.stress(strain) * area == pytest.approx(4.0, rel=1e-6)
     with caplog.at_level(logging.INFO):
-        depth = forces_as_depths(scene).press.depth
+        depth = forces_as_depths(scene.parts).press.depth
     assert depth == pytest.approx(strain * 4e-3, rel=1e-6)
     assert "4 N press pixels" in caplog.text
-    assert forces_as_depths(strip(tension=20.0, force=4.0)).press.depth < depth
+    assert forces_as_depths(strip(tension=20.0, force=4.0).parts).press.depth < depth
 
 
 @pytest.mark.slow
@@ -105,7 +105,7 @@ def test_scenes_pressed_by_force_are_drawn_and_calibrated(tmp_path):
 
 def test_a_force_that_closes_the_cells_is_refused_in_a_line():
     with pytest.raises(InputError, match="force must leave the depth"):
-        forces_as_depths(strip(force=1e4))
+        forces_as_depths(strip(force=1e4).parts)
 
 
 @pytest.mark.parametrize(("tension", "force"), [(0.0, 4.0), (20.0, 4.0), (20.0, 1.5)])
@@ -124,7 +124,7 @@ def test_every_command_says_how_deep_a_force_goes(tmp_path, tension, force):
     ends = shown.split(" to ")
     assert float(ends[0]) <= float(depth) <= float(ends[-1])
     assert len({*ends}) == len(ends) and (tension or ends == [depth])
-    meter = instrument(simulated(scene, seed=7), pace=0)
+    meter = instrument(simulated(scene.parts, seed=7), pace=0)
     with run_in_thread(meter, ControlPort(meter, ())) as ports:
         control = f"127.0.0.1:{ports.control}"
         assert f"{depth} mm deep" in run("meter", "press", "1,2", "--control", control).stderr

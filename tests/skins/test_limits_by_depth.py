@@ -53,12 +53,12 @@ def pressed_at(scene, touch, solver, x, y, rise):
 def test_slopes_and_bounds_are_those_of_differences_of_the_full_model(foam, size):
     scene = foam.with_({"sweep": {"frequencies": [2e4, 6e4, 2e5]}})
     touch, solver, frequency = (
-        chosen_touch(scene, size),
+        chosen_touch(scene.parts.skin, scene.press, size),
         Solver(scene.parts, 1e-4),
         scene.frequencies,
     )
-    fields = fields_of(scene, float(frequency[-1]), touch)
-    deep = DepthRasterizer(scene, fields.grid, (touch.width, touch.height))
+    fields = fields_of(scene.parts, float(frequency[-1]), touch)
+    deep = DepthRasterizer(scene.parts.skin, fields.grid, (touch.width, touch.height))
     x, y, rise, step = 0.0683, 0.0552, touch.rise, 1.5e-3
     found = fields.respond(*deep.rasterized((x, y), touch), frequency)
 
@@ -75,7 +75,7 @@ def test_slopes_and_bounds_are_those_of_differences_of_the_full_model(foam, size
         scale = largest if name != "strength" else np.abs(slope).max()
         assert np.abs(found.by_parameter[name] - slope).max() < 0.05 * scale
     told = position_slopes(fields, [(x, y)], touch, frequency)
-    model = error_model(scene, frequency)
+    model = error_model(scene.parts.setup, scene.parts.meter, frequency)
     own = in_noise(impedance(0, 0, 0), list(expected.values()), model)
     by = np.concatenate([own, session_errors(model)[0]], axis=-1)[None]
     truth = replace(told, by=by).bounds()
@@ -86,16 +86,21 @@ def test_slopes_and_bounds_are_those_of_differences_of_the_full_model(foam, size
 
 def test_touches_are_six_cells_wide_or_refused(foam):
     widths = {
-        size: fields_of(foam, 1e5, chosen_touch(foam, size)).cells * size / (SIDE / 3)
+        size: fields_of(foam.parts, 1e5, chosen_touch(foam.parts.skin, foam.press, size)).cells
+        * size
+        / (SIDE / 3)
         for size in (0.1, SIDE / 3, 0.02, 0.012, 0.007)
     }
     assert min(widths.values()) >= 6 - 1e-9 and widths[SIDE / 3] == pytest.approx(6)
     with pytest.raises(InputError, match="at least 0.167 of a pixel wide, got 0.1"):
-        fields_of(foam, 1e5, chosen_touch(foam, 0.004))
+        fields_of(foam.parts, 1e5, chosen_touch(foam.parts.skin, foam.press, 0.004))
     plain = foam.with_({"press": {"capacitance_factor": 2.0}})
     gauge = foam.with_({"skin.top.piezoresistance": 2.0, "pixels": 1})
     for other in (plain, gauge):
-        assert fields_of(other, 1e5, chosen_touch(other, 0.004)).cells == 4
+        assert (
+            fields_of(other.parts, 1e5, chosen_touch(other.parts.skin, other.press, 0.004)).cells
+            == 4
+        )
 
 
 def test_a_foam_whose_skins_hardly_pull_is_pressed_as_by_factors(foam):
@@ -104,7 +109,7 @@ def test_a_foam_whose_skins_hardly_pull_is_pressed_as_by_factors(foam):
     )
     touch = TouchSize(0.01, 0.01, 0.02)
     sides = loose.skin.length, loose.skin.width
-    deep = DepthRasterizer(loose, (12, 12), (touch.width, touch.height))
+    deep = DepthRasterizer(loose.parts.skin, (12, 12), (touch.width, touch.height))
     for place in ((0.0158, 0.0147), (0.0112, 0.016)):
         found, sharp = (
             deep.rasterized(place, touch),
@@ -123,7 +128,7 @@ def test_a_touch_of_a_pixels_size_has_the_limits_of_the_pixel(foam, compared, co
     compared(4)
     scene = foam.with_({"pixels": 2, "sweep": {"frequencies": [2e4]}})
     presses = own_presses(scene.parts.skin, scene.press)
-    whole, laid = (TouchReadings(scene, presses, size=size) for size in (None, SIDE / 2))
+    whole, laid = (TouchReadings(scene.parts, presses, size=size) for size in (None, SIDE / 2))
     told = laid.rasterization_errors(presses)
     assert whole.rasterization_errors(presses) is None and 0 < told.deflection < told.cells
     batch = PressBatch.even(np.arange(4)[:, None], np.full((4, 1), foam.pressed_factor - 1))
@@ -133,11 +138,14 @@ def test_a_touch_of_a_pixels_size_has_the_limits_of_the_pixel(foam, compared, co
 
 def test_estimated_errors_of_places_cover_those_of_others(foam, compared):
     compared(4)
-    touch, fields = chosen_touch(foam, 0.012), FullFields(foam, float(foam.frequencies[-1]))
+    touch, fields = (
+        chosen_touch(foam.parts.skin, foam.press, 0.012),
+        FullFields(foam.parts, float(foam.frequencies[-1])),
+    )
     inside = np.linspace(0.006, SIDE - 0.006, 5).tolist()
     told = errors_of_places(fields, [(x, y) for x in inside for y in inside], touch)
     deep, solver = (
-        DepthRasterizer(foam, fields.grid, (touch.width, touch.height)),
+        DepthRasterizer(foam.parts.skin, fields.grid, (touch.width, touch.height)),
         Solver(foam.parts, 1e-4),
     )
     for place in ((0.0071, 0.0082), (0.033, 0.0071), (0.1083, 0.0577)):
@@ -145,11 +153,18 @@ def test_estimated_errors_of_places_cover_those_of_others(foam, compared):
         exact = pressed_at(foam, touch, solver, *place, touch.rise)
         assert relative_difference(Z, exact).max() <= told.cells
     plain = foam.with_({"press": {"capacitance_factor": 2.0}})
-    assert errors_of_places(FullFields(plain, 1e5), [(0.06, 0.06)], chosen_touch(plain)) is None
+    assert (
+        errors_of_places(
+            FullFields(plain.parts, 1e5),
+            [(0.06, 0.06)],
+            chosen_touch(plain.parts.skin, plain.press),
+        )
+        is None
+    )
 
 
 def test_touches_of_any_depth_run_through_those_of_a_few(foam):
-    deep = DepthPixelTouches(foam, (9, 9), 0.015, 2.0)
+    deep = DepthPixelTouches(foam.parts.skin, (9, 9), 0.015, 2.0)
     for touches in ([(0, 0.37)], [(4, 1.91)], [(0, 1.1), (1, 0.6)], [(0, 1.1), (8, 0.6)]):
         cells, rises = (np.array(each) for each in zip(*touches, strict=True))
         found = deep.rasterized(PressBatch.of([(cells, rises)])).one(0)
@@ -161,7 +176,7 @@ def test_touches_of_any_depth_run_through_those_of_a_few(foam):
 
 
 def test_what_nodes_share_acts_on_straight_functions_as_the_nodes_do(foam):
-    lattice = DepthRasterizer(foam, (12, 12), (0.02, 0.02)).lattice
+    lattice = DepthRasterizer(foam.parts.skin, (12, 12), (0.02, 0.02)).lattice
     here = slice(0, 12), slice(2, 9)
     rows, columns = lattice.nodes(here)
     values = np.random.default_rng(1).standard_normal(
@@ -181,7 +196,7 @@ def test_pixels_without_skin_do_not_end_the_training(kinds, coarse):
     mechanics, one = foam_of(load_scene("foam")), {"sweep": {"frequencies": [2e4]}}
     whole = {"skin.outline.holes": [], "contact.bottom.edge": "outline.5"}
     scene = kinds["l with a hole"].with_({**mechanics, **whole, "pixels": 2, **one, **NOISE})
-    assert 0 < bayes_accuracy(scene, "pixel", draws=50)[0] <= 1
+    assert 0 < bayes_accuracy(scene.parts, "pixel", draws=50)[0] <= 1
 
 
 def foam_of(scene):
@@ -220,11 +235,13 @@ def test_size_and_factor_reach_the_frequencies_for_pixels(foam, tmp_path, coarse
 
 
 def test_touches_that_lie_alike_are_solved_once(foam):
-    touch = chosen_touch(foam, 0.012)
-    fields = FullFields(foam, float(foam.frequencies[-1]))
+    touch = chosen_touch(foam.parts.skin, foam.press, 0.012)
+    fields = FullFields(foam.parts, float(foam.frequencies[-1]))
     places = [(0.045, 0.055), (0.055, 0.055)]
-    fresh = [DepthRasterizer(foam, fields.grid, (touch.width, touch.height)) for _ in places]
-    one = DepthRasterizer(foam, fields.grid, (touch.width, touch.height))
+    fresh = [
+        DepthRasterizer(foam.parts.skin, fields.grid, (touch.width, touch.height)) for _ in places
+    ]
+    one = DepthRasterizer(foam.parts.skin, fields.grid, (touch.width, touch.height))
     for place, alone in zip(places, fresh, strict=True):
         found, expected = one.rasterized(place, touch), alone.rasterized(place, touch)
         np.testing.assert_allclose(found.factors, expected.factors, rtol=1e-6)

@@ -7,11 +7,11 @@ import pytest
 import rcskin
 from rcskin.simulator.bounds.fields import FullFields, TouchSize
 from rcskin.simulator.bounds.touches.area_rasterizer import AreaRasterizer
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.limits.random_press_limits import RandomPresses
 from rcskin.simulator.models.cosine_modes.foam_modes import check_uniform_foam
-from rcskin.simulator.models.parameters import HALF_WAVES, Variation, nominal, scene_with
+from rcskin.simulator.models.parameters import HALF_WAVES, Variation, nominal, parts_with
 from rcskin.simulator.models.reduced.cases import Case
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.reduced.greedy import reduce
@@ -103,7 +103,7 @@ def test_bodies_and_rims_of_other_sizes_need_no_other_basis(library):
     variation = replace(nominal(scene.parts.skin), body=np.exp(0.2), rim=np.exp(-0.3))
     model = library.model("near a virtual earth")
     own = model.skin(variation)
-    truth = Solver(scene_with(scene, values).parts, CLOSELY).solve(Press()).Z
+    truth = Solver(parts_with(scene.parts, values), CLOSELY).solve(Press()).Z
     estimated = own.certificate(*NOTHING).max() + model.mesh_error
     assert relative_difference(own.sweep(*NOTHING), truth).max() <= estimated + CLOSELY < 2 * RTOL
 
@@ -167,7 +167,7 @@ def test_slopes_by_place_are_those_of_walls_that_move_with_the_touch(library):
     found, expected = [], []
     for edges in (True, False):
         scene = library.scene("walls").with_({"surroundings": {"thickness": True, "edges": edges}})
-        fields, solver = FullFields(scene, 2e5), Solver(scene.parts, 1e-4)
+        fields, solver = FullFields(scene.parts, 2e5), Solver(scene.parts, 1e-4)
         changes = AreaRasterizer.of(0.12, 0.12, fields.grid).raised(place, touch)
         answer = fields.respond(1 + changes["strength"], changes, scene.frequencies)
         found.append([answer.Z, *(answer.by_parameter[name] for name in moved)])
@@ -190,7 +190,7 @@ def test_random_skins_have_walls_of_their_own_foam(library):
     foam.capacitance[:] = 1.2
     foam = type(foam)(**{**vars(foam), "beyond_pixels": 1.2})
     press = press_on(scene.parts.skin, scene.press, "1,1:2.2:rod+1,2:1.5:rod")
-    truth = Solver(scene_with(scene, {"capacitance": np.log(1.2)}).parts, 2e-4).solve(press).Z
+    truth = Solver(parts_with(scene.parts, {"capacitance": np.log(1.2)}), 2e-4).solve(press).Z
     found = (
         library.model("walls of groups")
         .skin(foam)
@@ -205,15 +205,15 @@ REFUSED = {
         scene.press,
         press_on(scene.parts.skin, scene.press, "disc(0.05,0.05,0.02):2"),
     ),
-    "places of a data set": lambda scene: Plan(
-        scene.with_({"dataset.press.place": "anywhere"}), 20, 1, RTOL
+    "places of a data set": lambda scene: DatasetPlan(
+        scene.with_({"dataset.press.place": "anywhere"}).parts, 20, 1, RTOL
     ),
-    "offset of a data set": lambda scene: Plan(
-        scene.with_({"dataset.press.offset": 0.1}), 20, 1, RTOL
+    "offset of a data set": lambda scene: DatasetPlan(
+        scene.with_({"dataset.press.offset": 0.1}).parts, 20, 1, RTOL
     ),
     "cells of pixels": lambda scene: Forward(scene.parts, 3),
     "presses at random positions": lambda scene: RandomPresses.of_pixels(
-        scene, Uniform(low=1.5, high=2.5), offset=0.1
+        scene.parts, Uniform(low=1.5, high=2.5), offset=0.1
     ),
 }
 

@@ -13,7 +13,7 @@ from rcskin.simulator.limits import bayes_accuracy
 from rcskin.simulator.measure.experiment import planned_presses
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
-from rcskin.simulator.models.parameters import scene_with
+from rcskin.simulator.models.parameters import parts_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press, parse_press
 
@@ -25,7 +25,7 @@ UNEVEN = pytest.param("uneven", marks=pytest.mark.slow)
 def test_fields_answer_and_change_as_the_full_solver(kinds, name):
     """A whole pixel pressed, by cells of a pixel each, and its slopes by the factor."""
     scene = kinds[name]
-    fields, pixel = FullFields(scene, scene.frequencies[-1], 1), np.array([[0.0, 1.0]])
+    fields, pixel = FullFields(scene.parts, scene.frequencies[-1], 1), np.array([[0.0, 1.0]])
 
     def answer(factor):
         change = {"strength": pixel}
@@ -35,8 +35,10 @@ def test_fields_answer_and_change_as_the_full_solver(kinds, name):
     assert relative_difference(found.Z, truth).max() < 3e-3
     apart = (answer(2 + STEP).Z - answer(2 - STEP).Z) / (2 * STEP)
     np.testing.assert_allclose(found.by_parameter["strength"], apart, rtol=1e-4)
-    stiffer = scene_with(scene, {"sheet_resistance": STEP})
-    moved = FullFields(stiffer, scene.frequencies[-1], 1).respond(1 + pixel, {}, scene.frequencies)
+    stiffer = parts_with(scene.parts, {"sheet_resistance": STEP}).scene
+    moved = FullFields(stiffer.parts, scene.frequencies[-1], 1).respond(
+        1 + pixel, {}, scene.frequencies
+    )
     by = found.by_parameter["sheet_resistance"]
     np.testing.assert_allclose((moved.Z - found.Z) / STEP, by, rtol=2e-2, atol=1e-3 * abs(by).max())
 
@@ -44,7 +46,9 @@ def test_fields_answer_and_change_as_the_full_solver(kinds, name):
 def test_pixels_without_skin_are_no_class_and_no_press(kinds):
     scene = kinds["l with a hole"]
     there = [(0, 0), (0, 1), (1, 0)]
-    at_rest, *pressed = [each.pixels for each in hypotheses(scene, "pixel")]
+    at_rest, *pressed = [
+        each.pixels for each in hypotheses(scene.parts.skin, scene.parts.plan, "pixel")
+    ]
     assert (at_rest, pressed) == ((), [(pixel,) for pixel in there])
     assert [str(press)[:3] for press in every_press(scene.parts.skin, scene.press)[1:]] == [
         "1,1",
@@ -52,13 +56,13 @@ def test_pixels_without_skin_are_no_class_and_no_press(kinds):
         "2,1",
     ]
     planned = planned_presses(scene.parts.skin, scene.parts.plan, np.random.default_rng(1))
-    for presses in (planned, EvaluationSettings().nominal(scene)):
+    for presses in (planned, EvaluationSettings().nominal(scene.parts.skin, scene.parts.plan)):
         assert {press.pixel for press in presses} == {(0, 0), *((i + 1, j + 1) for i, j in there)}
 
 
 def test_the_bound_on_position_is_asked_where_a_touch_is_whole_on_the_skin(kinds):
     scene = kinds["l with a hole"]
-    places = np.array(places_on(scene, chosen_touch(scene, 0.02), 4))
+    places = np.array(places_on(scene.parts, chosen_touch(scene.parts.skin, scene.press, 0.02), 4))
     half = 0.01
     assert len(places)
     beyond = (places > 0.06 - half + 1e-9).all(axis=1)
@@ -67,14 +71,14 @@ def test_the_bound_on_position_is_asked_where_a_touch_is_whole_on_the_skin(kinds
 
 
 def test_columns_of_a_mesh_are_found_as_well_as_pressed_by_the_full_solver(kinds):
-    accuracy = bayes_accuracy(kinds["mesh"], "column", draws=200)
+    accuracy = bayes_accuracy(kinds["mesh"].parts, "column", draws=200)
     assert accuracy.share > 0.99
 
 
 @pytest.mark.parametrize("name", [UNEVEN, "mesh"])
 def test_a_calibration_finds_what_a_twin_was_given(kinds, name):
     scene, given = kinds[name], {"sheet_resistance": 0.3, "capacitance": -0.2}
-    twin = Solver(scene_with(scene, given).parts, 1e-4)
+    twin = Solver(parts_with(scene.parts, given), 1e-4)
     presses = [parse_press(text, 2.0) for text in ("none", "none", "1,1", "1,2")]
     read = read_out(simulate(twin, presses), scene.readout, np.random.default_rng(3))
     fit = calibrate(scene, read)
@@ -88,7 +92,7 @@ def test_a_calibration_finds_what_a_twin_was_given(kinds, name):
 @pytest.mark.slow
 def test_tables_of_the_inverting_localizer_hold_the_pixels_there_are(kinds):
     scene = kinds["l with a hole"].with_({"dataset.press.factor": 2.0})
-    tables = templates(scene, "pixel")
+    tables = templates(scene.parts, "pixel")
     assert tables["pixels"].tolist() == [[1, 1], [1, 2], [2, 1]]
     assert np.abs(tables["single"]).max(axis=(1, 2)).min() > 1e-3
     assert np.isfinite(tables["skin"]).all()

@@ -77,5 +77,5 @@ class Kept:
         """Of the twins, which are more than localizers believe."""
         path = self.folder / "twins.npz"
         if not path.exists():
-            save(reduced(built(scene), self.goal.rtol), path)
+            save(reduced(built(scene).parts, self.goal.rtol), path)
         return load(path)

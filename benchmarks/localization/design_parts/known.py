@@ -18,7 +18,7 @@ def whole(kept: Kept) -> dict[str, object]:
     """Of the skin as it was meant, as the search tells: pixels hit whole, or by Cramér and Rao."""
     merit, trial = kept.as_meant(), kept.goal.trial
     if trial.placed:
-        guess = TouchPositions(trial.believed).merit.guess
+        guess = TouchPositions(trial.believed.parts).merit.guess
         told = {"skins": "a known skin, no bias", "median": f"{1e3 * guess * (1 - merit):.2f}"}
     else:
         told = {"skins": "a known skin, pixels hit whole", "mean": f"{100 * merit:.1f}"}
@@ -32,13 +32,15 @@ def nominal(kept: Kept, trial: Trial) -> dict[str, object]:
     scene = trial.believed
     if trial.placed:
         size = PLACED_SIZE.value
-        found = kept.once("bound", lambda: posterior_distance(scene, size=size, **asked))
+        found = kept.once("bound", lambda: posterior_distance(scene.parts, size=size, **asked))
         middle, error = (1e3 * each for each in found)
         told = {"skins": "a known skin, any answers", "median": f"{middle:.2f} ± {error:.2f}"}
     else:
         offset, target = trial.hand.offset, trial.target
         asked["offset"] = offset
-        least, most, error = kept.once("bound", lambda: off_centre_accuracy(scene, target, **asked))
+        least, most, error = kept.once(
+            "bound", lambda: off_centre_accuracy(scene.parts, target, **asked)
+        )
         mean = f"{50 * (least + most):.1f} ± {100 * error:.1f}"
         told = {"skins": "a known skin, the twins' hand", "mean": mean}
     return {"who": "bound"} | told

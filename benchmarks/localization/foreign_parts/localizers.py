@@ -18,7 +18,7 @@ from rcskin.localization.model.localizer_file import load as load_model
 from rcskin.localization.model.localizer_file import save as save_model
 from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.dataset.skin_model import Training, reduced
 from rcskin.simulator.models.reduced.model_file import load, save
@@ -101,7 +101,7 @@ def kept_family(folder: Path, training: str, scene: Scene) -> Reduced:
     """The reduced model of a training scene, trained unless the folder holds it."""
     path = folder / f"family-{_file_name(training)}.npz"
     if not path.exists():
-        save(reduced(scene, TRAINING_RTOL), path)
+        save(reduced(scene.parts, TRAINING_RTOL), path)
     return load(path)
 
 
@@ -123,7 +123,7 @@ def _simulated(scene: Scene, training: str, count: int, folder: Path) -> xr.Data
     """Training sweeps, kept in the folder with the reduced model."""
     family = kept_family(folder, training, scene)
     path = folder / f"{_file_name(training)}-{count}.zarr"
-    plan = Plan(scene, count, SEED, TRAINING_RTOL)
+    plan = DatasetPlan(scene.parts, count, SEED, TRAINING_RTOL)
     generate(plan, path, training=Training(lambda *_: family, save, load))
     return read_first(path, count).load()
 

@@ -17,7 +17,7 @@ from rcskin.localization.learners.classifiers import leading_components
 from rcskin.localization.learners.networks import COMPONENTS, HIDDEN
 from rcskin.localization.streaming.class_names import class_numbers
 from rcskin.localization.streaming.sweep_stream import SweepStream
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.generation import generate
 from torch import Tensor, nn
 
@@ -131,7 +131,7 @@ def from_disk(
     """The network trained on data sets on disk, each a part of the largest."""
     path, found = folder / "pixels.zarr", []
     start = time.process_time()
-    generate(Plan(stream.plan.scene, max(sizes), 11, stream.plan.rtol), path)
+    generate(DatasetPlan(stream.plan.scene.parts, max(sizes), 11, stream.plan.rtol), path)
     made = time.process_time() - start
     for size in sizes:
         start, sweeps = time.process_time(), read_first(path, size)

@@ -74,7 +74,7 @@ def _examples(around: Scene, believed: Reduced) -> xr.Dataset:
     try:
         return simulated(around, believed, TRAINING)
     except ToleranceError:
-        return simulated(around, reduced(around, RTOL), TRAINING)
+        return simulated(around, reduced(around.parts, RTOL), TRAINING)
 
 
 def _narrowed(scene: Scene, values: dict[str, float]) -> Scene:

@@ -31,7 +31,7 @@ class TwinsHand(RandomPresses):
         m, of a side of touches anywhere."""
         scene = twin.scene
         super().__init__(
-            scene,
+            scene.parts,
             own_presses(scene.parts.skin, scene.press),
             size=(size, size),
             offset=twin.hand.offset,
@@ -79,7 +79,9 @@ def known_accuracy(
 ) -> LimitInterval:
     """Of a target of pixels that are pressed, each as often, on the twin's own skin. Arguments as
     of `accuracy_of_presses`."""
-    pixels = [each for each in hypotheses(scene, target) if each.pixels]
+    pixels = [
+        each for each in hypotheses(scene.parts.skin, scene.parts.plan, target) if each.pixels
+    ]
     even = [replace(each, chance=1 / len(pixels)) for each in pixels]
     hand = TwinsHand(twin, against_rest)
     return accuracy_of_presses(hand, even, seed=1 + twin.number, draws=draws, samples=samples)

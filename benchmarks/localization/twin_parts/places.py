@@ -35,7 +35,7 @@ DRIFT = 6e-4
 
 def place_limits(trial: Trial, skins: int, processes: int = 2) -> list[dict[str, object]]:
     """A row, over all touches of all skins."""
-    family = reduced(built(trial.believed), RTOL)
+    family = reduced(built(trial.believed).parts, RTOL)
     work = (delayed(_of_skin)(trial, family, number) for number in range(skins))
     found = pd.concat(Parallel(n_jobs=processes)(work))
     share, off = found["share"], found["off"]

@@ -46,7 +46,7 @@ def _at(twin: Twin, presses: Sequence[str], interface: str) -> xr.Dataset:
     with run_in_thread(meter, ControlPort(meter)) as ports, tempfile.TemporaryDirectory() as folder:
         hand = press_virtual_skin(f"{ports.host}:{ports.control}")
         task = RecordingTask(
-            header_of(scene, [interface], steps),
+            header_of(scene.parts, [interface], steps),
             Path(folder) / "twin.nc",
             lambda: open_meter(ports.resource, TIMEOUT),
             read_table(DERIVED_TABLE),

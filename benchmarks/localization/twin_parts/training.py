@@ -12,7 +12,7 @@ from rcskin.benchmarks.localization.twin_parts.trials import Trial
 from rcskin.localization.inputs.sweep_files import read_first
 from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.dataset.skin_model import Training
 from rcskin.simulator.models.reduced.model_file import load, save
@@ -51,7 +51,7 @@ def on_disk(
     training = Training(lambda *_: believed, save, load)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "training.zarr"
-        generate(Plan(scene, count, SEED, rtol), path, training=training)
+        generate(DatasetPlan(scene.parts, count, SEED, rtol), path, training=training)
         yield read_first(path, count, lazy=True)
 
 

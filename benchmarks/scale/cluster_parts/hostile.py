@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.dataset.workers import WorkerError
 
@@ -48,7 +48,7 @@ class Made(NamedTuple):
 class Killer:
     """Kills a worker of a cluster, drawn at random, after every so many sweeps."""
 
-    def __init__(self, cluster: Any, plan: Plan, kills: int) -> None:
+    def __init__(self, cluster: Any, plan: DatasetPlan, kills: int) -> None:
         """kills: in all of the plan."""
         self._cluster, self._chance = cluster, random.Random(1)
         self._at = [plan.sweeps * (k + 1) / (kills + 1) for k in range(kills)]
@@ -63,7 +63,7 @@ class Killer:
                 os.kill(self._chance.choice(alive), signal.SIGKILL)
 
 
-def made(plan: Plan, output: Path, workers: int, trouble: Trouble) -> Made:
+def made(plan: DatasetPlan, output: Path, workers: int, trouble: Trouble) -> Made:
     """Make the data set in trouble, and go on as a user would where the command gives up."""
     with _cluster(workers, trouble.late) as cluster:
         killer = Killer(cluster, plan, trouble.kills)

@@ -40,12 +40,15 @@ TRUE_DRAWS, REPEATED = 200_000, 4
 def answers(run: Run) -> Iterator[Answer]:
     """Root mean square of what is off over some seeds; a classifier's share right as a bound."""
     scene = load_scene("sheet-5x5")
-    presses, among = own_presses(scene.parts.skin, scene.press), hypotheses(scene, TARGET)
-    known = TouchReadings(scene, presses)
+    presses, among = (
+        own_presses(scene.parts.skin, scene.press),
+        hypotheses(scene.parts.skin, scene.parts.plan, TARGET),
+    )
+    known = TouchReadings(scene.parts, presses)
     truth = bayes(known, among, presses, 99, run.sized(TRUE_DRAWS, 1000)).share
     for draws in run.sized(DRAWS, DRAWS[:1]):
         start = time.perf_counter()
-        bayes(TouchReadings(scene, presses), among, presses, 1, draws)
+        bayes(TouchReadings(scene.parts, presses), among, presses, 1, draws)
         whole, start = time.perf_counter() - start, time.perf_counter()
         found = [bayes(known, among, presses, seed, draws).share for seed in range(REPEATED)]
         again = (time.perf_counter() - start) / REPEATED
@@ -53,7 +56,7 @@ def answers(run: Run) -> Iterator[Answer]:
         yield Answer(AGAIN, f"{draws} draws", _rms(found, truth), again)
     for draws in run.sized(OF_FULL, ()):
         start = time.perf_counter()
-        found = bayes(_InFull(scene, presses), among, presses, 1, draws).share
+        found = bayes(_InFull(scene.parts, presses), among, presses, 1, draws).share
         yield Answer(FULL, f"{draws} draws", abs(found - truth), time.perf_counter() - start)
     start = time.perf_counter()
     bound = upper_bound(known, among, presses)
@@ -72,7 +75,7 @@ def _rms(found: list[float], truth: float) -> float:
 def _judged(classifier, known: TouchReadings, sweeps: int) -> float:
     """Trained on drawn sweeps of the known skin, and judged on as many others."""
     scene, random = known.scene, np.random.default_rng(1)
-    among = [each.pixels for each in hypotheses(scene, TARGET)]
+    among = [each.pixels for each in hypotheses(scene.parts.skin, scene.parts.plan, TARGET)]
     which = random.integers(0, len(among), 2 * sweeps)
     cells = [np.array([i * scene.pixels.columns + j for i, j in own], dtype=int) for own in among]
     starts = np.cumsum([0, *(len(cells[k]) for k in which)])

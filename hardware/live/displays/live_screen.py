@@ -84,12 +84,10 @@ class LiveScreen:
         from rich.panel import Panel
         from rich.text import Text
 
-        localizer, skin = self._localizer, self._localizer.scene.skin
+        localizer, skin = self._localizer, self._localizer.parts.skin
         width = min(self._console.width, MAX_WIDTH)
         room = width - 4, self._console.height - OTHER_LINES
-        grid = fitted_grid(
-            *localizer.scene.pixels.shape, (1e3 * skin.length, 1e3 * skin.width), room
-        )
+        grid = fitted_grid(*skin.pixels.shape, (1e3 * skin.length, 1e3 * skin.width), room)
         current = None if self._why or not self._moment else self._moment.answer
         parts = [grid.draw(current), self._words(), *self._time_lines(), self._beside()]
         title = Text(f"rcskin live: {localizer.model.target}")

@@ -7,6 +7,8 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TextIO
 
+import numpy as np
+
 from ....simulator.safe_text import escaped, say, terminal
 from ...meter.meter_reading import MeterReading
 from ..live_session import SessionDisplay, TimedAnswer
@@ -111,10 +113,6 @@ def other_displays(
 @contextmanager
 def _serve_page(localizer: LiveLocalizer, port: int) -> Iterator[SessionDisplay]:
     """Serve a page of the localizer's skin. Raises InputError if the scene has none."""
-    from ....simulator.scene.readings.changed_readings import (
-        restricted_to_interfaces,
-        with_frequencies,
-    )
     from ...event_counter import counted_events
     from ...page.page_document import PageDocument
     from ...page.page_server import serve_in_thread
@@ -124,9 +122,9 @@ def _serve_page(localizer: LiveLocalizer, port: int) -> Iterator[SessionDisplay]
 
     model = localizer.model
     taken = measured_mask(frequencies_of(model).values(), model.frequencies)
-    scene = with_frequencies(
-        restricted_to_interfaces(localizer.scene, model.interfaces), model.frequencies, taken
-    )
+    parts = localizer.parts
+    setup = parts.setup.of(model.interfaces).taking(np.array(model.frequencies), taken)
+    scene = parts.read(setup).scene
     document = PageDocument.of(scene, "live")
     shown = counted_events(lambda text: say(f"rcskin: page: {text}", err=True))
     with shown, serve_in_thread(document, port) as (address, post):

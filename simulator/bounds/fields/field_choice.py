@@ -7,7 +7,8 @@ import math
 from ...models.heterogeneous.materials import gauged
 from ...models.network.terminals import needs_all_terminals
 from ...models.reduced.indentation.indentation_draws import scene_spreads_presses
-from ...scene.scene import Scene
+from ...scene.parts import SceneParts, Skin
+from ...scene.pixel_grid import Pressing
 from ...sweeps import InputError, ToleranceError
 from ..touches.area_rasterizer import TouchSize
 from .full_fields import CELLS_PER_PIXEL, FullFields
@@ -23,39 +24,40 @@ ROUNDING = 1e-6
 
 
 def fields_of(
-    scene: Scene, highest: float, touch: TouchSize, cells: int | None = None
+    parts: SceneParts, highest: float, touch: TouchSize, cells: int | None = None
 ) -> AnyFields:
     """A reduced model of all terminals for `many` interfaces, otherwise finite elements.
 
     Training of the reduced model pays off for many interfaces only. highest: Hz. cells: along each
     side of a pixel, by default `cells_under`. Raises as `cells_under` does.
     """
-    scene = scene if touch.finger else scene.for_rods
-    cells = cells or cells_under(scene, touch)
-    if scene.uniform and needs_all_terminals(scene.parts.skin, scene.parts.setup, scene.press):
+    parts = parts if touch.finger else parts.for_rods
+    skin, setup, press = parts.skin, parts.setup, parts.plan.press
+    cells = cells or cells_under(skin, press, touch)
+    if skin.uniform and needs_all_terminals(skin, setup, press):
         try:
-            return trained(scene, highest, touch, cells)
+            return trained(parts, highest, touch, cells)
         except ToleranceError:
             pass
-    return FullFields(scene, highest, cells)
+    return FullFields(parts, highest, cells)
 
 
-def cells_under(scene: Scene, touch: TouchSize) -> int:
+def cells_under(skin: Skin, pressing: Pressing, touch: TouchSize) -> int:
     """Number of cells along each side of a pixel.
 
     Where a touch by depth also changes the foam next to it, a touch has at least CELLS_UNDER_TOUCH
     cells; with fewer, its slopes by position would be wrong. This does not hold for sheets with
     piezoresistance, where each cell is a term of K. Raises InputError for more than MAX_CELLS.
     """
-    if not scene_spreads_presses(scene.parts.skin, scene.press) or gauged(scene.skin):
+    if not scene_spreads_presses(skin, pressing) or gauged(skin):
         return CELLS_PER_PIXEL
-    (rows, columns), skin = scene.pixels.shape, scene.skin
+    rows, columns = skin.pixels.shape
     across = max(skin.length / columns / touch.width, skin.width / rows / touch.height)
     cells = max(CELLS_PER_PIXEL, math.ceil(CELLS_UNDER_TOUCH * across - ROUNDING))
     if cells > MAX_CELLS:
         smallest = CELLS_UNDER_TOUCH / MAX_CELLS
         raise InputError(
-            f"{scene.name}: a touch by depth must be at least {smallest:.3g} of "
+            f"{skin.name}: a touch by depth must be at least {smallest:.3g} of "
             f"a pixel wide, got {1 / across:.3g}; use a larger touch, or more and smaller `pixels`"
         )
     return cells

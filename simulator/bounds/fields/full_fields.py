@@ -30,7 +30,7 @@ from ...models.reduced.families.family_meshes import unreduced
 from ...models.response import Response, at_meter
 from ...scene.air_nodes import LOSSLESS_FOAM, air_nodes
 from ...scene.frequency import laplace_variable, slopes_of_s
-from ...scene.scene import Scene
+from ...scene.parts import SceneParts
 from ...sweeps import InputError
 from .part_maps import PartMaps
 
@@ -61,9 +61,9 @@ class _Pressed(NamedTuple):
 class FullFields:
     """A scene on the cells of a grid, at any frequencies up to `highest`."""
 
-    def __init__(self, scene: Scene, highest: float, cells: int = CELLS_PER_PIXEL) -> None:
+    def __init__(self, parts: SceneParts, highest: float, cells: int = CELLS_PER_PIXEL) -> None:
         """cells: along each side of a pixel. highest: Hz."""
-        self.scene, self.cells, divided = scene, cells, scene.parts.divided(cells)
+        self.parts, self.cells, divided = parts, cells, parts.divided(cells)
         self.grid = divided.skin.pixels.shape
         self._circuit = circuit_of(divided.skin, divided.setup)
         self._family = unreduced(divided.skin, divided.plan, self._circuit, RTOL, highest)
@@ -94,7 +94,7 @@ class FullFields:
         gauges = {name: self._gauged(foam, change) for name, change in directions.items()}
         air = LOSSLESS_FOAM
         if pressed[in_air].any():
-            air = air_nodes(frequency, self.scene.skin.foam.loss, KRYLOV_RTOL)
+            air = air_nodes(frequency, self.parts.skin.foam.loss, KRYLOV_RTOL)
 
         def with_air(factor: float) -> tuple[Complex, dict[str, Complex]]:
             parts = np.where(in_air, factor, 1.0)
@@ -116,11 +116,11 @@ class FullFields:
         Y, by = map(list, zip(*(with_air(factor) for factor in air.factors.tolist()), strict=True))
         Z = (1 / air.mean(Y)).astype(np.complex128)
         found = {name: air.mean(each[name] for each in by) for name in by[0]}
-        return at_meter(Z, found, self.scene.parts.setup.at(frequency))
+        return at_meter(Z, found, self.parts.setup.at(frequency))
 
     def _solved(self, on: _Pressed, frequency: Real) -> tuple[Complex, dict[str, Complex]]:
         """Y of the interfaces and its derivatives, with one s for all capacitance."""
-        s, combined = laplace_variable(frequency, self.scene.skin.foam.loss), self._combined
+        s, combined = laplace_variable(frequency, self.parts.skin.foam.loss), self._combined
         with one_blas_thread():
             found = [
                 self._excitation_response(excitation, on, s, frequency)
@@ -137,7 +137,7 @@ class FullFields:
 
     @cached_property
     def _maps(self) -> PartMaps:
-        return PartMaps(self._family.skin, self.scene.press)
+        return PartMaps(self._family.skin, self.parts.plan.press)
 
     @cached_property
     def _sheet_terms(self) -> list[csc_matrix]:
@@ -172,7 +172,7 @@ class FullFields:
         if not on.skin_unknown:
             return Y, by
         by_s = _energy(parts, on.foam)
-        of_s = slopes_of_s(frequency, self.scene.skin.foam.loss)
+        of_s = slopes_of_s(frequency, self.parts.skin.foam.loss)
         by = {name: by_s * of_s[name] for name in ("capacitance", "loss_tangent")} | by
         if on.weights is not None:
             sheets = sheets * on.weights[: len(sheets), None]
@@ -204,8 +204,8 @@ class FullFields:
 
     def _by_resistance(self, u: Complex, sheets: Complex) -> dict[str, Complex]:
         """Derivatives of `by_sheets`, and by contact resistance."""
-        family, found = self._family, by_sheets(sheets, *self.scene.skin.sheet_resistances)
-        if any(not contact.ideal for contact in self.scene.contacts):
+        family, found = self._family, by_sheets(sheets, *self.parts.skin.sheet_resistances)
+        if any(not contact.ideal for contact in self.parts.skin.contacts):
             films = family.space.film_energy(u, family.system.films)  # pyright: ignore[reportArgumentType]
             found["contact_resistance"] = np.asarray(-films.diagonal(), dtype=np.complex128)
         return found

@@ -22,8 +22,8 @@ from ...models.reduced.reduced_skin import MAX_SKINS, ReducedSkin
 from ...models.response import Response, at_meter
 from ...progress import silent
 from ...scene.frequency import laplace_variable, slopes_of_s
+from ...scene.parts import SceneParts
 from ...scene.readings.setup import Setup
-from ...scene.scene import Scene
 from ..touches.area_rasterizer import AreaRasterizer, TouchSize
 from .full_fields import CELLS_PER_PIXEL, Maps
 from .full_fields import RTOL as MESH_RTOL
@@ -37,12 +37,12 @@ class ReducedFields:
     """A scene on the cells of a grid, computed with a reduced model of all terminals."""
 
     def __init__(
-        self, scene: Scene, skin: ReducedSkin, cells: int, reading: Setup | None = None
+        self, parts: SceneParts, skin: ReducedSkin, cells: int, reading: Setup | None = None
     ) -> None:
         """cells: of the model, along each side of a pixel. reading: of the skin's interfaces, by
         default the scene's."""
-        self.scene, self.cells, self._reading = scene, cells, reading or scene.parts.setup
-        self.grid = scene.parts.divided(cells).skin.pixels.shape
+        self.parts, self.cells, self._reading = parts, cells, reading or parts.setup
+        self.grid = parts.divided(cells).skin.pixels.shape
         self._skin = skin
         self._maps = PartMaps(skin.reduced.parts.skin, skin.reduced.parts.plan.press)
 
@@ -92,24 +92,24 @@ class ReducedFields:
         return PressedSkin(skin)
 
     def _by_skin(self, by_K: Complex, by_s: Complex, frequency: Real) -> dict[str, Complex]:
-        skin, of_s = self.scene.skin, slopes_of_s(frequency, self._skin.loss)
+        skin, of_s = self.parts.skin, slopes_of_s(frequency, self._skin.loss)
         by = {name: by_s * of_s[name] for name in ("capacitance", "loss_tangent")}
         by |= by_sheets(by_K[:2], *skin.sheet_resistances)
         return by | ({"contact_resistance": -by_K[2:].sum(axis=0)} if len(by_K) > 2 else {})
 
 
 def trained(
-    scene: Scene, highest: float, touch: TouchSize, cells: int = CELLS_PER_PIXEL
+    parts: SceneParts, highest: float, touch: TouchSize, cells: int = CELLS_PER_PIXEL
 ) -> ReducedFields:
     """Trains a model for touches of one size on the mesh of `FullFields`.
 
     highest: largest frequency, Hz. cells: along each side of a pixel. Raises ToleranceError where
     the reduced model does not reach its tolerance.
     """
-    scene.require_sheets_alone("the information of readings")
-    driven, random = scene.parts.divided(cells).evened, np.random.default_rng(0)
-    skin, band = driven.skin, np.array([scene.frequencies[0], highest])
-    lines = AreaRasterizer.of(scene.skin.length, scene.skin.width, skin.pixels.shape)
+    parts.skin.require_sheets_alone("the information of readings")
+    driven, random = parts.divided(cells).evened, np.random.default_rng(0)
+    skin, band = driven.skin, np.array([parts.setup.frequency[0], highest])
+    lines = AreaRasterizer.of(*parts.skin.sides, skin.pixels.shape)
 
     def draw(random: np.random.Generator) -> Case:
         return Case(None, *lines.drawn(touch, random))
@@ -118,4 +118,4 @@ def trained(
         circuit = two_fields(skin, driven.setup).read(chain(skin))
         family = unreduced(skin, driven.plan, circuit, MESH_RTOL, highest)
         reduced = GreedyBasis(driven, family, RTOL, 0.0, band).grow(draw, random, silent, most=1)
-    return ReducedFields(scene, read(reduced, scene.interfaces).skin(None), cells)
+    return ReducedFields(parts, read(reduced, parts.setup.interfaces).skin(None), cells)

@@ -27,7 +27,8 @@ from ...models.mechanics.lattice.relaxed_presses import (
 )
 from ...models.mechanics.lattice.skin_lattice import Lattice, lattice_of
 from ...models.reduced.indentation.indentation_draws import scene_spreads_presses
-from ...scene.scene import Scene
+from ...scene.parts import Skin
+from ...scene.pixel_grid import Pressing
 from .area_rasterizer import AreaRasterizer, Point, RasterizedTouch, TouchSize
 from .node_sharing import distributed_to_cells
 
@@ -47,15 +48,15 @@ class DepthRasterizer:
     """Rectangular touches of one size at any position on a scene."""
 
     def __init__(
-        self, scene: Scene, grid: tuple[int, int], sides: tuple[float, float], stride: int = STRIDE
+        self, skin: Skin, grid: tuple[int, int], sides: tuple[float, float], stride: int = STRIDE
     ) -> None:
         """sides: of a touch along x and y, m. stride: see STRIDE.
 
         Raises InputError where the skin is not plane.
         """
-        check_plane(scene.skin)
-        self._scene, self._sides, self._stride = scene, sides, stride
-        self.lattice: Lattice = lattice_of(scene.parts.skin, grid, min(sides))
+        check_plane(skin)
+        self._skin, self._sides, self._stride = skin, sides, stride
+        self.lattice: Lattice = lattice_of(skin, grid, min(sides))
         self._cache: dict[tuple[object, ...], Real] = {}
 
     def rasterized(self, place: Point, touch: TouchSize) -> RasterizedTouch:
@@ -70,7 +71,7 @@ class DepthRasterizer:
         here = enclosing_window([self.window(corner, rise) for corner in corners])
 
         def found() -> Real:
-            ends = rise * (1 - RISE_STEP), min(rise * (1 + RISE_STEP), self._scene.max_factor - 1)
+            ends = rise * (1 - RISE_STEP), min(rise * (1 + RISE_STEP), self._skin.max_factor - 1)
             own = self._at_nodes(place, rise, here)
             each = [in_cells(self.lattice, own, here)]
             for by_x, by_y in ((step_x, 0.0), (0.0, step_y)):
@@ -98,7 +99,7 @@ class DepthRasterizer:
         wide, high = np.divide(self._sides, 2) + beyond * steps
         box = [[x - wide, x + wide, y - high, y + high]]
         return LatticeApplicators(
-            np.array(box), np.zeros(1), np.array([self._scene.pressed_depth(1 + rise)])
+            np.array(box), np.zeros(1), np.array([self._skin.pressed_depth(1 + rise)])
         )
 
     def window(self, place: Point, rise: float) -> Window:
@@ -124,7 +125,7 @@ class DepthRasterizer:
 
         On a rectangle, touches at the same position relative to their windows share it.
         """
-        if not self._scene.skin.rectangular:
+        if not self._skin.rectangular:
             return found()
         rows, columns = here
         step = np.repeat(self.lattice.steps, 2)
@@ -153,9 +154,9 @@ def enclosing_window(windows: Sequence[Window]) -> Window:
 
 
 def rasterizer_for(
-    scene: Scene, grid: tuple[int, int], touch: TouchSize
+    skin: Skin, pressing: Pressing, grid: tuple[int, int], touch: TouchSize
 ) -> AreaRasterizer | DepthRasterizer:
     """Rasterizer of touches of one size on a grid of rows and columns over a scene."""
-    if scene_spreads_presses(scene.parts.skin, scene.press):
-        return DepthRasterizer(scene, grid, (touch.width, touch.height))
-    return AreaRasterizer.of(scene.skin.length, scene.skin.width, grid)
+    if scene_spreads_presses(skin, pressing):
+        return DepthRasterizer(skin, grid, (touch.width, touch.height))
+    return AreaRasterizer.of(skin.length, skin.width, grid)

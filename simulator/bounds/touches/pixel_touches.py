@@ -25,7 +25,8 @@ from ...models.reduced.indentation.indentation_draws import scene_spreads_presse
 from ...press.batch import PressBatch
 from ...press.parts import parts_of
 from ...press.rasterized import Footprints, rasterized
-from ...scene.scene import Scene
+from ...scene.parts import Skin
+from ...scene.pixel_grid import Pressing
 from ...sweeps import ToleranceError
 from .area_rasterizer import Point
 from .depth_rasterizer import DepthRasterizer, enclosing_window
@@ -46,34 +47,34 @@ class PixelTouches(Protocol):
 
 
 def touches_around_pixels(
-    scene: Scene, grid: tuple[int, int], size: float, strongest: float
+    skin: Skin, pressing: Pressing, grid: tuple[int, int], size: float, strongest: float
 ) -> PixelTouches:
     """Square touches of one size on a grid of cells.
 
     size: of a side, m. grid: rows and columns of cells. strongest: largest rise.
     """
-    if scene_spreads_presses(scene.parts.skin, scene.press):
-        return DepthPixelTouches(scene, grid, size, strongest)
-    return SharpPixelTouches(scene, grid, size)
+    if scene_spreads_presses(skin, pressing):
+        return DepthPixelTouches(skin, grid, size, strongest)
+    return SharpPixelTouches(skin, grid, size)
 
 
 def rasterized_with_fingers(
-    scene: Scene, grid: tuple[int, int], touches: PixelTouches, batch: PressBatch, size: float
+    skin: Skin, grid: tuple[int, int], touches: PixelTouches, batch: PressBatch, size: float
 ) -> PressBatch:
     """Result of `PixelTouches.rasterized` for presses that may have fingers, see `Parts`.
 
     size: of a side, m.
     """
-    foam = parts_of(scene.parts.skin).foam
+    foam = parts_of(skin).foam
     finger = batch.cells >= foam
     on_cells = touches.rasterized(batch.where(~finger))
     if not finger.any():
         return on_cells
     own = batch.where(finger)
     pixel, capacitance = by_touch(own)
-    x, y = np.moveaxis(np.array(middles(scene))[pixel - foam], -1, 0)
+    x, y = np.moveaxis(np.array(middles(skin))[pixel - foam], -1, 0)
     squares = Footprints.rectangles(x, y, size, size, 1.0, capacitance)
-    return with_fingers_at(scene.parts.skin, on_cells, np.diff(own.starts), squares, grid)
+    return with_fingers_at(skin, on_cells, np.diff(own.starts), squares, grid)
 
 
 def by_touch(batch: PressBatch) -> tuple[Integer, Real]:
@@ -86,11 +87,11 @@ def by_touch(batch: PressBatch) -> tuple[Integer, Real]:
     return cells, rises
 
 
-def middles(scene: Scene) -> list[Point]:
+def middles(skin: Skin) -> list[Point]:
     """Middle of the skin of each pixel, m."""
-    if not scene.skin.rectangular:
-        return [(float(x), float(y)) for x, y in pixel_coverage(scene.parts.skin).middle.T]
-    skin, (rows, columns) = scene.skin, scene.pixels.shape
+    if not skin.rectangular:
+        return [(float(x), float(y)) for x, y in pixel_coverage(skin).middle.T]
+    skin, (rows, columns) = skin, skin.pixels.shape
     x, y = (
         (np.arange(count) + 0.5) * side / count
         for side, count in ((skin.length, columns), (skin.width, rows))
@@ -101,16 +102,16 @@ def middles(scene: Scene) -> list[Point]:
 class SharpPixelTouches:
     """Touches that end at their edges; factors of overlapping ones multiply."""
 
-    def __init__(self, scene: Scene, grid: tuple[int, int], size: float) -> None:
-        self._scene, self._grid, self._size = scene, grid, size
-        self._middles = np.array(middles(scene))
+    def __init__(self, skin: Skin, grid: tuple[int, int], size: float) -> None:
+        self._skin, self._grid, self._size = skin, grid, size
+        self._middles = np.array(middles(skin))
 
     def rasterized(self, batch: PressBatch) -> PressBatch:
         """See `PixelTouches`."""
         pixel, rises = by_touch(batch)
         x, y = np.moveaxis(self._middles[pixel], -1, 0)
         squares = Footprints.rectangles(x, y, self._size, self._size, 1 + rises)
-        return rasterized(self._scene.parts.skin, np.diff(batch.starts), squares, self._grid)
+        return rasterized(self._skin, np.diff(batch.starts), squares, self._grid)
 
 
 class _Depths(NamedTuple):
@@ -123,9 +124,9 @@ class _Depths(NamedTuple):
 class DepthPixelTouches:
     """Touches by depth. A press with touches that interact is solved for on its own."""
 
-    def __init__(self, scene: Scene, grid: tuple[int, int], size: float, strongest: float) -> None:
-        self._scene, self._deep = scene, DepthRasterizer(scene, grid, (size, size))
-        self._strongest, self._middles = strongest, middles(scene)
+    def __init__(self, skin: Skin, grid: tuple[int, int], size: float, strongest: float) -> None:
+        self._skin, self._deep = skin, DepthRasterizer(skin, grid, (size, size))
+        self._strongest, self._middles = strongest, middles(skin)
         self._cache: dict[int, _Depths] = {}
 
     def rasterized(self, batch: PressBatch) -> PressBatch:
@@ -134,7 +135,7 @@ class DepthPixelTouches:
         Raises InputError where the foam cannot be pressed so far, and ToleranceError where the
         interpolation between depths does not converge.
         """
-        press, depth = batch.press, self._scene.pressed_depths(1 + batch.rises)
+        press, depth = batch.press, self._skin.pressed_depths(1 + batch.rises)
         rises = np.zeros((batch.count, *self._deep.lattice.grid))
         for pixel in np.unique(batch.cells).tolist():
             own, known = np.flatnonzero(batch.cells == pixel), self._of(pixel)
@@ -171,7 +172,7 @@ class DepthPixelTouches:
 
     def _depth_curve(self, place: Point) -> _Depths:
         """Rises over depth with twice as many nodes as RTOL needs."""
-        here, deepest = self._window(place), self._scene.pressed_depth(1 + self._strongest)
+        here, deepest = self._window(place), self._skin.pressed_depth(1 + self._strongest)
 
         def close(found: Real, truth: Real) -> bool:
             return np.abs(found - truth).max() <= RTOL * max(np.abs(truth).max(), RTOL)
@@ -179,7 +180,7 @@ class DepthPixelTouches:
         rises = refined(lambda depth: self._at(place, here, depth), (0.0, deepest), COUNTS, close)
         if rises is None:
             raise ToleranceError(
-                f"{self._scene.name}: interpolation between {COUNTS[1]} depths up to "
+                f"{self._skin.name}: interpolation between {COUNTS[1]} depths up to "
                 f"{deepest:.4g} m does not reach {RTOL:.1e} for touches by depth"
             )
         return _Depths(here, rises)
@@ -191,5 +192,5 @@ class DepthPixelTouches:
 
     def _at(self, place: Point, here: Window, depth: Real) -> Real:
         """Rises of the cells of a window at depths in m, shape (depth, row, column)."""
-        rise = (self._scene.pressed_factors(depth) - 1).tolist()
+        rise = (self._skin.pressed_factors(depth) - 1).tolist()
         return np.stack([self._deep.rises(place, own, here) for own in rise])

@@ -16,7 +16,7 @@ from ...models.solution import reading_difference
 from ...models.solver import Solver
 from ...press.batch import PressBatch
 from ...press.press import Press
-from ...scene.scene import Scene
+from ...scene.parts import SceneParts
 from ...sweeps.reading_quantities import IMPEDANCE
 
 SAMPLE = 8
@@ -56,7 +56,7 @@ class RasterizationErrors(NamedTuple):
 
 
 def rasterization_errors(
-    scene: Scene,
+    parts: SceneParts,
     lattice: Lattice,
     each: Sequence[LatticeApplicators],
     own: PressBatch,
@@ -68,25 +68,25 @@ def rasterization_errors(
     cells to readings. Raises InputError and ToleranceError as `Solver` does.
     """
     found = impedances(own)
-    cells = error_against_solver(scene, map(as_press, each), found, RTOL)
+    cells = error_against_solver(parts, map(as_press, each), found, RTOL)
     by_triangles = impedances(
-        PressBatch.of(traced(scene.parts.skin, lattice, applied) for applied in each)
+        PressBatch.of(traced(parts.skin, lattice, applied) for applied in each)
     )
-    kind = scene.parts.setup.kind
+    kind = parts.setup.kind
     deflection = float(reading_difference(found, by_triangles, kind).max())
     return RasterizationErrors(SAMPLED * cells, SAMPLED * deflection, kind.with_errors)
 
 
 def error_against_solver(
-    scene: Scene, presses: Iterable[Press], found: Complex, rtol: float
+    parts: SceneParts, presses: Iterable[Press], found: Complex, rtol: float
 ) -> float:
     """Largest relative error of given readings, for some presses.
 
     The reference is the full model, which resolves every edge, at `rtol`. Raises as `Solver` does.
     """
-    solver = Solver(scene.parts, rtol)
+    solver = Solver(parts, rtol)
     exact = np.stack([solver.solve(press).Z for press in presses])
-    return float(reading_difference(found, exact, scene.parts.setup.kind).max())
+    return float(reading_difference(found, exact, parts.setup.kind).max())
 
 
 def sample_indices(count: int) -> list[int]:

@@ -14,12 +14,13 @@ from ...models.effects import EFFECTS
 from ...models.heterogeneous.mesh_choice import single_field
 from ...models.line_slopes import LineModel
 from ...models.network.terminals import reduced_for
-from ...models.parameters import FACTORS, own_values, scene_with
+from ...models.parameters import FACTORS, own_values, parts_with
 from ...models.reduced.forward import Forward
 from ...models.reduced.forward_training import REACH
 from ...models.response import Response
 from ...progress import ProgressCallback, silent
-from ...scene.scene import Scene
+from ...scene.parts import SceneParts, Skin
+from ...scene.readings.setup import Setup
 from ...sweeps import InputError
 
 FAR = 30.0
@@ -34,18 +35,21 @@ are `free`."""
 
 
 def model_of(
-    scene: Scene, rtol: float, progress: ProgressCallback = silent, uneven: FittedModes = NO_MODES
+    parts: SceneParts,
+    rtol: float,
+    progress: ProgressCallback = silent,
+    uneven: FittedModes = NO_MODES,
 ) -> Model:
     """The cheapest model of a scene. rtol: largest relative error of Rs and Cp at the skin.
 
     uneven: cosine modes among its parameters. Modes of the sheets need two fields.
     """
     try:
-        if scene.press.by_factor and uneven == NO_MODES:
-            return LineModel(scene.parts.skin, scene.parts.setup, scene.press)
+        if parts.plan.press.by_factor and uneven == NO_MODES:
+            return LineModel(parts.skin, parts.setup, parts.plan.press)
     except InputError:
         pass
-    return Forward(scene.parts, rtol=rtol, progress=progress, train=reduced_for, modes=uneven.modes)
+    return Forward(parts, rtol=rtol, progress=progress, train=reduced_for, modes=uneven.modes)
 
 
 class CenteredModel:
@@ -107,35 +111,34 @@ class CenteredModel:
 
 
 def centered_model(
-    scene: Scene,
+    parts: SceneParts,
     values: Mapping[str, float],
     rtol: float,
     progress: ProgressCallback = silent,
     uneven: FittedModes = NO_MODES,
 ) -> CenteredModel:
     """The scene's model around parameter values. uneven: see `model_of`."""
-    center = {name: values.get(name, 0.0) for name in trainable_factors(scene)}
+    center = {name: values.get(name, 0.0) for name in trainable_factors(parts.skin, parts.setup)}
     return CenteredModel(
-        model_of(scene_with(scene, center), rtol, progress, uneven), center, uneven
+        model_of(parts_with(parts, center).parts, rtol, progress, uneven), center, uneven
     )
 
 
-def trainable_factors(scene: Scene) -> list[str]:
+def trainable_factors(skin: Skin, setup: Setup) -> list[str]:
     """Factors that a model may be trained around.
 
     The mismatch of two sheets that one field describes is none: it would make the field two.
     """
-    single = single_field(scene.parts.skin, scene.parts.setup) is not None
-    factors = [name for name in own_values(scene.parts.skin, scene.parts.setup) if name in FACTORS]
+    single = single_field(skin, setup) is not None
+    factors = [name for name in own_values(skin, setup) if name in FACTORS]
     return [name for name in factors if not (single and name == "sheet_mismatch")]
 
 
-def checked_model(model: Model, scene: Scene, uneven: FittedModes = NO_MODES) -> Model:
+def checked_model(model: Model, skin: Skin, setup: Setup, uneven: FittedModes = NO_MODES) -> Model:
     """Returns the model if it has a scene's pixels, interfaces, frequencies and surroundings.
 
     It must also have the cosine modes of `uneven`. Raises InputError where it does not fit.
     """
-    skin, setup = scene.parts.skin, scene.parts.setup
     for name, same in (
         ("sweep", np.array_equal(model.setup.frequency, setup.frequency)),
         ("interfaces", model.setup.interfaces == setup.interfaces),

@@ -7,7 +7,7 @@ where its certified error is not small compared with the meter's error.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -17,10 +17,10 @@ from ...arrays import Real
 from ...fem.matrices.factors import one_blas_thread
 from ...models.cosine_modes.foam_modes import with_foam_modes
 from ...models.cosine_modes.sheet_modes import with_sheet_modes
-from ...models.parameters import scene_with
+from ...models.parameters import parts_with
 from ...progress import ProgressCallback, silent
+from ...scene.parts import SceneParts
 from ...scene.readout.meter import Readout
-from ...scene.scene import Scene
 from ...sweeps import InputError
 from .centered_model import CenteredModel, centered_model, trainable_factors
 from .fit_spec import FitSpec
@@ -96,15 +96,17 @@ class Fit:
         """Rms error of Z or gain relative to its magnitude, without the meter's fixed errors."""
         measured = np.stack([reading.Z for reading in self.spec.measurements.sweeps])
         fitted = self.problem.fitted(self.u)
-        if self.spec.measurements.parts == 1:
+        if self.spec.measurements.per_reading == 1:
             fitted = np.abs(fitted)
         error = np.abs(fitted / measured - 1)
         return float(np.sqrt(np.mean(error[:, self.spec.measurements.read] ** 2)))
 
 
-def fitted_scene(scene: Scene, values: Mapping[str, float]) -> Scene:
-    """The scene with the fitted parameters, and with the cosine modes as maps."""
-    return with_sheet_modes(with_foam_modes(scene_with(scene, values), values), values)
+def fitted_parts(parts: SceneParts, values: Mapping[str, float]) -> SceneParts:
+    """The parts with the fitted parameters, and with the cosine modes as maps."""
+    found = parts_with(parts, values)
+    skin = with_sheet_modes(with_foam_modes(found.skin, values), values)
+    return replace(found, skin=skin)
 
 
 def model_tolerance(readout: Readout) -> float:
@@ -136,11 +138,9 @@ def best_fit(
             begin = fit.values
             progress(_retraining_reason(fit, certificate))
             rtol = model_tolerance(spec.readout)
-            model = centered_model(spec.measurements.scene, begin, rtol, progress, model.uneven)
-    raise InputError(
-        f"{spec.measurements.scene.name} differs too much from the measured skin: the fit does not "
-        "converge"
-    )
+            model = centered_model(spec.measurements.parts, begin, rtol, progress, model.uneven)
+    name = spec.measurements.parts.skin.name
+    raise InputError(f"{name} differs too much from the measured skin: the fit does not converge")
 
 
 def best_of_starts(
@@ -214,7 +214,9 @@ def at_reach_limit(fit: Fit) -> list[str]:
     model = fit.problem.model
     return [
         name
-        for name in trainable_factors(fit.spec.measurements.scene)
+        for name in trainable_factors(
+            fit.spec.measurements.parts.skin, fit.spec.measurements.parts.setup
+        )
         if name in fit.spec.names
         and abs(fit.values[name] - model.center[name]) > model.reach(name) - EDGE
     ]

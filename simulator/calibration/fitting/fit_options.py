@@ -56,7 +56,7 @@ def candidates(
         raise InputError("every parameter is fixed: there is nothing to fit")
     in_series = (
         "sheet_resistance" in unknown
-        and single_field(measured.scene.parts.skin, measured.scene.parts.setup) is not None
+        and single_field(measured.parts.skin, measured.parts.setup) is not None
     )
     chosen = fit or [name for name in unknown if not (name == "sheet_mismatch" and in_series)]
     return Candidates(

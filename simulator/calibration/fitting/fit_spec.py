@@ -58,7 +58,7 @@ class FitSpec:
     @property
     def absolute_touches(self) -> bool:
         """True if a touch adds a capacitance that does not change with that of the skin."""
-        return self.measurements.scene.press.adds is not None
+        return self.measurements.parts.plan.press.adds is not None
 
     def share_of_rises(self, u: Real) -> float:
         """Rises over those that the same touches make in the scene as it is stated."""
@@ -81,15 +81,15 @@ class FitSpec:
         Each has shape (sweep, reading).
         """
         Z = np.stack([reading.Z for reading in self.measurements.sweeps])
-        both = self.readout.accuracy(Z, self.measurements.scene.frequencies)
-        flat = both.reshape(2, len(Z), -1)[: self.measurements.parts]
+        both = self.readout.accuracy(Z, self.measurements.parts.setup.frequency)
+        flat = both.reshape(2, len(Z), -1)[: self.measurements.per_reading]
         return {half: spread for half, spread in enumerate(flat) if spread.max() > 0}
 
     @cached_property
     def spreads(self) -> list[list[float]]:
         """Standard deviations of the unknown rises, for each touch of each sweep."""
-        scene = self.measurements.scene
-        relative = scene.press.factor_spread
+        scene = self.measurements.parts
+        relative = scene.plan.press.factor_spread
         if not (self.strengths and relative > 0):
             return [[] for _ in self.measurements.sweeps]
         pressed = [reading.press.touches for reading in self.measurements.sweeps]
@@ -105,9 +105,9 @@ def deviation_of(spec: FitSpec, reading: SessionSweep) -> Real:
     The noise is that of the measured Z. Infinite where nothing was read, for phases that are not
     known, or where the meter's range is unknown: such a number has no weight.
     """
-    used, f = spec.measurements.read & reading.known, spec.measurements.scene.frequencies
+    used, f = spec.measurements.read & reading.known, spec.measurements.parts.setup.frequency
     own = ErrorModel(
         spec.readout, np.ones_like(used), reading.averaged, reading=reading.Z, frequency=f
     ).deviation
-    known = np.stack([used, used & (spec.measurements.parts == 2)])
+    known = np.stack([used, used & (spec.measurements.per_reading == 2)])
     return np.where(known.ravel(), own, np.inf)

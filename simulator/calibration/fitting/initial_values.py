@@ -9,7 +9,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...models.line_slopes import LineModel
-from ...scene.scene import Scene
+from ...scene.parts import Skin
 from .fit_spec import FitSpec
 from .measurements import Measurements
 from .problem import LeastSquaresProblem
@@ -33,7 +33,7 @@ def initial_values(problem: LeastSquaresProblem) -> list[dict[str, float]]:
     """
     spec, model = problem.spec, problem.model
     own = spec.values(spec.unknowns({n: p.center for n, p in spec.fitted.items()}))
-    if isinstance(model.model, LineModel) and not spec.measurements.scene.parts.setup.gain:
+    if isinstance(model.model, LineModel) and not spec.measurements.parts.setup.gain:
         return [own, *({**own, **_fitted_only(spec, each)} for each in _of_line(spec))]
     begin = own | {name: at for name, at in model.center.items() if name in spec.fitted}
     if _misfit(problem, begin) < NEAR * spec.measurements.numbers:
@@ -64,16 +64,15 @@ def _misfit(problem: LeastSquaresProblem, values: Mapping[str, float]) -> float:
 def capacitance_offset(measured: Measurements) -> float:
     """Logarithm of the capacitance at the lowest frequency over the scene's; 0 where near."""
     frequency, Z = measured.first
-    if measured.scene.parts.setup.gain or Z.imag[0] >= 0:
+    if measured.parts.setup.gain or Z.imag[0] >= 0:
         return 0.0
     shown = -1 / (2 * np.pi * frequency[0] * Z.imag[0])
-    offset = math.log(shown / total_capacitance(measured.scene))
+    offset = math.log(shown / total_capacitance(measured.parts.skin))
     return offset if abs(offset) > FAR else 0.0
 
 
-def total_capacitance(scene: Scene) -> float:
+def total_capacitance(skin: Skin) -> float:
     """Capacitance of the unpressed skin, F."""
-    skin = scene.skin
     return skin.foam.unpressed_capacitance_per_area * skin.length * skin.width
 
 
@@ -83,10 +82,10 @@ def _fitted_only(spec: FitSpec, values: Mapping[str, float]) -> dict[str, float]
 
 def _of_line(spec: FitSpec) -> list[dict[str, float]]:
     """Initial values of a line, with shares of the resistance from little to all of it."""
-    scene, (frequency, Z) = spec.measurements.scene, spec.measurements.first
+    scene, (frequency, Z) = spec.measurements.parts, spec.measurements.first
     omega = 2 * np.pi * frequency
     total, floor = float(Z.real.max()), float(np.abs(Z.real).min())
-    skin, edge = scene.skin, scene.contacts[0].edge
+    skin, edge = scene.skin, scene.skin.contacts[0].edge
     squares = skin.length / skin.width if edge in ("left", "right") else skin.width / skin.length
     sheets = skin.both_sheets * squares
     shown = abs(1 / (omega[0] * Z.imag[0]))
@@ -94,7 +93,7 @@ def _of_line(spec: FitSpec) -> list[dict[str, float]]:
     return [
         {
             "sheet_resistance": math.log(LOW_FREQUENCY * share * total / sheets),
-            "capacitance": math.log(shown / total_capacitance(scene)),
+            "capacitance": math.log(shown / total_capacitance(scene.parts.skin)),
             "lead_resistance": floor / 2,
             "lead_inductance": float(inductance),
             "phase_exponent": exponent,

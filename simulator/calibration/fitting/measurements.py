@@ -22,9 +22,10 @@ from ...press.press import (
     strength_of,
 )
 from ...press.touch import Touch, place_of
-from ...scene.readings.changed_readings import restricted_to_interfaces, with_frequencies
+from ...scene.parts import SceneParts, Skin
+from ...scene.pixel_grid import Pressing
+from ...scene.readings.setup import Setup
 from ...scene.readout.readout_errors import ReadoutErrors
-from ...scene.scene import Scene
 from ...sweeps import InputError
 from ...sweeps.inputs import objects
 from ...sweeps.press_text import displayed_press
@@ -70,28 +71,30 @@ class SessionSweep:
 class Measurements:
     """Measured sweeps of a scene.
 
-    scene: the scene at the interfaces and frequencies of the sweeps. left_out: one line for each
+    parts: of the scene, with the setup of the sweeps. left_out: one line for each
     reason why presses could not be used.
     """
 
-    scene: Scene
+    parts: SceneParts
     sweeps: tuple[SessionSweep, ...]
     left_out: tuple[str, ...] = ()
 
     @cached_property
     def read(self) -> Mask:
         """True where an interface was read at a frequency, shape (interface, frequency)."""
-        return self.scene.parts.setup.read
+        return self.parts.setup.read
 
     @property
-    def parts(self) -> int:
+    def per_reading(self) -> int:
         """Numbers of a reading: magnitude and phase, or the magnitude alone."""
-        return 1 if self.scene.parts.setup.kind is MAGNITUDE else 2
+        return 1 if self.parts.setup.kind is MAGNITUDE else 2
 
     @cached_property
     def numbers(self) -> int:
         """Number of measured values of all readings that are used."""
-        return self.parts * sum(int((self.read & reading.known).sum()) for reading in self.sweeps)
+        return self.per_reading * sum(
+            int((self.read & reading.known).sum()) for reading in self.sweeps
+        )
 
     @cached_property
     def fixed(self) -> int:
@@ -101,7 +104,7 @@ class Measurements:
     @cached_property
     def first(self) -> tuple[Real, Complex]:
         """Frequencies in Hz and Z in ohm of the first sweep at the first interface."""
-        return self.scene.frequencies[self.read[0]], self.sweeps[0].Z[0, self.read[0]]
+        return self.parts.setup.frequency[self.read[0]], self.sweeps[0].Z[0, self.read[0]]
 
     @cached_property
     def sessions(self) -> list[int]:
@@ -110,7 +113,7 @@ class Measurements:
 
 
 def measurements_of(
-    scene: Scene,
+    parts: SceneParts,
     sweeps: xr.Dataset,
     band: tuple[float, float] | None = None,
     session: int | None = None,
@@ -127,14 +130,14 @@ def measurements_of(
     if band is not None:
         sweeps = _within(sweeps, band)
     sweeps = restricted(sweeps, read_mask(sweeps))
-    sweeps = with_named_interface(sweeps, [each.name for each in scene.interfaces])
-    bare = _as_measured(scene, sweeps)
-    presses, left_out = _presses(bare, list(sweeps["press"].values))
+    sweeps = with_named_interface(sweeps, parts.setup.names)
+    bare = parts.read(_as_measured(parts.setup, parts.skin.name, sweeps))
+    presses, left_out = _presses(bare.parts.skin, bare.plan.press, list(sweeps["press"].values))
     sessions = [int(each) for each in sweeps["session"].values]
     Z = complex_readings(sweeps)
-    known = Z if bare.taken is None else np.where(bare.taken, Z, 1.0)
-    settings = None if bare.parts.setup.gain else sweeps.attrs.get("settings")
-    fixed = _fixed(known, bare.frequencies, settings, scene.readout)
+    known = np.where(bare.setup.read, Z, 1.0)
+    settings = None if bare.setup.gain else sweeps.attrs.get("settings")
+    fixed = _fixed(known, bare.setup.frequency, settings, parts.meter.readout)
     readings = tuple(_readings(known, fixed, presses, sessions))
     if not readings:
         raise InputError(f"no sweep can be used: {'; '.join(left_out) or 'the file has none'}")
@@ -160,52 +163,54 @@ def _within(sweeps: xr.Dataset, band: tuple[float, float]) -> xr.Dataset:
     return sweeps.isel(frequency=inside)
 
 
-def _as_measured(scene: Scene, sweeps: xr.Dataset) -> Scene:
-    """The scene at the interfaces and frequencies of the sweeps."""
-    interfaces = {interface.name: interface for interface in scene.interfaces}
-    names = [str(name) for name in sweeps["interface"].values]
-    for name in names:
-        if name not in interfaces:
+def _as_measured(setup: Setup, name: str, sweeps: xr.Dataset) -> Setup:
+    """The setup at the interfaces and frequencies of the sweeps. name: of the scene."""
+    names = [str(each) for each in sweeps["interface"].values]
+    for each in names:
+        if each not in setup.names:
             raise InputError(
-                f"the sweeps were measured at interface {name!r}; "
-                f"{scene.name} has {', '.join(interfaces)}"
+                f"the sweeps were measured at interface {each!r}; "
+                f"{name} has {', '.join(setup.names)}"
             )
-    chosen = restricted_to_interfaces(_read_as(scene, sweeps), names)
-    return with_frequencies(chosen, sweeps["frequency"].values.tolist(), taken_of(sweeps))
+    chosen = _read_as(setup, name, sweeps).of(names)
+    return chosen.taking(sweeps["frequency"].values, taken_of(sweeps))
 
 
-def _read_as(scene: Scene, sweeps: xr.Dataset) -> Scene:
-    """The scene, with readers of magnitudes alone where the sweeps have no phases."""
-    kind, own = kind_of(sweeps.variables), scene.parts.setup.kind
+def _read_as(setup: Setup, name: str, sweeps: xr.Dataset) -> Setup:
+    """The setup, with readers of magnitudes alone where the sweeps have no phases."""
+    kind, own = kind_of(sweeps.variables), setup.kind
     if kind is own:
-        return scene
+        return setup
     if IMPEDANCE in (kind, own):
         raise InputError(
-            f"every reading of the sweeps is the {kind.name}; {scene.name} reads the {own.name}: "
+            f"every reading of the sweeps is the {kind.name}; {name} reads the {own.name}: "
             'set `reader` of each [[interface]] to "gain" or "impedance"'
         )
     update = {"magnitude_only": kind is MAGNITUDE}
-    every = tuple(each.model_copy(update=update) for each in scene.interfaces)
-    return scene.model_copy(update={"interfaces": every})
+    return replace(
+        setup, interfaces=tuple(each.model_copy(update=update) for each in setup.interfaces)
+    )
 
 
-def _presses(scene: Scene, texts: Sequence[str]) -> tuple[list[Press | None], tuple[str, ...]]:
+def _presses(
+    skin: Skin, pressing: Pressing, texts: Sequence[str]
+) -> tuple[list[Press | None], tuple[str, ...]]:
     """Each press, None for those left out, and the reasons for leaving them out."""
     presses: list[Press | None] = []
     remarks: dict[str, None] = {}
     left_out: dict[str, dict[str, None]] = {}
     for text in map(str, texts):
         try:
-            press, rods = _recorded(scene, text)
-            press = press_by_depths(scene.parts.skin, press)
+            press, rods = _recorded(skin, pressing, text)
+            press = press_by_depths(skin, press)
             for touch in press.touches:
-                pressed_factor(scene.parts.skin, touch)
+                pressed_factor(skin, touch)
         except InputError as reason:
             presses.append(None)
             remarks[str(reason)] = None
             continue
         remarks |= dict.fromkeys(rods)
-        reason = _not_fitted(scene, press)
+        reason = _not_fitted(skin, pressing, press)
         if reason:
             left_out.setdefault(reason, {})[displayed_press(text)] = None
         presses.append(None if reason else press)
@@ -219,23 +224,23 @@ def _named(presses: Sequence[str]) -> str:
     return f"{len(presses)} presses, {', '.join(presses[:NAMED])} ..."
 
 
-def _recorded(scene: Scene, text: str) -> tuple[Press, list[str]]:
+def _recorded(skin: Skin, pressing: Pressing, text: str) -> tuple[Press, list[str]]:
     """The press, without its fingers where the scene has no earth, and a remark on that."""
-    if scene.surroundings is not None:
-        return press_on(scene.parts.skin, scene.press, text), []
-    press = parse_press(text, strength_of(scene.press), scene.parts.skin, scene.press)
+    if skin.around is not None:
+        return press_on(skin, pressing, text), []
+    press = parse_press(text, strength_of(pressing), skin, pressing)
     rods = Press(tuple(replace(touch, finger=0.0) for touch in press.touches))
-    remark = f"fingers of presses, because {scene.name} has no [surroundings]"
-    return check_press(rods, scene.parts.skin), [remark] if press.fingers else []
+    remark = f"fingers of presses, because {skin.name} has no [surroundings]"
+    return check_press(rods, skin), [remark] if press.fingers else []
 
 
-def _not_fitted(scene: Scene, press: Press) -> str | None:
+def _not_fitted(skin: Skin, pressing: Pressing, press: Press) -> str | None:
     """Why a press cannot be fitted to the scene."""
     if not all(isinstance(place_of(touch), Touch) for touch in press.touches):
         return "only whole pixels can be fitted"
-    if bool(press.touches) and bool(press.indented) == scene.press.by_factor:
-        kind = "capacitance factors" if scene.press.by_factor else "depths"
-        return f"only {kind} can be fitted to {scene.name}"
+    if bool(press.touches) and bool(press.indented) == pressing.by_factor:
+        kind = "capacitance factors" if pressing.by_factor else "depths"
+        return f"only {kind} can be fitted to {skin.name}"
     return None
 
 

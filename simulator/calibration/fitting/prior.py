@@ -14,9 +14,10 @@ from ...models.effects import effects_of
 from ...models.parameters import COSINE_MODES, FACTORS, FOAM_MODES, SHEET_MODES, own_values
 from ...models.reader_parameters import READER, SOURCE, reader_values, smallest_load_capacitance
 from ...models.session_spreads import SessionSpread, session_spreads
+from ...scene.parts import Plan
 from ...scene.ranges import MAX_INDUCTANCE
+from ...scene.readings.setup import Setup
 from ...scene.readout.meter import Readout
-from ...scene.scene import Scene
 from ...sweeps import InputError
 from .measurements import Measurements
 
@@ -61,16 +62,14 @@ def priors(
     uneven: the cosine modes among them. also: names that are unknown although no distribution of
     the scene draws them. With wide priors, those of EFFECTS and the source of gains are, too.
     """
-    own = own_values(measured.scene.parts.skin, measured.scene.parts.setup) | dict.fromkeys(
-        COSINE_MODES, 0.0
-    )
-    spreads = wide(measured) if kind == "wide" else session_spreads(measured.scene.parts)
-    if measured.scene.skin.one_conductor:
+    own = own_values(measured.parts.skin, measured.parts.setup) | dict.fromkeys(COSINE_MODES, 0.0)
+    spreads = wide(measured) if kind == "wide" else session_spreads(measured.parts)
+    if measured.parts.skin.one_conductor:
         spreads = {name: own for name, own in spreads.items() if name != "sheet_mismatch"}
     if kind == "wide":
-        source = (SOURCE,) if measured.scene.parts.setup.gain else ()
-        also = (*effects_of(measured.scene.parts.skin), *source, *also)
-    modes = mode_deviations(measured.scene, kind)
+        source = (SOURCE,) if measured.parts.setup.gain else ()
+        also = (*effects_of(measured.parts.skin), *source, *also)
+    modes = mode_deviations(measured.parts.plan, kind)
     spreads = spreads | {name: SessionSpread(0.0, modes[name]) for name in uneven.names}
     found = {
         name: Prior(own[name] + shift, deviation, *limits(name))
@@ -88,10 +87,10 @@ def effect_prior(measured: Measurements, name: str) -> Prior:
     The capacitance of no touch to earth is below 0, so the smallest stated one is the limit.
     """
     if name == "leak":
-        f = measured.scene.frequencies
+        f = measured.parts.setup.frequency
         return Prior(0.0, 2 * math.pi * math.sqrt(f[0] * f[-1]), 0.0)
     if name in READER:
-        return _reader_prior(measured.scene, name)
+        return _reader_prior(measured.parts.setup, name)
     if name != "finger":
         return Prior(0.0, WIDE, *limits(name))
     touches = [touch for reading in measured.sweeps for touch in reading.press.touches]
@@ -99,32 +98,32 @@ def effect_prior(measured: Measurements, name: str) -> Prior:
     return Prior(0.0, FINGER, -lowest)
 
 
-def _reader_prior(scene: Scene, name: str) -> Prior:
+def _reader_prior(setup: Setup, name: str) -> Prior:
     """Prior of a parameter of the readers: as wide as source and resistor themselves, and as what
     the resistor shows of inputs."""
-    own, f = reader_values(scene.parts.setup), scene.frequencies
+    own, f = reader_values(setup), setup.frequency
     R = own["series_resistance"]
     if name in (SOURCE, "series_resistance"):
         return Prior(own[name], own[name], MIN_SHARE * own[name])
     if name == "load_capacitance":
         deviation = 1 / (2 * math.pi * math.sqrt(f[0] * f[-1]) * R)
-        return Prior(own[name], deviation, smallest_load_capacitance(scene.parts.setup))
+        return Prior(own[name], deviation, smallest_load_capacitance(setup))
     return Prior(own[name], 1 / R, 0.0)
 
 
-def mode_deviations(scene: Scene, kind: Kind) -> dict[str, float]:
+def mode_deviations(plan: Plan, kind: Kind) -> dict[str, float]:
     """Standard deviation of each cosine mode, as sessions draw them where they do."""
-    drawn = scene.dataset.session
+    drawn = plan.draws.session
     foam, sheets = MODE_DEVIATION, MODE_DEVIATION
     if kind == "session":
-        foam = drawn.foam_spread if sessions_vary_smoothly(scene) else MODE_DEVIATION
+        foam = drawn.foam_spread if sessions_vary_smoothly(plan) else MODE_DEVIATION
         sheets = drawn.unevenness or MODE_DEVIATION
     return dict.fromkeys(FOAM_MODES, foam) | dict.fromkeys(SHEET_MODES, sheets)
 
 
-def sessions_vary_smoothly(scene: Scene) -> bool:
+def sessions_vary_smoothly(plan: Plan) -> bool:
     """True if sessions of a scene differ by cosine modes of the foam."""
-    session = scene.dataset.session
+    session = plan.draws.session
     return session.foam_pattern == "smooth" and session.foam_spread > 0
 
 
@@ -140,10 +139,10 @@ def limits(name: str) -> tuple[float, float]:
 
 def wide(measured: Measurements) -> dict[str, SessionSpread]:
     """Wide priors: spreads far larger than sessions have."""
-    omega = 2 * np.pi * measured.scene.frequencies
+    omega = 2 * np.pi * measured.parts.setup.frequency
     size = np.abs([reading.Z for reading in measured.sweeps])
-    if measured.scene.parts.setup.gain:
-        size = np.stack([np.full(size.shape[1:], _series_resistance(measured.scene))])
+    if measured.parts.setup.gain:
+        size = np.stack([np.full(size.shape[1:], _series_resistance(measured.parts.setup))])
     lowest = np.where(measured.read, size, np.inf).min(axis=(0, 1))
     highest = np.where(measured.read, size, 0.0).max(axis=(0, 1))
     deviations = {
@@ -160,9 +159,9 @@ def wide(measured: Measurements) -> dict[str, SessionSpread]:
     return {name: SessionSpread(0.0, deviation) for name, deviation in deviations.items()}
 
 
-def _series_resistance(scene: Scene) -> float:
+def _series_resistance(setup: Setup) -> float:
     """Mean resistance between a source and its node, ohm."""
-    return float(np.mean([each.series_resistance or 0.0 for each in scene.interfaces]))
+    return float(np.mean([each.series_resistance or 0.0 for each in setup.interfaces]))
 
 
 MIN_FREEDOM = 10
@@ -192,7 +191,7 @@ class Noise:
 
 def noise_of(measured: Measurements) -> Noise:
     """Noise from the scene's readout, else from repeated baseline sweeps, else a first guess."""
-    readout = measured.scene.readout
+    readout = measured.parts.meter.readout
     if readout.noisy:
         return Noise(readout, "the scene's readout")
     repeated = [each for each in measured.sweeps if each.deviation is not None]
@@ -202,7 +201,7 @@ def noise_of(measured: Measurements) -> Noise:
         return Noise(with_noise(readout, FIRST_GUESS, FIRST_GUESS), "a guess", guessed=True)
     squares = sum((each.averaged - 1) * _squares(each.deviation) for each in repeated)
     magnitude, phase = np.sqrt(squares / freedom)
-    phase = phase if measured.parts == 2 else magnitude
+    phase = phase if measured.per_reading == 2 else magnitude
     sweeps = sum(each.averaged for each in repeated)
     source = f"{sweeps} sweeps of the unpressed skin"
     return Noise(with_noise(readout, float(magnitude), float(phase)), source, freedom)

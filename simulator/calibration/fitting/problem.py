@@ -92,7 +92,7 @@ class LeastSquaresProblem:
             low[k], high[k] = (np.array(limits) - prior.center) / prior.deviation
         rises, spreads = self._all_rises()
         of_touches = slice(len(self.spec.fitted), len(self.spec.fitted) + len(rises))
-        lowest = MIN_RISE if self.spec.measurements.scene.press.by_factor else 0.0
+        lowest = MIN_RISE if self.spec.measurements.parts.plan.press.by_factor else 0.0
         low[of_touches] = np.minimum((lowest - rises) / spreads, -1e-3)
         return low, high
 
@@ -105,9 +105,7 @@ class LeastSquaresProblem:
 
     def strengths(self, u: Real, k: int) -> Real:
         """Rises of c under the touches of one sweep."""
-        return self.rises(u, k)[
-            self.cells[k][0] < foam_parts(self.spec.measurements.scene.parts.skin)
-        ]
+        return self.rises(u, k)[self.cells[k][0] < foam_parts(self.spec.measurements.parts.skin)]
 
     def whitened(self, change: Complex) -> Real:
         """Changes of ln |Z| and of phase over the noise, shape (sweep, 2 * readings).

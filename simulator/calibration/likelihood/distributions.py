@@ -8,7 +8,8 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from ...arrays import Real
-from ...scene.scene import Scene
+from ...scene.parts import Skin
+from ...scene.readings.setup import Setup
 from ..fitting.fit import Fit
 from ..results.identifiability import Information
 from ..results.sheet_intervals import COMMON, MISMATCH, RATIO, SUM, Product, depend_on_ratio, sheets
@@ -25,12 +26,14 @@ class Distributions:
     describes, because that ratio keeps its prior.
     """
 
-    def __init__(self, scene: Scene, fit: Fit, information: Information, width: float) -> None:
+    def __init__(
+        self, skin: Skin, setup: Setup, fit: Fit, information: Information, width: float
+    ) -> None:
         """fit, information: with all unknown parameters. width: half of a linear interval over its
         standard deviation."""
-        self._scene, self._fit = scene, fit
+        self._skin, self._setup, self._fit = skin, setup, fit
         self._profile = Profile(fit, information.scale, width)
-        normal = (MISMATCH, RATIO) if depend_on_ratio(scene, information) else ()
+        normal = (MISMATCH, RATIO) if depend_on_ratio(skin, setup, information) else ()
         self._known: dict[str, ProfileDistribution | None] = dict.fromkeys(normal)
 
     def of_parameter(self, name: str) -> ProfileDistribution | None:
@@ -80,10 +83,12 @@ class Distributions:
 
     def _sum(self) -> ProfiledQuantity:
         """The logarithm of the resistance of both sheets in series."""
-        spec, scene = self._fit.spec, self._scene
+        spec = self._fit.spec
 
         def read(u: Real) -> tuple[float, Real]:
-            both = next(each for each in sheets(scene, spec.values(u)) if each.name == SUM)
+            both = next(
+                each for each in sheets(self._skin, self._setup, spec.values(u)) if each.name == SUM
+            )
             slopes = np.zeros(len(u))
             for k, (name, prior) in enumerate(spec.fitted.items()):
                 slopes[k] = both.slopes.get(name, 0.0) * prior.deviation

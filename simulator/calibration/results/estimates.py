@@ -11,7 +11,8 @@ import numpy as np
 from ...arrays import Real
 from ...models.parameters import COSINE_MODES, FACTORS, VALUES, own_values
 from ...progress import ProgressCallback, silent, tracked
-from ...scene.scene import Scene
+from ...scene.parts import Skin
+from ...scene.readings.setup import Setup
 from ..fitting.fit import Fit
 from ..likelihood.distributions import Distributions
 from ..likelihood.profile_distribution import CONFIDENCE, cut_normal
@@ -80,7 +81,8 @@ def quantile(freedom: float) -> float:
 
 
 def intervals(
-    scene: Scene,
+    skin: Skin,
+    setup: Setup,
     fit: Fit,
     information: Information,
     freedom: float,
@@ -93,13 +95,13 @@ def intervals(
     likelihoods that are not normal; without them all intervals are linear.
     """
     width = quantile(freedom)
-    hanging = depend_on_ratio(scene, information)
+    hanging = depend_on_ratio(skin, setup, information)
     found = {}
     each = list(zip(fit.spec.fitted.items(), information.deviation, strict=True))
     for (name, prior), own in tracked(each, "computing intervals", progress):
         value, deviation = fit.values[name], prior.deviation * float(own)
         if hanging and name == COMMON:
-            found[name] = _series(scene, fit, information, width, distributions)[COMMON]
+            found[name] = _series(skin, setup, fit, information, width, distributions)[COMMON]
         elif distributions and (distribution := distributions.of_parameter(name)):
             found[name] = _with_value(value, distribution.interval(width))
         else:
@@ -108,18 +110,19 @@ def intervals(
 
 
 def _series(
-    scene: Scene,
+    skin: Skin,
+    setup: Setup,
     fit: Fit,
     information: Information,
     width: float,
     distributions: Distributions | None,
 ) -> dict[str, Interval]:
-    distribution = distributions.of_product(_sum(scene, fit)) if distributions else None
-    return series_intervals(scene, fit, information, width, distribution)
+    distribution = distributions.of_product(_sum(skin, setup, fit)) if distributions else None
+    return series_intervals(skin, setup, fit, information, width, distribution)
 
 
-def _sum(scene: Scene, fit: Fit) -> Product:
-    return next(each for each in sheets(scene, fit.values) if each.name == SUM)
+def _sum(skin: Skin, setup: Setup, fit: Fit) -> Product:
+    return next(each for each in sheets(skin, setup, fit.values) if each.name == SUM)
 
 
 def _with_value(value: float, interval: Interval) -> Interval:
@@ -128,7 +131,8 @@ def _with_value(value: float, interval: Interval) -> Interval:
 
 
 def quantities(
-    scene: Scene,
+    skin: Skin,
+    setup: Setup,
     fit: Fit,
     information: Information,
     freedom: float,
@@ -139,15 +143,15 @@ def quantities(
 
     fit, information, distributions: see `intervals`. fitted: names of parameters.
     """
-    own = intervals(scene, fit, information, freedom, distributions)
-    start = own_values(scene.parts.skin, scene.parts.setup) | dict.fromkeys(COSINE_MODES, 0.0)
+    own = intervals(skin, setup, fit, information, freedom, distributions)
+    start = own_values(skin, setup) | dict.fromkeys(COSINE_MODES, 0.0)
     identified = information.identified
-    hanging = depend_on_ratio(scene, information)
+    hanging = depend_on_ratio(skin, setup, information)
     width = quantile(freedom)
-    series = _series(scene, fit, information, width, distributions) if hanging else {}
+    series = _series(skin, setup, fit, information, width, distributions) if hanging else {}
     factors = [
         _factor(each, fit, information, width, series.get(each.name), distributions)
-        for each in products(scene, fit.values)
+        for each in products(skin, setup, fit.values)
         if {*fitted, MISMATCH} & set(information.names) & set(each.slopes)
     ]
     values = [
@@ -159,7 +163,7 @@ def quantities(
     ]
     sums = [
         _sum_of_modes(pair, fit, information, width)
-        for pair in series_pairs(scene, fit.values, fitted)
+        for pair in series_pairs(skin, setup, fit.values, fitted)
         if pair.name
     ]
     return (*factors, *values, *sums)
@@ -212,20 +216,20 @@ def change_text(name: str, step: float) -> str:
     return f"{name} {step:+.3g} {UNITS[name]}".strip()
 
 
-def weakly_identified(scene: Scene, fit: Fit, information: Information) -> list[str]:
+def weakly_identified(skin: Skin, setup: Setup, fit: Fit, information: Information) -> list[str]:
     """One line for every combination of parameters that the data barely identify."""
-    pairs = _unresolved_pairs(scene, fit, information)
+    pairs = _unresolved_pairs(skin, setup, fit, information)
     lines = [_in_series(pair) for pair, _ in pairs]
     weak = information.weak_directions([direction for _, direction in pairs])
     return lines + [_direction(fit, information, each) for each in weak]
 
 
 def _unresolved_pairs(
-    scene: Scene, fit: Fit, information: Information
+    skin: Skin, setup: Setup, fit: Fit, information: Information
 ) -> list[tuple[SeriesPair, Real]]:
     """Pairs of which only the sum is measured, and the unit direction of each in deviations."""
     found = []
-    for pair in series_pairs(scene, fit.values, information.names):
+    for pair in series_pairs(skin, setup, fit.values, information.names):
         first, second = (information.names.index(name) for name in (pair.first, pair.second))
         direction = information.weakest(first, second)
         named = pair.second == MISMATCH or not information.without_effect[[first, second]].all()

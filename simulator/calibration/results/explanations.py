@@ -23,7 +23,7 @@ WIDENED = 1.2
 def explanations(calibration: Calibration) -> list[str]:
     """Remarks on the fit, a line each."""
     spec = calibration.fit.spec
-    readings = "gains" if spec.measurements.scene.parts.setup.gain else "Z"
+    readings = "gains" if spec.measurements.parts.setup.gain else "Z"
     lines = [
         f"chi-squared per degree of freedom {calibration.chi_squared:.3g}"
         f"{' by construction' if calibration.noise.guessed else ''}; "
@@ -47,14 +47,14 @@ def _noise(spec: FitSpec) -> str:
         " to ".join(dict.fromkeys(f"{scale * each:.3g}" for each in (own.min(), own.max())))
         for own, scale in zip(noise, (100, 1e3), strict=True)
     )
-    magnitude = "|V / V_s|" if spec.measurements.scene.parts.setup.gain else "|Z|"
-    units = (f"% of {magnitude}", "mrad")[: spec.measurements.parts]
+    magnitude = "|V / V_s|" if spec.measurements.parts.setup.gain else "|Z|"
+    units = (f"% of {magnitude}", "mrad")[: spec.measurements.per_reading]
     return ", ".join(f"{each} {unit}" for each, unit in zip(found, units, strict=False))
 
 
 def readings_of(spec: FitSpec) -> tuple[Complex, Real]:
     """Z in ohm of all readings, shape (sweep, reading), and the frequency of each, Hz."""
-    read, f = spec.measurements.read, spec.measurements.scene.frequencies
+    read, f = spec.measurements.read, spec.measurements.parts.setup.frequency
     Z = np.stack([each.Z[read] for each in spec.measurements.sweeps])
     return Z, np.broadcast_to(f, read.shape)[read]
 

@@ -55,7 +55,7 @@ def write_report(
         write_rows(made / "parameters.csv", PARAMETER_COLUMNS, _parameter_rows(calibration))
         names = "parameter", *_names(calibration)
         write_rows(made / "correlation.csv", names, _correlation_rows(calibration))
-        interfaces = calibration.fit.spec.measurements.scene.interfaces
+        interfaces = calibration.fit.spec.measurements.parts.setup.interfaces
         for k, name in enumerate(_file_names([each.name for each in interfaces])):
             draw_residuals(calibration, k, made / f"residuals-{name}{ending}")
         return files_in(made)
@@ -117,7 +117,7 @@ def numbers(calibration: Calibration, source: str) -> dict[str, Any]:
     ideal = calibration.ideal
     return {
         "measured": source,
-        "scene": fit.spec.measurements.scene.name,
+        "scene": fit.spec.measurements.parts.skin.name,
         "values": calibration.values,
         "intervals_95": calibration.intervals,
         "standard_errors": calibration.standard_errors,

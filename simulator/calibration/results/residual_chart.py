@@ -31,12 +31,12 @@ def residuals(fit: Fit) -> dict[str, Real]:
     spec = fit.spec
     Z = np.stack([reading.Z for reading in spec.measurements.sweeps])
     averaged = np.sqrt([reading.averaged for reading in spec.measurements.sweeps])[:, None, None]
-    frequency = spec.measurements.scene.frequencies
+    frequency = spec.measurements.parts.setup.frequency
     magnitude, phase = spec.readout.noise(Z, frequency) / averaged
     residual = fit.problem.residuals(fit.u)[: 2 * Z.size].reshape(len(Z), 2, *Z.shape[1:])
-    if spec.measurements.scene.parts.setup.gain:
+    if spec.measurements.parts.setup.gain:
         own = {"gain": -residual[:, 0], "phase of the gain": -residual[:, 1]}
-        return dict(list(own.items())[: spec.measurements.parts])
+        return dict(list(own.items())[: spec.measurements.per_reading])
     fitted = Z * np.exp(residual[:, 0] * magnitude + 1j * residual[:, 1] * phase)
     omega, Y = 2 * np.pi * frequency, 1 / fitted
     of_Rs = np.hypot(fitted.real * magnitude, fitted.imag * phase)
@@ -63,7 +63,7 @@ def draw_residuals(calibration: Calibration, interface: int, path: Path) -> None
     """Residuals of all quantities at one interface against frequency, as a PNG."""
     measured = calibration.fit.spec.measurements
     read = measured.read[interface]
-    frequency = measured.scene.frequencies[read]
+    frequency = measured.parts.setup.frequency[read]
     with chart(path, 9, 6.2) as figure:
         found = residuals(calibration.fit)
         grid = figure.subplots(
@@ -78,9 +78,9 @@ def draw_residuals(calibration: Calibration, interface: int, path: Path) -> None
             axes.set_ylabel("(measured - fitted) / error")
         handles, labels = grid[0, 0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=min(len(labels), 4))
-        name = measured.scene.interfaces[interface].name
+        name = measured.parts.setup.interfaces[interface].name
         figure.suptitle(
-            f"{measured.scene.name}, interface {name}\nResiduals of the fit in units of the "
+            f"{measured.parts.skin.name}, interface {name}\nResiduals of the fit in units of the "
             f"meter's error; chi-squared per degree of freedom {calibration.chi_squared:.3g}"
         )
 
@@ -96,7 +96,7 @@ def _draw_small(figure: Figure, calibration: Calibration) -> None:
     found = list(residuals(calibration.fit).items())[:2]
     panels = figure.subplots(1, len(found), sharey=True, squeeze=False)[0]
     for axes, (name, values) in zip(panels, found, strict=True):
-        frequency = measured.scene.frequencies[read]
+        frequency = measured.parts.setup.frequency[read]
         _draw(axes, frequency, values[:, 0, read], measured.sweeps, marker="")
         axes.set_title(name)
         frequency_axis(axes)

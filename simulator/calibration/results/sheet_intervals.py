@@ -16,7 +16,8 @@ import numpy as np
 from ...arrays import Real
 from ...models.heterogeneous.mesh_choice import single_field
 from ...models.parameters import BOTTOM_MODES, TOP_MODES
-from ...scene.scene import Scene
+from ...scene.parts import Skin
+from ...scene.readings.setup import Setup
 from ..fitting.fit import Fit
 from ..likelihood.profile_distribution import CONFIDENCE, Interval, ProfileDistribution
 from .identifiability import Information
@@ -40,28 +41,28 @@ class Product(NamedTuple):
     slopes: Mapping[str, float]
 
 
-def sheets(scene: Scene, values: Mapping[str, float]) -> Iterator[Product]:
+def sheets(skin: Skin, setup: Setup, values: Mapping[str, float]) -> Iterator[Product]:
     """Both sheets, their ratio, and their sum where one field describes both, or the only one.
 
     values: of all parameters.
     """
-    before = scene.skin.sheet_resistances
+    before = skin.sheet_resistances
     both, half = values[COMMON], values[MISMATCH] / 2
     top, bottom = before[0] * math.exp(both + half), before[1] * math.exp(both - half)
-    if scene.skin.one_conductor:
+    if skin.one_conductor:
         yield Product(TOP, "ohm/sq", before[0], top, {COMMON: 1.0})
         return
     yield Product(TOP, "ohm/sq", before[0], top, {COMMON: 1.0, MISMATCH: 0.5})
     yield Product(BOTTOM, "ohm/sq", before[1], bottom, {COMMON: 1.0, MISMATCH: -0.5})
-    if single_field(scene.parts.skin, scene.parts.setup) is not None:
+    if single_field(skin, setup) is not None:
         slopes = {COMMON: 1.0, MISMATCH: 0.5 * (top - bottom) / (top + bottom)}
         yield Product(SUM, "ohm/sq", sum(before), top + bottom, slopes)
     yield Product(RATIO, "", before[0] / before[1], top / bottom, {MISMATCH: 1.0})
 
 
-def depend_on_ratio(scene: Scene, information: Information) -> bool:
+def depend_on_ratio(skin: Skin, setup: Setup, information: Information) -> bool:
     """True if one field describes both sheets, and both are unknown."""
-    return single_field(scene.parts.skin, scene.parts.setup) is not None and {
+    return single_field(skin, setup) is not None and {
         COMMON,
         MISMATCH,
     } <= set(information.names)
@@ -80,17 +81,17 @@ class SeriesPair(NamedTuple):
 
 
 def series_pairs(
-    scene: Scene, values: Mapping[str, float], names: Sequence[str]
+    skin: Skin, setup: Setup, values: Mapping[str, float], names: Sequence[str]
 ) -> Iterator[SeriesPair]:
     """Pairs of sheets that one field describes: mean and ratio, and each cosine mode of both.
 
     values: of all parameters. names: of the unknown ones.
     """
-    if single_field(scene.parts.skin, scene.parts.setup) is None or scene.skin.one_conductor:
+    if single_field(skin, setup) is None or skin.one_conductor:
         return
     if {COMMON, MISMATCH} <= set(names):
         yield SeriesPair(COMMON, MISMATCH)
-    of = {each.name: each.value for each in sheets(scene, values)}
+    of = {each.name: each.value for each in sheets(skin, setup, values)}
     shares = of[TOP] / of[SUM], of[BOTTOM] / of[SUM]
     for first, second in zip(TOP_MODES, BOTTOM_MODES, strict=True):
         if {first, second} <= set(names):
@@ -98,7 +99,8 @@ def series_pairs(
 
 
 def series_intervals(
-    scene: Scene,
+    skin: Skin,
+    setup: Setup,
     fit: Fit,
     information: Information,
     width: float,
@@ -109,7 +111,7 @@ def series_intervals(
     fit, information: with all unknown parameters. width: half of an interval over its standard
     deviation. distribution: of the logarithm of the sum, where that is not normal.
     """
-    of = {each.name: each for each in sheets(scene, fit.values)}
+    of = {each.name: each for each in sheets(skin, setup, fit.values)}
     steps = np.array([prior.deviation for prior in fit.spec.fitted.values()])
     pair = np.array([slopes_of(of[name], information.names) for name in (RATIO, SUM)]) * steps
     covariance = pair @ information.covariance @ pair.T

@@ -15,7 +15,8 @@ import numpy as np
 from ...models.reader_parameters import SOURCE
 from ...press.touch import Indentation, Touch, place_of
 from ...progress import ProgressCallback, silent
-from ...scene.scene import Scene
+from ...scene.parts import Skin
+from ...scene.readings.setup import Setup
 from ...sweeps import InputError, ToleranceError
 from ..fitting.centered_model import CenteredModel, model_of
 from ..fitting.fit import EXPLAINED, Fit, best_of_starts, model_tolerance, solve_from
@@ -34,8 +35,8 @@ STEPS = 15
 MAX_PAIRS, MAX_OTHERS = 15, 4
 """Largest numbers of pairs of interfaces, and of interfaces for each of which a model is made."""
 
-Measure = Callable[[Scene], Measurements]
-"""The measurements as those of a scene."""
+Measure = Callable[[Setup], Measurements]
+"""The measurements as those of a setup."""
 
 
 @dataclass(frozen=True)
@@ -50,10 +51,10 @@ class Connection:
     exchanged: tuple[str, ...] = ()
     mirrored: tuple[bool, bool] = (False, False)
 
-    def scene(self, scene: Scene) -> Scene:
-        """The scene with the names of the two interfaces exchanged."""
+    def setup(self, setup: Setup) -> Setup:
+        """The setup with the names of the two interfaces exchanged."""
         given = dict(zip(self.exchanged, reversed(self.exchanged), strict=True))
-        order = [each.name for each in scene.interfaces]
+        order = setup.names
         renamed = (
             each.model_copy(
                 update={
@@ -64,14 +65,14 @@ class Connection:
                     ),
                 }
             )
-            for each in scene.interfaces
+            for each in setup.interfaces
         )
         interfaces = sorted(renamed, key=lambda each: order.index(each.name))
-        return scene.model_copy(update={"interfaces": tuple(interfaces)})
+        return replace(setup, interfaces=tuple(interfaces))
 
     def presses(self, measured: Measurements) -> Measurements:
         """The measurements with presses counted as the scene does."""
-        sweeps = (_counted(each, measured.scene, self.mirrored) for each in measured.sweeps)
+        sweeps = (_counted(each, measured.parts.skin, self.mirrored) for each in measured.sweeps)
         return replace(measured, sweeps=tuple(sweeps))
 
 
@@ -90,13 +91,13 @@ class ConnectionTrial:
 def try_connections(
     spec: FitSpec,
     model: CenteredModel,
-    every: Scene,
+    every: Setup,
     measure: Measure,
     progress: ProgressCallback = silent,
 ) -> ConnectionTrial:
     """Fits the stated connection and, where that fails, others with few steps each.
 
-    every: the scene with all interfaces, also those that were not measured. The first that is
+    every: the setup with all interfaces, also those that were not measured. The first that is
     CLEAR ends the search; those that need a model of their own come last.
     """
     problem = LeastSquaresProblem(spec, model)
@@ -104,7 +105,7 @@ def try_connections(
     if stated.chi_squared < EXPLAINED * spec.measurements.numbers:
         return ConnectionTrial(stated.values)
     begin, remarks = stated.values, list[str]()
-    if spec.measurements.scene.parts.setup.gain and SOURCE not in spec.fitted:
+    if spec.measurements.parts.setup.gain and SOURCE not in spec.fitted:
         scaled = _with_source(stated)
         if scaled.chi_squared < WORTH * stated.chi_squared:
             remarks.append(
@@ -142,7 +143,7 @@ def _with_source(fit: Fit) -> Fit:
 def _permuted(stated: Fit, progress: ProgressCallback) -> Iterator[tuple[Connection, Fit]]:
     """Fits that need no other model: of exchanged interfaces, and of pixels counted otherwise."""
     measured = stated.spec.measurements
-    names = [each.name for each in measured.scene.interfaces]
+    names = [each.name for each in measured.parts.setup.interfaces]
     changed: list[tuple[Connection, Measurements]] = []
     for a, b in itertools.islice(itertools.combinations(range(len(names)), 2), MAX_PAIRS):
         if (measured.read[a] == measured.read[b]).all():
@@ -164,7 +165,7 @@ def _fit_of(stated: Fit, measured: Measurements, model: CenteredModel) -> Fit:
 
 def _exchanged(measured: Measurements, a: int, b: int) -> Measurements:
     """The measurements with the readings of two interfaces exchanged."""
-    order = np.arange(len(measured.scene.interfaces))
+    order = np.arange(len(measured.parts.setup.interfaces))
     order[[a, b]] = b, a
     sweeps = (replace(each, Z=each.Z[order], fixed=each.fixed[order]) for each in measured.sweeps)
     return replace(measured, sweeps=tuple(sweeps))
@@ -172,7 +173,7 @@ def _exchanged(measured: Measurements, a: int, b: int) -> Measurements:
 
 def _mirrors(measured: Measurements) -> Iterator[Connection]:
     """Rows, columns and both counted from the other end, where that changes a press."""
-    skin, pixels = measured.scene.skin, measured.scene.pixels
+    skin, pixels = measured.parts.skin, measured.parts.skin.pixels
     touched = any(each.press.touches for each in measured.sweeps)
     if not touched or skin.outline is not None or skin.mesh is not None:
         return
@@ -183,30 +184,30 @@ def _mirrors(measured: Measurements) -> Iterator[Connection]:
             yield Connection(f"{words} counted from the other end", mirrored=mirrored)
 
 
-def _counted(sweep: SessionSweep, scene: Scene, mirrored: tuple[bool, bool]) -> SessionSweep:
+def _counted(sweep: SessionSweep, skin: Skin, mirrored: tuple[bool, bool]) -> SessionSweep:
     """The sweep with the pixels of its press counted from the other end."""
     touches = []
     for touch in sweep.press.touches:
         place = place_of(touch)
         assert isinstance(place, Touch)
-        row = scene.pixels.rows + 1 - place.row if mirrored[0] else place.row
-        column = scene.pixels.columns + 1 - place.column if mirrored[1] else place.column
+        row = skin.pixels.rows + 1 - place.row if mirrored[0] else place.row
+        column = skin.pixels.columns + 1 - place.column if mirrored[1] else place.column
         place = replace(place, row=row, column=column)
         touches.append(replace(touch, place=place) if isinstance(touch, Indentation) else place)
     return replace(sweep, press=replace(sweep.press, touches=tuple(touches)))
 
 
 def _others(
-    stated: Fit, every: Scene, measure: Measure, progress: ProgressCallback
+    stated: Fit, every: Setup, measure: Measure, progress: ProgressCallback
 ) -> Iterator[tuple[Connection, Fit]]:
     """Fits in which one interface is another of the scene, for which a model is made each."""
-    own = [each.name for each in stated.spec.measurements.scene.interfaces]
+    own = [each.name for each in stated.spec.measurements.parts.setup.interfaces]
     missing = [each.name for each in every.interfaces if each.name not in own]
     for pair in list(itertools.product(own, missing))[:MAX_OTHERS]:
         connection = Connection(f"interface {pair[0]} is {pair[1]} of the scene", pair)
         try:
-            data = measure(connection.scene(every))
-            model = model_of(data.scene, model_tolerance(stated.spec.readout), progress)
+            data = measure(connection.setup(every))
+            model = model_of(data.parts, model_tolerance(stated.spec.readout), progress)
             yield connection, _fit_of(stated, data, CenteredModel(model, {}))
         except (InputError, ToleranceError):
             continue

@@ -58,7 +58,7 @@ def physics_remarks(fit: Fit, freedom: float, stated: bool) -> list[str]:
     explained = stated and fit.chi_squared < EXPLAINED * freedom
     if correlation < STRUCTURED or explained:
         return []
-    elements = () if fit.spec.measurements.scene.parts.setup.gain else ELEMENTS
+    elements = () if fit.spec.measurements.parts.setup.gain else ELEMENTS
     trials = [*_losses(fit), *(_element(fit, each) for each in elements)]
     if not trials:
         return []

@@ -11,19 +11,20 @@ import numpy as np
 
 from ...arrays import Complex, Real
 from ...models.effects import EFFECTS, NEEDED, effects_of
-from ...models.parameters import scene_with
+from ...models.parameters import parts_with
 from ...models.reader_parameters import READER
 from ...models.solver import Solver
 from ...press.press import Press
 from ...progress import ProgressCallback, silent, tracked
 from ...scene.extent import perimeter, surface
 from ...scene.foam.foam import VACUUM_PERMITTIVITY
-from ...scene.scene import Scene
+from ...scene.parts import SceneParts, Skin
+from ...scene.readings.setup import Setup
 from ...scene.surroundings import Body, Rim, Surroundings
 from ...surroundings.rim import rim_densities
 from ...sweeps import InputError, ToleranceError
 from ..fitting.centered_model import FAR, CenteredModel, centered_model
-from ..fitting.fit import EXPLAINED, Fit, certificate_limit, fitted_scene, solve_from
+from ..fitting.fit import EXPLAINED, Fit, certificate_limit, fitted_parts, solve_from
 from ..fitting.fit_spec import FitSpec
 from ..fitting.prior import FINGER, Prior, effect_prior
 from ..fitting.problem import LeastSquaresProblem
@@ -49,7 +50,7 @@ NONE = {"body": -10.0, "rim": -10.0, "finger": 0.0}
 """Parameter values at which an effect is negligible."""
 
 
-def with_effects(scene: Scene, names: Sequence[str]) -> Scene:
+def with_effects(parts: SceneParts, names: Sequence[str]) -> SceneParts:
     """The scene with the surroundings and the leak that these names need as parameters.
 
     Raises InputError for a name that is not in ADDABLE, or that the scene cannot have.
@@ -58,51 +59,51 @@ def with_effects(scene: Scene, names: Sequence[str]) -> Scene:
         if name not in ADDABLE:
             raise InputError(f"`also` must be one of {', '.join(ADDABLE)}, got {name!r}")
     for name in names:
-        if name in READER and not scene.parts.setup.gain:
+        if name in READER and not parts.setup.gain:
             raise InputError(
-                f'{scene.name} cannot have {name}: no [[interface]] has reader = "gain"'
+                f'{parts.skin.name} cannot have {name}: no [[interface]] has reader = "gain"'
             )
-    if "leak" in names and scene.skin.foam.leak is None:
-        foam = scene.skin.foam.model_copy(update={"leak": 0.0})
-        scene = scene.model_copy(update={"skin": scene.skin.model_copy(update={"foam": foam})})
+    skin = parts.skin
+    if "leak" in names and skin.foam.leak is None:
+        skin = replace(skin, foam=skin.foam.model_copy(update={"leak": 0.0}))
     names = [name for name in names if name in EFFECTS]
-    missing = [name for name in names if name not in effects_of(scene.parts.skin)]
+    missing = [name for name in names if name not in effects_of(skin)]
     if not missing:
-        return scene
-    own = scene.surroundings or Surroundings()
+        return replace(parts, skin=skin)
+    own = skin.around or Surroundings()
     opposite = "bottom" if own.touched == "top" else "top"
     added: dict[str, object] = {}
     if "body" in missing and not own.body:
         added["body"] = (Body(side=opposite, distance=BODY),)
     if "rim" in missing and not own.solved:
         added["rim"] = Rim(mutual=RIM, top=RIM, bottom=RIM)
-    found = scene.model_copy(update={"surroundings": own.model_copy(update=added)})
+    found = replace(skin, around=own.model_copy(update=added))
     for name in missing:
-        if name not in effects_of(found.parts.skin):
-            raise InputError(f"{scene.name} cannot have {name}: {NEEDED[name]}")
-    return found
+        if name not in effects_of(found):
+            raise InputError(f"{skin.name} cannot have {name}: {NEEDED[name]}")
+    return replace(parts, skin=found)
 
 
-def addable_effects(scene: Scene) -> list[str]:
+def addable_effects(skin: Skin) -> list[str]:
     """Those of EFFECTS that a scene lacks and can have."""
-    around = scene.surroundings
+    around = skin.around
     solved = around is not None and around.solved
     can = {
         "body": not solved,
         "rim": not solved,
         "finger": not (around and around.no_finger_reason),
     }
-    return [name for name in EFFECTS if can[name] and name not in effects_of(scene.parts.skin)]
+    return [name for name in EFFECTS if can[name] and name not in effects_of(skin)]
 
 
-def effect_text(scene: Scene, name: str, value: float) -> str:
+def effect_text(parts: SceneParts, name: str, value: float) -> str:
     """Text of one of EFFECTS of a scene at a value of its parameter."""
     if name == "finger":
         return f"a finger of about {_two_digits(1e12 * value)} pF"
-    around = scene_with(scene, {name: value}).surroundings
+    around = parts_with(parts, {name: value}).skin.around
     assert around is not None
     if name == "rim":
-        rim = rim_densities(scene_with(scene, {name: value}).parts.skin)
+        rim = rim_densities(parts_with(parts, {name: value}).skin)
         return f"a rim of about {_two_digits(1e12 * max(rim.mutual, rim.top, rim.bottom))} pF/m"
     nearest = max(around.body, key=lambda body: body.per_area)
     if nearest.distance is None:
@@ -121,7 +122,7 @@ def trial_remarks(fit: Fit, freedom: float, progress: ProgressCallback = silent)
     freedom: degrees of freedom of the fit. Empty where the fit explains the readings.
     """
     spec, left = fit.spec, fit.chi_squared / freedom
-    if left < EXPLAINED or not addable_effects(spec.measurements.scene):
+    if left < EXPLAINED or not addable_effects(spec.measurements.parts.skin):
         return []
     if _too_weak(fit):
         return [f"{NEITHER}: the strongest would change these readings by far less"]
@@ -149,11 +150,11 @@ class PlainEffects:
 
     def __init__(self, fit: Fit) -> None:
         self._fit, self._measured = fit, fit.spec.measurements
-        self.names = addable_effects(self._measured.scene)
+        self.names = addable_effects(self._measured.parts.skin)
         presses = [each.press for each in self._measured.sweeps]
         self._presses = list(dict.fromkeys(presses))[: MAX_PRESSES + 1]
         self._used = np.array([press in self._presses for press in presses])
-        self._without = self._solved(self._measured.scene, {}, 0.0)
+        self._without = self._solved(self._measured.parts, {}, 0.0)
         self._steps = LinearSteps(fit, self._used)
 
     def best(self, name: str) -> Step:
@@ -170,14 +171,14 @@ class PlainEffects:
     def text_of(self, name: str, amplitude: float) -> str:
         """Text of an effect of this amplitude."""
         value = FINGER * amplitude if name == "finger" else math.log(amplitude)
-        return effect_text(with_effects(self._measured.scene, [name]), name, value)
+        return effect_text(with_effects(self._measured.parts, [name]), name, value)
 
     def _change(self, name: str, amplitude: float) -> Complex:
         """ln Z with the effect over that without, shape (sweep, interface, frequency)."""
-        scene = with_effects(self._measured.scene, [name])
+        parts = with_effects(self._measured.parts, [name])
         finger = FINGER * amplitude if name == "finger" else 0.0
         values = {} if name == "finger" else {name: math.log(amplitude)}
-        there = self._solved(scene, values, finger)
+        there = self._solved(parts, values, finger)
         found = np.zeros((len(self._used), *self._measured.sweeps[0].Z.shape), dtype=complex)
         for k in np.flatnonzero(self._used):
             press = self._measured.sweeps[k].press
@@ -185,11 +186,11 @@ class PlainEffects:
         return found
 
     def _solved(
-        self, scene: Scene, values: Mapping[str, float], finger: float
+        self, parts: SceneParts, values: Mapping[str, float], finger: float
     ) -> dict[Press, Complex]:
-        """Readings of the fitted skin in a scene, by press. values: of effects."""
-        skin = fitted_scene(scene, {**self._fit.values, **values})
-        solver = Solver(skin.parts, certificate_limit(self._fit.spec))
+        """Readings of the fitted skin in such surroundings, by press. values: of effects."""
+        skin = fitted_parts(parts, {**self._fit.values, **values})
+        solver = Solver(skin, certificate_limit(self._fit.spec))
         return {each: solver.solve(_with_finger(each, finger)).Z for each in self._presses}
 
 
@@ -205,25 +206,27 @@ def _too_weak(fit: Fit) -> bool:
     A change d of residuals r removes at most 2 |r| |d|. Gains are always tried.
     """
     measured = fit.spec.measurements
-    if measured.scene.parts.setup.gain:
+    if measured.parts.setup.gain:
         return False
-    scene, Z = scene_with(measured.scene, fit.values), fit.problem.fitted(fit.u)
+    parts, Z = parts_with(measured.parts, fit.values), fit.problem.fitted(fit.u)
     touches = [len(each.press.touches) for each in measured.sweeps]
-    most = np.stack([largest_changes(scene, *each) for each in zip(Z, touches, strict=True)])
+    most = np.stack(
+        [largest_changes(parts.skin, parts.setup, *each) for each in zip(Z, touches, strict=True)]
+    )
     strongest = float(np.linalg.norm(fit.problem.whitened(most + 1j * most)))
     return 2 * strongest < WORTH * np.sqrt(fit.chi_squared)
 
 
-def largest_changes(scene: Scene, Z: Complex, touches: int) -> Real:
+def largest_changes(skin: Skin, setup: Setup, Z: Complex, touches: int) -> Real:
     """Bound of the change of Z, over |Z|, by a body, the rim and fingers at their strongest.
 
     That is FAR times BODY and the three densities of RIM, and 3 deviations of a finger.
 
     A capacitance C in parallel with any part of the skin changes its admittance by at most omega C.
-    Z: ohm, behind the scene's leads, shape (interface, frequency). touches: number of fingers.
+    Z: ohm, behind the leads, shape (interface, frequency). touches: number of fingers.
     """
-    skin, omega = scene.skin, 2 * np.pi * scene.frequencies
-    of_skin = Z - scene.leads.resistance - 1j * omega * scene.leads.inductance
+    leads, omega = setup.leads, 2 * np.pi * setup.frequency
+    of_skin = Z - leads.resistance - 1j * omega * leads.inductance
     C = FAR * VACUUM_PERMITTIVITY / BODY * surface(skin)
     C += FAR * 3 * RIM * perimeter(skin) + 3 * FINGER * touches
     return omega * C * np.abs(of_skin) ** 2 / np.abs(Z)
@@ -236,14 +239,14 @@ class Trials:
         self, spec: FitSpec, at: dict[str, float], progress: ProgressCallback = silent
     ) -> None:
         """spec: for the scene without these effects. at: initial values of its parameters."""
-        self.names = addable_effects(spec.measurements.scene)
-        scene = with_effects(spec.measurements.scene, self.names)
+        self.names = addable_effects(spec.measurements.parts.skin)
+        parts = with_effects(spec.measurements.parts, self.names)
         none = {name: NONE[name] for name in self.names}
         self.spec = replace(
-            spec, measurements=replace(spec.measurements, scene=scene), fixed={**spec.fixed, **none}
+            spec, measurements=replace(spec.measurements, parts=parts), fixed={**spec.fixed, **none}
         )
         self._at = at
-        self._ready: CenteredModel = centered_model(scene, at, certificate_limit(spec), progress)
+        self._ready: CenteredModel = centered_model(parts, at, certificate_limit(spec), progress)
 
     def fit(
         self,
@@ -263,4 +266,4 @@ class Trials:
 
     def text_of(self, fit: Fit, name: str) -> str:
         """Text of the fitted effect."""
-        return effect_text(self.spec.measurements.scene, name, fit.values[name])
+        return effect_text(self.spec.measurements.parts, name, fit.values[name])

@@ -14,7 +14,8 @@ from ...arrays import Integer, Real
 from ...models.reduced.indentation.indentation_draws import spreading
 from ...press.batch import PressBatch
 from ...press.rasterized import Footprints, rasterized
-from ...scene.scene import Scene
+from ...scene.parts import Plan, Skin
+from ...scene.pixel_grid import Pressing
 from ..strengths import written_strength
 
 if TYPE_CHECKING:
@@ -23,52 +24,58 @@ if TYPE_CHECKING:
 
 
 def cell_presses(
-    scene: Scene, touches: Integer, placed: Footprints, grid: tuple[int, int]
+    skin: Skin, plan: Plan, touches: Integer, placed: Footprints, grid: tuple[int, int]
 ) -> PressBatch:
     """Presses rasterized on cells; by the deflection if a tension spreads the scene's presses."""
-    if not spreading(scene.parts.skin, scene.press):
-        return rasterized(scene.parts.skin, touches, placed, grid)
+    if not spreading(skin, plan.press):
+        return rasterized(skin, touches, placed, grid)
     from ...models.mechanics.lattice.relaxed_presses import raised
 
-    lattice = lattice_for(scene, grid)
-    each = (applicators_of(scene, placed, k, count) for k, count in enumerate(touches.tolist()))
+    lattice = lattice_for(skin, plan, grid)
+    each = (
+        applicators_of(skin, plan.press, placed, k, count)
+        for k, count in enumerate(touches.tolist())
+    )
     return PressBatch.of(raised(lattice, own) for own in each)
 
 
-def written_strengths(scene: Scene, placed: Footprints) -> tuple[Real, str]:
+def written_strengths(skin: Skin, pressing: Pressing, placed: Footprints) -> tuple[Real, str]:
     """Strengths of touches as written in their texts, and the unit."""
     return (
-        written_strength(scene, placed.factor)
-        if spreading(scene.parts.skin, scene.press)
+        written_strength(skin, pressing, placed.factor)
+        if spreading(skin, pressing)
         else (placed.factor, "")
     )
 
 
-def lattice_for(scene: Scene, grid: tuple[int, int]) -> Lattice:
+def lattice_for(skin: Skin, plan: Plan, grid: tuple[int, int]) -> Lattice:
     """As fine as the smallest touch of a scene's data set needs."""
     from ...models.mechanics.lattice.skin_lattice import lattice_of
 
-    drawn, pixels = scene.dataset.press, scene.pixels
-    length, width = scene.skin.sides
+    drawn, pixels = plan.draws.press, skin.pixels
+    length, width = skin.sides
     smallest = min(length / pixels.columns, width / pixels.rows)
     if drawn.place == "anywhere":
         smallest = drawn.size.low
-    return lattice_of(scene.parts.skin, grid, float(smallest))
+    return lattice_of(skin, grid, float(smallest))
 
 
 def cell_presses_by_triangles(
-    scene: Scene, touches: Integer, placed: Footprints, grid: tuple[int, int]
+    skin: Skin, plan: Plan, touches: Integer, placed: Footprints, grid: tuple[int, int]
 ) -> PressBatch:
     """As `cell_presses`, by the membrane on triangles."""
     from ...models.mechanics.lattice.traced_deformation import traced
 
-    lattice = lattice_for(scene, grid)
-    each = (applicators_of(scene, placed, k, count) for k, count in enumerate(touches.tolist()))
-    return PressBatch.of(traced(scene.parts.skin, lattice, own) for own in each)
+    lattice = lattice_for(skin, plan, grid)
+    each = (
+        applicators_of(skin, plan.press, placed, k, count)
+        for k, count in enumerate(touches.tolist())
+    )
+    return PressBatch.of(traced(skin, lattice, own) for own in each)
 
 
 def applicators_of(
-    scene: Scene, placed: Footprints, press: int, touches: int
+    skin: Skin, pressing: Pressing, placed: Footprints, press: int, touches: int
 ) -> LatticeApplicators:
     """The first so many touches of a press as applicators."""
     from ...models.mechanics.lattice.relaxed_presses import LatticeApplicators
@@ -77,4 +84,6 @@ def applicators_of(
     x, y, wide, high = placed.x[own], placed.y[own], placed.width[own] / 2, placed.height[own] / 2
     boxes = np.stack([x - wide, x + wide, y - high, y + high], axis=-1)
     radius = np.where(placed.disc[own], wide, 0.0)
-    return LatticeApplicators(boxes, radius, written_strength(scene, placed.factor[own])[0])
+    return LatticeApplicators(
+        boxes, radius, written_strength(skin, pressing, placed.factor[own])[0]
+    )

@@ -8,7 +8,8 @@ from ...arrays import Integer, Mask, Real
 from ...mesh.pixel_coverage import pixel_coverage
 from ...models.reduced.indentation.indentation_draws import spreading
 from ...press.rasterized import Footprints
-from ...scene.scene import Scene
+from ...scene.parts import Plan, Skin
+from ...scene.pixel_grid import Pressing
 from ...scene.skin_region import covers
 from ..drawn_fingers import DrawnFingers
 from ..strengths import finger_texts, joined_texts
@@ -20,7 +21,8 @@ HALF = 0.5
 
 
 def drawn_places(
-    scene: Scene,
+    skin: Skin,
+    plan: Plan,
     touches: Integer,
     chances: Real,
     factor: Real,
@@ -32,17 +34,17 @@ def drawn_places(
     chances: quantiles of place along x and y, of size along x and y, and of further places in case
     the first is off the skin, shape (4 or more, press, touch). factor: shape (press, touch).
     """
-    drawn, (along, across) = scene.dataset.press, scene.skin.sides
+    drawn, (along, across) = plan.draws.press, skin.sides
     chance, kind = np.modf(chances[2] * len(drawn.shape))
     disc = np.array([shape == "disc" for shape in drawn.shape])[kind.astype(np.int64)]
     width = _length(drawn.size.at(chance))
     height = np.where(disc, width, _length(drawn.size.at(chances[3])))
     x = _inside(np.concatenate([chances[:1], chances[4::2]]), width, along)
     y = _inside(np.concatenate([chances[1:2], chances[5::2]]), height, across)
-    which = _first_on_skin(scene, x, y, grid)[None]
+    which = _first_on_skin(skin, plan.press, x, y, grid)[None]
     x, y = (np.take_along_axis(places, which, axis=0)[0] for places in (x, y))
     there = np.arange(factor.shape[1]) < touches[:, None]
-    finger = fingers.over(scene, width * height * np.where(disc, np.pi / 4, 1.0), there)
+    finger = fingers.over(skin, plan.press, width * height * np.where(disc, np.pi / 4, 1.0), there)
     placed = Footprints(disc, x, y, width, height, np.where(there, factor, 1.0), finger)
     return _in_order(placed, touches)
 
@@ -67,19 +69,21 @@ def place_texts(
     return joined_texts(touches, map("".join, parts))
 
 
-def _first_on_skin(scene: Scene, x: Real, y: Real, grid: tuple[int, int]) -> Integer:
+def _first_on_skin(
+    skin: Skin, pressing: Pressing, x: Real, y: Real, grid: tuple[int, int]
+) -> Integer:
     """Index of the first place on the skin for each touch; the last place if none is.
 
     If a tension spreads presses, the applicator must meet the skin; otherwise a place counts if its
     cell is at least half skin. x, y: m, shape (place, press, touch).
     """
-    if scene.skin.rectangular:
+    if skin.rectangular:
         return np.zeros(x.shape[1:], dtype=np.int64)
-    if spreading(scene.parts.skin, scene.press):
-        on_skin = covers(scene.skin, np.stack([x, y]))
+    if spreading(skin, pressing):
+        on_skin = covers(skin, np.stack([x, y]))
     else:
-        (rows, columns), (along, across) = grid, scene.skin.sides
-        part = pixel_coverage(scene.parts.skin, grid).part.reshape(grid)
+        (rows, columns), (along, across) = grid, skin.sides
+        part = pixel_coverage(skin, grid).part.reshape(grid)
         row, column = (y / across * rows).astype(np.int64), (x / along * columns).astype(np.int64)
         on_skin = part[row, column] >= HALF
     on_skin[-1] = True

@@ -13,7 +13,8 @@ from ...arrays import Integer, Real
 from ...bounds.touch_readings import Hypothesis
 from ...mesh.pixel_coverage import pixel_coverage
 from ...press.batch import PressBatch
-from ...scene.scene import Scene
+from ...scene.parts import Skin
+from ...scene.pixel_grid import Pressing
 from ...sweeps.free_space import check_memory
 from ..skin_readout import SkinReadout
 
@@ -42,13 +43,13 @@ class Pairs:
         return Pairs(_some(_some(self.separation, readings, 1), frequencies, 2), self.weight)
 
 
-def check_comparable(scene: Scene, target: str) -> None:
+def check_comparable(skin: Skin, target: str) -> None:
     """Raises InputError where all pairs of hypotheses of a target do not fit in memory."""
     touches = 2 if target == "pair" else 1
-    count = math.comb(len(pixel_coverage(scene.parts.skin).numbers), touches)
+    count = math.comb(len(pixel_coverage(skin).numbers), touches)
     check_memory(
         BYTES_FOR_NUMBER * (count * (1 + 2 * touches)) ** 2,
-        "a comparison of all pairs of presses on {} x {} pixels".format(*scene.pixels.shape),
+        "a comparison of all pairs of presses on {} x {} pixels".format(*skin.pixels.shape),
         "give fewer `pixels`",
     )
 
@@ -86,7 +87,7 @@ def _expected(
     """
     touches = max(len(each.pixels) for each in among)
     signs = np.array(list(itertools.product((-1.0, 1.0), repeat=touches))).reshape(-1, touches)
-    found = on.observed(_presses(on.scene, among, signs), frequency)
+    found = on.observed(_presses(on.scene.parts.skin, on.scene.press, among, signs), frequency)
     shape = len(among), len(signs), 2, -1, len(frequency)
     scale = np.moveaxis(on.errors(frequency, against_rest).noise, 0, -1)
     each = np.moveaxis(found.reshape(shape), 2, -1) / scale
@@ -94,11 +95,13 @@ def _expected(
     return each.mean(axis=1), slopes
 
 
-def _presses(scene: Scene, among: Sequence[Hypothesis], signs: Real) -> PressBatch:
+def _presses(
+    skin: Skin, pressing: Pressing, among: Sequence[Hypothesis], signs: Real
+) -> PressBatch:
     """All combinations of hypotheses and signs of strength."""
-    press = scene.press
+    press = pressing
     rises = (press.capacitance_factor - 1) * (1 + press.factor_spread * signs)
-    return PressBatch.of(each.on(scene, rise) for each in among for rise in rises)
+    return PressBatch.of(each.on(skin, rise) for each in among for rise in rises)
 
 
 def _nearest(middle: Real, slopes: Real, answers: Sequence[tuple[int, ...]]) -> Integer:

@@ -15,8 +15,9 @@ from ...measure.readout import errors_of, require_noise
 from ...meters.reading_time import SETTLE, reading_time
 from ...scene.design_goals import Design
 from ...scene.multisine.reader import Multisine
+from ...scene.parts import Meter, SceneParts
 from ...scene.readings.contacts import Interface
-from ...scene.scene import Scene
+from ...scene.readings.setup import Setup
 from ...sweeps import InputError
 from ..skin_readout import Material, SkinReadout, material_of
 from ..trained_skins import TrainedSkins
@@ -67,17 +68,19 @@ def sweep_time(of_each: Sequence[Sequence[float]], multisine: Multisine | None =
     return round(settled + sum(reading_time(f) for own in of_each for f in own), 9)
 
 
-def budgets(scene: Scene, request: Design, low: float, pool: int) -> list[tuple[int, int]]:
+def budgets(
+    setup: Setup, meter: Meter, request: Design, low: float, pool: int
+) -> list[tuple[int, int]]:
     """Numbers of readings and of frequencies of each that may be picked; low: of the band, Hz.
 
     For a limit of time, every frequency counts as slow as the lowest. More readings at the same
     number of frequencies are never worse, so fewer are not considered. Raises InputError where the
     limit is too short for one reading.
     """
-    highest, each = min(request.readings, pool), request.frequencies or len(scene.frequencies)
+    highest, each = min(request.readings, pool), request.frequencies or len(setup.frequency)
     if request.seconds is None:
         return [(highest, each)]
-    found, multisine = list[tuple[int, int]](), scene.readout.multisine
+    found, multisine = list[tuple[int, int]](), meter.readout.multisine
     for readings in range(1, highest + 1):
         count = each
         while count and sweep_time([[low] * count] * readings, multisine) > request.seconds:
@@ -109,11 +112,11 @@ class PixelPairs:
 
     merit: Merit = ACCURACY
 
-    def __init__(self, scene: Scene, request: Design) -> None:
+    def __init__(self, parts: SceneParts, request: Design) -> None:
         """Raises InputError for a meter without noise, and for too many pixels for the memory."""
-        check_comparable(scene, request.target)
-        require_noise(scene.readout)
-        self._among = hypotheses(scene, request.target)
+        check_comparable(parts.skin, request.target)
+        require_noise(parts.meter.readout)
+        self._among = hypotheses(parts.skin, parts.plan, request.target)
         self._against_rest = request.against_rest
 
     def __call__(self, on: SkinReadout, frequency: Real) -> Pairs:
@@ -145,10 +148,12 @@ class Picker:
         request: Design,
     ) -> None:
         """pair_source: of pixels or positions. Raises InputError for a meter without noise."""
-        scene = trained.scene
+        parts = trained.parts
         self._trained, self._pair_source, self._pool = trained, pair_source, list(pool)
         self.frequency = frequency
-        self._budgets = budgets(scene, request, float(frequency[0]), len(self._pool))
+        self._budgets = budgets(
+            parts.setup, parts.meter, request, float(frequency[0]), len(self._pool)
+        )
         self._casts = min(CASTS, request.casts)
         self._against_rest = request.against_rest
         self._kept: tuple[Material, Pairs] | None = None
@@ -159,13 +164,13 @@ class Picker:
 
         Their root mean square over all candidates counts where they depend on the reading.
         """
-        scene = self._trained.scene
+        parts = self._trained.parts
         if self._against_rest:
             return SessionPrecision()
-        if scene.readout.uniform:
-            errors = errors_of(scene.parts.setup, scene.parts.meter)
+        if parts.meter.readout.uniform:
+            errors = errors_of(parts.setup, parts.meter)
         else:
-            on = self._trained.readout(None, material_of(scene), self._pool)
+            on = self._trained.readout(None, material_of(parts.skin), self._pool)
             errors = on.errors(self.frequency, 0)
         return SessionPrecision(*map(_known, errors.noise, errors.accuracy))
 

@@ -12,6 +12,7 @@ from ...arrays import Real
 from ...bounds.common_draws import CommonDraws
 from ...measure.experiment import own_presses
 from ...scene.design_goals import Design
+from ...scene.parts import SceneParts
 from ...scene.readings.contacts import Interface
 from ...scene.scene import Scene
 from ..skin_readout import Material, SkinReadout
@@ -51,12 +52,12 @@ class Layout:
 class AccuracyScorer:
     """Scores the accuracy of designs, with the same draws for all of them."""
 
-    def __init__(self, scene: Scene, request: Design, draws: int, seed: int) -> None:
+    def __init__(self, parts: SceneParts, request: Design, draws: int, seed: int) -> None:
         """Raises InputError for a meter without noise."""
         self._common = CommonDraws(
-            scene,
+            parts,
             request.target,
-            own_presses(scene.parts.skin, scene.press),
+            own_presses(parts.skin, parts.plan.press),
             seed=seed,
             draws=draws,
             against_rest=request.against_rest,

@@ -10,7 +10,7 @@ from ...bounds.fields.reduced_fields import ReducedFields
 from ...bounds.position_bound import ESTIMATED, Slopes, chosen_touch, places_on, position_slopes
 from ...bounds.touches.area_rasterizer import AreaRasterizer, Point
 from ...models.reduced.cases import Case
-from ...scene.scene import Scene
+from ...scene.parts import SceneParts
 from ...sweeps import InputError
 from ..skin_readout import SkinReadout
 from .fisher_merits import PositionMerit
@@ -25,16 +25,18 @@ ALONG = 5
 class TouchPositions:
     """Touches of the size of a pixel at any position on a scene."""
 
-    def __init__(self, scene: Scene) -> None:
+    def __init__(self, parts: SceneParts) -> None:
         """Raises InputError for pixels in groups, and for a scene with surroundings."""
-        if scene.pixels.groups is not None:
-            raise InputError(f"{scene.name}: a design for positions needs pixels without `groups`")
-        scene.require_sheets_alone("a design for positions")
-        rows, columns = (CELLS * count for count in scene.pixels.shape)
-        self.divided = scene.on_grid(rows, columns)
-        self.size: TouchSize = chosen_touch(scene)
-        self.places: list[Point] = places_on(scene, self.size, CELLS, ALONG)
-        self.sides = scene.skin.length, scene.skin.width
+        if parts.skin.pixels.groups is not None:
+            raise InputError(
+                f"{parts.skin.name}: a design for positions needs pixels without `groups`"
+            )
+        parts.skin.require_sheets_alone("a design for positions")
+        rows, columns = (CELLS * count for count in parts.skin.pixels.shape)
+        self.divided = parts.on_grid(rows, columns)
+        self.size: TouchSize = chosen_touch(parts.skin, parts.plan.press)
+        self.places: list[Point] = places_on(parts, self.size, CELLS, ALONG)
+        self.sides = parts.skin.length, parts.skin.width
         self.room = self.sides[0] - self.size.width, self.sides[1] - self.size.height
         self.cells = AreaRasterizer.of(*self.sides, (rows, columns))
 
@@ -51,7 +53,7 @@ class TouchPositions:
         """Slopes of one skin's readings at every position; frequency in Hz, ascending."""
         reading = on.reading(frequency)
         return position_slopes(
-            ReducedFields(on.scene, on.skin, 1, reading),
+            ReducedFields(on.scene.parts, on.skin, 1, reading),
             self.places,
             self.size,
             frequency,

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from ...chart_style import COLOURS, UNPRESSED_COLOUR, chart, foil_offset
 from ...report.from_above import MM, draw_outline, ribbon
+from ...scene.parts import Skin
 from ...scene.readings.contacts import Interface
-from ...scene.scene import Scene
 from ..search import SearchStep
 from ..sensitivity import SensitivityCurve
 from .merit_scale import MeritScale
@@ -76,29 +76,29 @@ def draw_flat(found: Sequence[SensitivityCurve], scale: MeritScale, to: Path) ->
         axes.legend()
 
 
-def draw_wiring(scene: Scene, readings: Sequence[Interface], to: Path) -> None:
+def draw_wiring(skin: Skin, readings: Sequence[Interface], to: Path) -> None:
     """Draws the foils of a skin at each reading: H, L, or open (grey).
 
     Foils of the bottom sheet are dashed, and outside those of the top sheet.
     """
     rows = -(-len(readings) // IN_A_ROW)
     columns = min(len(readings), IN_A_ROW)
-    length, width = (side + 2 * AROUND_SKIN * max(scene.skin.sides) for side in scene.skin.sides)
+    length, width = (side + 2 * AROUND_SKIN * max(skin.sides) for side in skin.sides)
     with chart(to, WIDE * columns, (WIDE * width / length + TITLE) * rows) as figure:
         grid = figure.subplots(rows, columns, squeeze=False).ravel()
         for axes in grid[len(readings) :]:
             axes.set_axis_off()
         for axes, reading in zip(grid, readings, strict=False):
-            _draw_reading(axes, scene, reading)
+            _draw_reading(axes, skin, reading)
 
 
-def _draw_reading(axes: Axes, scene: Scene, reading: Interface) -> None:
-    longer = max(scene.skin.sides)
-    draw_outline(axes, scene, color="0.6")
-    for contact in scene.contacts:
+def _draw_reading(axes: Axes, skin: Skin, reading: Interface) -> None:
+    longer = max(skin.sides)
+    draw_outline(axes, skin, color="0.6")
+    for contact in skin.contacts:
         side = "H" if contact.name in reading.high else "L" if contact.name in reading.low else ""
         colour = {"H": COLOURS[1], "L": COLOURS[0], "": "0.75"}[side]
-        foil, style = ribbon(contact, scene), "-" if contact.electrode == "top" else (0, (2, 1))
+        foil, style = ribbon(contact, skin), "-" if contact.electrode == "top" else (0, (2, 1))
         line = MM * foil.beside(foil_offset(contact.electrode, longer))
         axes.plot(*line, color=colour, linewidth=2.5, linestyle=style, solid_capstyle="butt")
         at = int(LETTER_AT[contact.electrode] * line.shape[1])
@@ -110,6 +110,6 @@ def _draw_reading(axes: Axes, scene: Scene, reading: Interface) -> None:
     axes.set_yticks([])
     axes.spines[:].set_visible(False)
     room = AROUND_SKIN * longer
-    axes.set_xlim(-MM * room, MM * (scene.skin.length + room))
-    axes.set_ylim(-MM * room, MM * (scene.skin.width + room))
+    axes.set_xlim(-MM * room, MM * (skin.length + room))
+    axes.set_ylim(-MM * room, MM * (skin.width + room))
     axes.set_title(reading.name.replace(" to ", "\nto "), fontsize=8)

@@ -25,16 +25,19 @@ WRITTEN = (DESIGN, "design.json", "report.html", "wiring.*", "steps.png", "flat.
 
 
 def scene_of(found: SearchResult) -> Scene:
-    """The design as a scene."""
-    scene = found.evaluator.scene
-    text = {"name": f"{scene.name}-designed", "description": f"designed from {scene.name}"}
-    return designed(scene, found.best.layout).with_(text)
+    """The design as a parts."""
+    parts = found.evaluator.parts
+    text = {
+        "name": f"{parts.skin.name}-designed",
+        "description": f"designed from {parts.skin.name}",
+    }
+    return designed(parts.scene, found.best.layout).with_(text)
 
 
 def answer(found: SearchResult, settings: SearchSettings) -> str:
     """Result of a search in one line, compared with the required merit."""
     request, best = settings.request, found.best
-    scale = scale_of(found.evaluator.scene, request)
+    scale = scale_of(found.evaluator.parts, request)
     text = (
         f"{scale.of}: {scale.text(best.tenth)} {scale.unit} on nine of ten samples "
         f"(given scene: {scale.text(found.before.tenth)} {scale.unit}), with "
@@ -58,17 +61,17 @@ def write_folder(found: SearchResult, settings: SearchSettings, folder: Path) ->
         sensitivity_curves(found.evaluator, layout),
         loss_without_each(found.evaluator, layout),
     )
-    scale = scale_of(found.evaluator.scene, settings.request)
-    table = rows(scene, found.evaluator.wired, layout.readings)
+    scale = scale_of(found.evaluator.parts, settings.request)
+    table = rows(scene.parts.skin, found.evaluator.wired, layout.readings)
     with filled_at_once(folder) as made:
         write_text(made / DESIGN, scene_text(scene))
         write_rows(made / "wiring.csv", WiringRow._fields, table)
         write_json(made / "design.json", _numbers(found, flat, lost, scale))
         draw_steps(found.steps, scale.wanted(settings.request), scale, made / "steps.png")
         draw_flat(flat, scale, made / "flat.png")
-        draw_wiring(scene, layout.readings, made / "wiring.png")
+        draw_wiring(scene.parts.skin, layout.readings, made / "wiring.png")
         sections = sections_of(found, settings, (flat, lost), table, made)
-        name = f"{found.evaluator.scene.name}: a design"
+        name = f"{found.evaluator.parts.skin.name}: a design"
         write_page(made / "report.html", name, sections, answer(found, settings))
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ...report.page import Items, Picture, ReportSection, TableGrid
-from ...scene.scene import Scene
+from ...scene.parts import Skin
 from ..evaluator import SearchSettings
 from ..merits.scoring import Layout, designed
 from ..search import SearchResult, SearchStep
@@ -28,13 +28,13 @@ def sections_of(
     measured: sensitivity to each number, and loss without each reading. table: the wiring. folder:
     of the charts.
     """
-    (flat, lost), scale = measured, scale_of(found.evaluator.scene, settings.request)
-    scene = designed(found.evaluator.scene, found.best.layout)
+    (flat, lost), scale = measured, scale_of(found.evaluator.parts, settings.request)
+    skin = designed(found.evaluator.parts.scene, found.best.layout).parts.skin
     return [
         ReportSection("", [_bounds_meaning(settings, scale)]),
         _gain_section(found, scale, folder),
         _wiring_section(found, table, lost, scale, folder),
-        ReportSection("What to make", [Items(_material_items(scene, flat, scale))]),
+        ReportSection("What to make", [Items(_material_items(skin, flat, scale))]),
         _sensitivity_section(flat, scale, folder),
         ReportSection("Distance from the best choice", [_distance_from_best(found, scale)]),
     ]
@@ -120,13 +120,13 @@ def _sensitivity_section(
     return ReportSection("Sensitivity of the optimum", [chart, Items(lines)])
 
 
-def _material_items(scene: Scene, flat: Sequence[SensitivityCurve], scale: MeritScale) -> list[str]:
+def _material_items(skin: Skin, flat: Sequence[SensitivityCurve], scale: MeritScale) -> list[str]:
     """Properties to make: sheets with their tolerance, and the foam."""
-    within, foam = flat[0].within(scale.point), scene.skin.foam
+    within, foam = flat[0].within(scale.point), skin.foam
     sheets = [
         f"{name} sheet: {1e-3 * sheet.sheet_resistance:.3g} kohm/sq, "
         f"{_between(sheet, within, scale)}"
-        for name, sheet in (("top", scene.skin.top), ("bottom", scene.skin.bottom))
+        for name, sheet in (("top", skin.top), ("bottom", skin.bottom))
     ]
     thick = "" if foam.thickness is None else f", {1e3 * foam.thickness:.3g} mm thick"
     return [*sheets, f"foam: {1e9 * foam.unpressed_capacitance_per_area:.3g} nF/m²{thick}"]

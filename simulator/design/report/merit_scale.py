@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...scene.design_goals import POSITION, Design
-from ...scene.scene import Scene
+from ...scene.parts import SceneParts
 from ..merits.touch_positions import TouchPositions
 
 
@@ -57,8 +57,8 @@ class MeritScale:
         return None if request.within is None else 1 - request.within / self.guess
 
 
-def scale_of(scene: Scene, request: Design) -> MeritScale:
+def scale_of(parts: SceneParts, request: Design) -> MeritScale:
     """Scale of merits for a design of a scene."""
     if request.target != POSITION:
         return MeritScale(request.target)
-    return MeritScale(request.target, TouchPositions(scene).merit.guess)
+    return MeritScale(request.target, TouchPositions(parts).merit.guess)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from ...scene.parts import Skin
 from ...scene.readings.contacts import Interface
 from ...scene.readings.wiring_checks import conductor_groups
-from ...scene.scene import Scene
 
 
 class WiringRow(NamedTuple):
@@ -19,10 +19,10 @@ class WiringRow(NamedTuple):
     open: str
 
 
-def rows(scene: Scene, wired: Sequence[str], readings: Sequence[Interface]) -> list[WiringRow]:
+def rows(skin: Skin, wired: Sequence[str], readings: Sequence[Interface]) -> list[WiringRow]:
     """A row for each reading. wired: first foils of the terminals that have a wire."""
-    first = conductor_groups(scene.contacts, scene.skin)
-    leader = {c.name: scene.contacts[k].name for c, k in zip(scene.contacts, first, strict=True)}
+    first = conductor_groups(skin.contacts, skin)
+    leader = {c.name: skin.contacts[k].name for c, k in zip(skin.contacts, first, strict=True)}
     found = []
     for each in readings:
         high, low = ({leader[name] for name in side} for side in (each.high, each.low))

@@ -3,22 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from ...scene.maps.factor_maps import Grid
 from ...scene.parts import Skin
 from ...scene.pixel_grid import Pressing
-from ...scene.scene import Scene
 from ...sweeps import InputError
 from ..parameters import FOAM_MODES
 from .amplitudes import fitted_map, modes_at
 
 
-def with_foam_modes(scene: Scene, values: Mapping[str, float]) -> Scene:
-    """Scene with the modes among the values as a map of its foam."""
+def with_foam_modes(skin: Skin, values: Mapping[str, float]) -> Skin:
+    """Skin with the modes among the values as a map of its foam."""
     if not any(values.get(name) for name in FOAM_MODES):
-        return scene
-    foam = scene.skin.foam.model_copy(update={"map": map_of(scene.parts.skin, values)})
-    return scene.model_copy(update={"skin": scene.skin.model_copy(update={"foam": foam})})
+        return skin
+    return replace(skin, foam=skin.foam.model_copy(update={"map": map_of(skin, values)}))
 
 
 def map_of(skin: Skin, values: Mapping[str, float]) -> Grid:

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from ...arrays import Complex, Real
 from ...scene.maps.factor_maps import Grid
 from ...scene.parts import Skin
-from ...scene.scene import Scene
 from ...scene.skin import Electrode
 from ...sweeps import InputError
 from ..parameters import BOTTOM_MODES, SHEET_MODES, TOP_MODES, Variation
@@ -63,17 +62,15 @@ class StiffnessTerms:
         return {name: flat[..., k] for k, name in enumerate(SHEET_MODES) if name in values}
 
 
-def with_sheet_modes(scene: Scene, values: Mapping[str, float]) -> Scene:
-    """Scene with the modes among the values as maps of its sheets."""
+def with_sheet_modes(skin: Skin, values: Mapping[str, float]) -> Skin:
+    """Skin with the modes among the values as maps of its sheets."""
     if not any(values.get(name) for name in SHEET_MODES):
-        return scene
+        return skin
     sheets = {
-        name: scene.skin.sheet(name).model_copy(
-            update={"map": map_of_sheet(scene.parts.skin, values, names)}
-        )
+        name: skin.sheet(name).model_copy(update={"map": map_of_sheet(skin, values, names)})
         for name, names in OF_SHEETS.items()
     }
-    return scene.model_copy(update={"skin": scene.skin.model_copy(update=sheets)})
+    return skin.with_parts(**sheets)
 
 
 def map_of_sheet(skin: Skin, values: Mapping[str, float], names: tuple[str, ...]) -> Grid:

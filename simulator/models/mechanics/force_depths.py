@@ -12,8 +12,7 @@ import numpy as np
 from ...press.pixels import pixels_with_skin
 from ...press.press import Press
 from ...press.touch import Depth, Force, Indentation, Touch
-from ...scene.parts import Skin
-from ...scene.scene import Scene
+from ...scene.parts import SceneParts, Skin
 from ...scene.skin import Sheet
 from ...sweeps.press_text import displayed_press
 from ..uniform import folded
@@ -28,22 +27,21 @@ SHOWN_RTOL = 0.05
 """Tolerance for depths that are shown with three digits; their observed error was 2e-5 at most."""
 
 
-def foldable(scene: Scene, what: str, creeps: bool = False) -> Scene:
-    """Scene as `folded` returns it, with forces on pixels replaced by depths."""
-    return folded(forces_as_depths(scene), what, creeps)
+def foldable(parts: SceneParts, what: str, creeps: bool = False) -> SceneParts:
+    """Parts as `folded` returns them, with forces on pixels replaced by depths."""
+    return folded(forces_as_depths(parts).parts, what, creeps)
 
 
-def forces_as_depths(scene: Scene) -> Scene:
-    """Scene with its pixels pressed to one depth, the median of the depths under its force.
+def forces_as_depths(parts: SceneParts) -> SceneParts:
+    """Parts with pixels pressed to one depth, the median of the depths under their force.
 
     The range of depths is logged. Raises InputError if the foam cannot be compressed so far.
     """
-    if scene.press.force is None:
-        return scene
-    pressing = scene.press.model_copy(
-        update={"force": None, "depth": _median(_bare(scene.parts.skin), scene.press.force)}
-    )
-    return scene.model_copy(update={"press": pressing})
+    press = parts.plan.press
+    if press.force is None:
+        return parts
+    depth = _median(_bare(parts.skin), press.force)
+    return parts.pressed_by(press.model_copy(update={"force": None, "depth": depth}))
 
 
 def _bare(skin: Skin) -> Skin:

@@ -15,7 +15,7 @@ from ..part import Part
 from ..readout.meter import Leads
 from .contacts import Interface, taken
 from .node_gain import DrivenTerminals, NodeGain, driven_terminals, single_gain
-from .readers import own_source
+from .readers import own_source, with_sources
 
 
 @dataclass(frozen=True)
@@ -70,6 +70,28 @@ class Setup(Part):
     def at(self, frequency: Real) -> Setup:
         """The readings at other frequencies, Hz, ascending."""
         return replace(self, frequency=frequency)
+
+    def taking(self, frequency: Real, taken: Mask | None = None) -> Setup:
+        """The setup with these readings.
+
+        frequency: Hz, ascending. taken: mask of the readings, shape (interface, frequency); None
+        for all of them.
+        """
+        masks = np.ones((len(self.interfaces), len(frequency)), bool) if taken is None else taken
+        each = zip(self.interfaces, masks, strict=True)
+        interfaces = tuple(read_at(one, None if row.all() else frequency[row]) for one, row in each)
+        return replace(self, interfaces=interfaces, frequency=frequency)
+
+    def of(self, names: Sequence[str]) -> Setup:
+        """Only these interfaces in this order, at the frequencies of their readings."""
+        numbers = [self.names.index(name) for name in names]
+        kept = with_sources([self.interfaces[k] for k in numbers], self.interfaces)
+        some = replace(self, interfaces=kept)
+        if self.taken is None:
+            return some
+        taken = self.taken[numbers]
+        read = taken.any(axis=0)
+        return some.taking(self.frequency[read], taken[:, read])
 
     def behind(self, leads: Leads) -> Setup:
         """The readings behind other leads."""
@@ -197,3 +219,11 @@ class Setup(Part):
     def shape(self) -> tuple[int, int]:
         """Numbers of interfaces and of frequencies."""
         return len(self.interfaces), len(self.frequency)
+
+
+def read_at(interface: Interface, frequency: Real | None) -> Interface:
+    """The interface with its own frequencies in Hz; None for those of the setup."""
+    own = None if frequency is None else tuple(frequency.tolist())
+    if own == interface.frequencies:
+        return interface
+    return interface.model_copy(update={"frequencies": own})

@@ -9,12 +9,14 @@ from ...mesh.finger_cells import with_fingers_at
 from ...press.batch import PressBatch
 from ...press.finger import finger_over
 from ...press.rasterized import Footprints
-from ...scene.scene import Scene
+from ...scene.parts import Skin
+from ...scene.pixel_grid import Pressing
 from .contact_types import PointContacts
 
 
 def with_fingers(
-    scene: Scene,
+    skin: Skin,
+    pressing: Pressing,
     contacts: PointContacts,
     batch: PressBatch,
     outer: Real,
@@ -27,10 +29,10 @@ def with_fingers(
     x, y, _, _, _, width, height = np.moveaxis(contacts.values, -1, 0)
     disc = outer > 0
     width, height = np.where(disc, 2 * outer, width), np.where(disc, 2 * outer, height)
-    left, right = (np.clip(x + side * width / 2, 0.0, scene.skin.length) for side in (-1, 1))
-    low, high = (np.clip(y + side * height / 2, 0.0, scene.skin.width) for side in (-1, 1))
+    left, right = (np.clip(x + side * width / 2, 0.0, skin.length) for side in (-1, 1))
+    low, high = (np.clip(y + side * height / 2, 0.0, skin.width) for side in (-1, 1))
     area = np.where(disc, np.pi * outer**2, (right - left) * (high - low))
     there = (np.arange(x.shape[1]) < contacts.counts[:, None]) & (area > 0)
-    finger = np.where(there, finger_over(scene.parts.skin, area, scene.press.finger), 0.0)
+    finger = np.where(there, finger_over(skin, area, pressing.finger), 0.0)
     placed = Footprints(disc, x, y, width, height, np.ones(x.shape), finger)
-    return with_fingers_at(scene.parts.skin, batch, contacts.counts, placed, grid)
+    return with_fingers_at(skin, batch, contacts.counts, placed, grid)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Integer, Mask, Real
-from ...scene.scene import Scene
+from ...scene.parts import Skin
 from ...scene.skin_region import covers
 
 SAMPLES = 16
@@ -30,17 +30,15 @@ class GridCells(NamedTuple):
     whole: bool
 
 
-def grid_cells(scene: Scene, grid: tuple[int, int]) -> GridCells:
+def grid_cells(skin: Skin, grid: tuple[int, int]) -> GridCells:
     """Cells of a grid (rows, columns) over the length and width of the skin of a scene."""
-    (rows, columns), (length, width) = grid, scene.skin.sides
+    (rows, columns), (length, width) = grid, skin.sides
     x, y = np.linspace(0, length, columns + 1), np.linspace(0, width, rows + 1)
     cut, mask = np.full(grid, -1), np.zeros((0, SAMPLES, SAMPLES), dtype=bool)
-    if scene.skin.rectangular:
+    if skin.rectangular:
         return GridCells(x, y, cut, mask, np.ones(grid), True)
     across, along = ((np.arange(n * SAMPLES) + 0.5) / (n * SAMPLES) for n in grid)
-    there = covers(
-        scene.skin, np.stack(np.broadcast_arrays(along * length, across[:, None] * width))
-    )
+    there = covers(skin, np.stack(np.broadcast_arrays(along * length, across[:, None] * width)))
     samples = there.reshape(rows, SAMPLES, columns, SAMPLES).swapaxes(1, 2)
     part = samples.mean(axis=(2, 3))
     edge = part < 1

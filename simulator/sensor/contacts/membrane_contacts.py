@@ -28,7 +28,7 @@ from ...models.mechanics.lattice.relaxed_presses import (
 )
 from ...models.mechanics.lattice.skin_lattice import Lattice, lattice_of
 from ...press.batch import NOTHING, TouchedCells
-from ...scene.scene import Scene
+from ...scene.parts import Skin
 from ...sweeps import ToleranceError
 from .contact_types import PointContacts, PressureImage
 from .foam_tables import FoamTables
@@ -60,7 +60,7 @@ class MembraneCells(NamedTuple):
 class ContactMembrane:
     """Skins with tension on the foam of a scene, and the grid (rows, columns) of cells."""
 
-    scene: Scene
+    skin: Skin
     grid: tuple[int, int]
     foam: FoamTables
     cells: GridCells
@@ -104,8 +104,8 @@ class ContactMembrane:
         row, column = (
             np.minimum(at / side * count, count - 1).astype(np.int64)
             for at, side, count in (
-                (lattice.y, self.scene.skin.width, rows),
-                (lattice.x, self.scene.skin.length, columns),
+                (lattice.y, self.skin.width, rows),
+                (lattice.x, self.skin.length, columns),
             )
         )
         w = self._under_load(lattice, here, values[np.ix_(row, column)])
@@ -123,11 +123,11 @@ class ContactMembrane:
         return strain * self.foam.thickness, radius
 
     def _lattice(self, smallest: float) -> Lattice:
-        mechanics = self.scene.skin.foam.mechanics
+        mechanics = self.skin.foam.mechanics
         assert mechanics is not None
         spread = np.sqrt(mechanics.tension * self.foam.thickness / mechanics.young)
-        size = np.clip(smallest, FINEST * spread, min(self.scene.skin.sides))
-        return lattice_of(self.scene.parts.skin, self.grid, float(2.0 ** np.floor(np.log2(size))))
+        size = np.clip(smallest, FINEST * spread, min(self.skin.sides))
+        return lattice_of(self.skin, self.grid, float(2.0 ** np.floor(np.log2(size))))
 
     def _applied(self, own: Real, radius: Real, depth: Real) -> LatticeApplicators:
         wide = np.where(radius > 0, radius, own[:, WIDTH] / 2)
@@ -171,7 +171,7 @@ class ContactMembrane:
         swept = relaxed_under(w, pressure, nodes, law, bodies, *limits)
         if swept > MAX_RELAXATION_SWEEPS:
             raise ToleranceError(
-                f"{self.scene.name}: the relaxation of the foam under contacts does not converge"
+                f"{self.skin.name}: the relaxation of the foam under contacts does not converge"
             )
         return w, bodies.depth
 
@@ -211,7 +211,7 @@ class ContactMembrane:
         return w, w[row, column]
 
     def _rise(self, w: Real) -> Real:
-        return self.scene.skin.foam.factor_at(w / self.foam.thickness) - 1
+        return self.skin.foam.factor_at(w / self.foam.thickness) - 1
 
 
 def _touched(rise: Real) -> TouchedCells:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Real
-from ...scene.scene import Scene
+from ...scene.parts import Skin
 from .foam_tables import FoamTables
 
 FINE = 16
@@ -44,7 +44,7 @@ NO_TABLES = RadialTable(_LEVEL, _LEVEL, _DISCS, _DISCS, _LEVEL)
 
 
 def radial_table(
-    scene: Scene, foam: FoamTables, radius: float, curvature: float, reach: float
+    skin: Skin, foam: FoamTables, radius: float, curvature: float, reach: float
 ) -> RadialTable:
     """Table of an indenter of a radius with a spherical end of a radius of curvature; m.
 
@@ -53,7 +53,7 @@ def radial_table(
     """
     from .radial_kernel import radial_deflections, stacked_rings
 
-    mechanics = scene.skin.foam.mechanics
+    mechanics = skin.foam.mechanics
     assert mechanics is not None
     greatest, thickness = foam.greatest, foam.thickness
     patch = float(min(radius, np.sqrt(2 * curvature * greatest * thickness)))
@@ -67,7 +67,7 @@ def radial_table(
     w = radial_deflections(foam, mechanics.tension, step, nodes, limit, curvature, depth)
     strain = np.minimum(w / thickness, greatest)
     ring = 2 * np.pi * step**2 * (np.arange(nodes) + 0.5)
-    rise = scene.skin.foam.factor_at(strain) - 1
+    rise = skin.foam.factor_at(strain) - 1
     radii, rises = np.zeros((len(depth), DISCS)), np.zeros((len(depth), DISCS))
     stacked_rings(rise, step, flat, radii, rises)
     radii[0] = radii[1]  # without depth there are no rings

@@ -78,12 +78,12 @@ class ContactRasterizer:
         if too_deep not in ("limit", "refuse"):
             raise InputError(f"too_deep must be 'limit' or 'refuse', got {too_deep!r}")
         grid = grid or scene.pixels.shape
-        foam, cells = foam_tables(scene.skin.foam, highest), grid_cells(scene, grid)
-        refused, spread = refusals(scene), None
+        foam, cells = foam_tables(scene.skin.foam, highest), grid_cells(scene.parts.skin, grid)
+        refused, spread = refusals(scene.parts.skin, scene.press), None
         if spreads(scene.parts.skin) and "force" not in refused:
             from .membrane_contacts import ContactMembrane
 
-            spread = SpreadPoints(ContactMembrane(scene, grid, foam, cells))
+            spread = SpreadPoints(ContactMembrane(scene.parts.skin, grid, foam, cells))
         spreading = CellSpreading(coarse, PARTS) if coarse else None
         return cls(scene, grid, coarse, too_deep, foam, cells, refused, spread, spreading)
 
@@ -98,7 +98,7 @@ class ContactRasterizer:
             self._points(contacts) if isinstance(contacts, PointContacts) else self._image(contacts)
         )
         if self.too_deep == "refuse" and found.limited.any():
-            raise InputError(too_deep_message(self.scene, contacts, found.limited))
+            raise InputError(too_deep_message(self.scene.parts.skin, contacts, found.limited))
         return found
 
     def _points(self, contacts: PointContacts) -> ContactCells:
@@ -110,7 +110,9 @@ class ContactRasterizer:
             raise InputError(invalid_contact(self.scene, contacts, *fault))
         if self.scene.press.finger:
             none = PressBatch.of([NOTHING] * contacts.skins)
-            fine = with_fingers(self.scene, contacts, none, patches, self.grid)
+            fine = with_fingers(
+                self.scene.parts.skin, self.scene.press, contacts, none, patches, self.grid
+            )
             batch = batch.and_(self._on_coarse(fine))
         return ContactCells(batch, limited, patches)
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from ...arrays import Mask
 from ...models.mechanics.deformation import check_plane
 from ...press.walls import require_no_walls
+from ...scene.parts import Skin
+from ...scene.pixel_grid import Pressing
 from ...scene.scene import Scene
 from ...sweeps import InputError
 from ...sweeps.press_text import MAX_FACTOR, MIN_FACTOR
@@ -17,38 +19,38 @@ MECHANICS = (
 )
 
 
-def refusals(scene: Scene) -> dict[str, str]:
+def refusals(skin: Skin, pressing: Pressing) -> dict[str, str]:
     """Reason for each kind of contacts that a scene does not take."""
     found = {}
     for kind in KINDS:
         try:
-            _check_kind(scene, kind)
+            _check_kind(skin, pressing, kind)
         except InputError as error:
             found[kind] = str(error)
     return found
 
 
-def _check_kind(scene: Scene, kind: str) -> None:
-    foam, what = scene.skin.foam, f"contacts by {kind}"
-    if kind.endswith("image") and scene.press.finger:
+def _check_kind(skin: Skin, pressing: Pressing, kind: str) -> None:
+    foam, what = skin.foam, f"contacts by {kind}"
+    if kind.endswith("image") and pressing.finger:
         raise InputError(
-            f"{scene.name}: {what} cannot be fingers; leave out `press.finger` or use PointContacts"
+            f"{skin.name}: {what} cannot be fingers; leave out `press.finger` or use PointContacts"
         )
-    require_no_walls(scene.parts.skin, what)
+    require_no_walls(skin, what)
     if kind == "factor":
         return
-    if scene.press.adds:
+    if pressing.adds:
         raise InputError(
-            f"{scene.name}: {what} press no foam, touches add a capacitance to earth here "
+            f"{skin.name}: {what} press no foam, touches add a capacitance to earth here "
             "(`press.adds`); use PointContacts with factor = 1 + capacitance / unpressed "
             "capacitance of the patch"
         )
     if kind.startswith("depth") and foam.thickness is None:
-        raise InputError(f"{scene.name}: {what} need `skin.foam.thickness`")
+        raise InputError(f"{skin.name}: {what} need `skin.foam.thickness`")
     if not kind.startswith("depth") and foam.mechanics is None:
         other = ", or factor instead of force" if kind == "force" else ""
-        raise InputError(f"{scene.name}: {what} need {MECHANICS}{other}")
-    check_plane(scene.skin)
+        raise InputError(f"{skin.name}: {what} need {MECHANICS}{other}")
+    check_plane(skin)
 
 
 def invalid_contact(
@@ -89,11 +91,11 @@ def invalid_value(contacts: Contacts, skin: int, row: int, column: int) -> str:
     return f"{where}: {name} must be >= 0 {UNITS[name]}, got {value:g} in {here}"
 
 
-def too_deep_message(scene: Scene, contacts: Contacts, limited: Mask) -> str:
+def too_deep_message(skin: Skin, contacts: Contacts, limited: Mask) -> str:
     """Message about contacts that would compress the foam further than it can be."""
-    foam = scene.skin.foam
+    foam = skin.foam
     which = f" on skin {int(limited.argmax())}" if contacts.skins > 1 else ""
     return (
-        f"{scene.name}: contacts by {contacts.kind}{which} must leave foam of {foam.thickness:g} m "
+        f"{skin.name}: contacts by {contacts.kind}{which} must leave foam of {foam.thickness:g} m "
         f"compressed by at most {foam.greatest_strain:.3g} of its thickness"
     )

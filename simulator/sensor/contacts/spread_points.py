@@ -74,7 +74,11 @@ class SpreadPoints:
             known = {key: table for key, table in known.items() if key in needed}
         for key in needed - {*known}:
             known[key] = radial_table(
-                self.membrane.scene, self.membrane.foam, key[0], key[1], self.membrane.reach
+                self.membrane.skin,
+                self.membrane.foam,
+                key[0],
+                key[1],
+                self.membrane.reach,
             )
         self.keys = np.array([*known])
         self.tables = RadialTable._make(

@@ -36,7 +36,9 @@ def localizer():
             fault_kinds=lambda sweep: np.array([""]),
             regions=told([SimpleNamespace(shade=lambda x, y: (x > 40).astype(float))]),
         )
-        return LiveLocalizer(model, SimpleNamespace(pixels=SimpleNamespace(shape=(2, 3))))
+        return LiveLocalizer(
+            model, SimpleNamespace(pixels=SimpleNamespace(shape=(2, 3))).parts.skin
+        )
 
     return localizer
 

@@ -38,7 +38,7 @@ def sessions():
 
 def test_presses_on_the_simulated_strip_are_answered_at_their_columns(model, serve):
     served = load_scene(SCENE)
-    meter = instrument(simulated(served, seed=7), pace=0)
+    meter = instrument(simulated(served.parts, seed=7), pace=0)
     with serve(meter) as ports:
         where = ["--resource", ports.resource, "--model", str(model)]
         for column in (1, 2, 3):
@@ -75,7 +75,7 @@ def test_two_fingers_are_no_column_to_a_model_of_the_papers_readings(tmp_path, s
     """It looks at Rs and Cp as they stand; what guards it looks at changes from rest."""
     save(tmp_path / "raw.npz", train(sessions(), "column", quantities=("Rs", "Cp")))
     served = load_scene(SCENE)
-    meter = instrument(simulated(served, seed=7), pace=0)
+    meter = instrument(simulated(served.parts, seed=7), pace=0)
     with serve(meter) as ports:
         where = ["--resource", ports.resource, "--model", str(tmp_path / "raw.npz")]
         rest = tmp_path / "rest.nc"
@@ -95,7 +95,7 @@ def test_touches_are_followed_by_few_frequencies_where_a_model_inverts_the_simul
     made = train(sweeps, "column", "model-based", quantities=("dlnZ", "dphase"))
     save(inverting, made)
     served = load_scene(SCENE)
-    meter = instrument(simulated(served, seed=7), pace=0)
+    meter = instrument(simulated(served.parts, seed=7), pace=0)
     with serve(meter) as ports:
         where = ["--resource", ports.resource, "--model", str(inverting), "--filter"]
         rest = model.with_name("rest.nc")
@@ -120,7 +120,7 @@ def test_two_interfaces_are_read_by_choice_and_shown_on_a_page(tmp_path, serve):
     save(path, train(sweeps, "pixel", "model-based", quantities=quantities))
     (tmp_path / "two.toml").write_text(scene_text(scene))
     served = load_scene(str(tmp_path / "two.toml"))
-    exhibit = simulated(served, seed=7)
+    exhibit = simulated(served.parts, seed=7)
     with serve(instrument(exhibit, pace=0)) as ports:
         control = f"127.0.0.1:{ports.control}"
         where = ["--resource", ports.resource, "--model", str(path), "--switch", control]
@@ -146,7 +146,7 @@ def test_interfaces_with_frequencies_of_their_own_are_read_and_logged_at_these(t
     save(tmp_path / "own.npz", train(sweeps, "pixel", quantities=("dlnZ", "dphase")))
     (tmp_path / "own.toml").write_text(scene_text(scene))
     served = load_scene(str(tmp_path / "own.toml"))
-    exhibit = simulated(served, seed=7)
+    exhibit = simulated(served.parts, seed=7)
     with serve(instrument(exhibit, pace=0)) as ports:
         control, rest = f"127.0.0.1:{ports.control}", tmp_path / "rest.nc"
         where = ["--resource", ports.resource, "--model", str(tmp_path / "own.npz")]

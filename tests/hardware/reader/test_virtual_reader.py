@@ -66,7 +66,7 @@ def served(scene, skins, text, **more):
 def recorded(scene, ports, path, tmp_path, **more):
     """A recording through the command's own set-up: sweeps, what was noted, and what was shown."""
     notes, show = [], Silent()
-    header = header_of(scene, INTERFACES, standard_order(*scene.pixels.shape, 1)[:4])
+    header = header_of(scene.parts, INTERFACES, standard_order(*scene.pixels.shape, 1)[:4])
     options = SourceOptions(ports.line_resource, 1.0, 9600, None, path)
     source = source_setup(
         options, header.by_interface, report=lambda kind, text: notes.append(kind)
@@ -148,7 +148,7 @@ def test_a_live_session_reads_lines(described, press_control):
     localizer = Pixels()
     text = COUNTED.replace("rate = 2000", "rate = 1000")
     path = described(text)
-    with served(localizer.scene, SKINS, text) as (_, ports):
+    with served(localizer.parts, SKINS, text) as (_, ports):
         press = press_control(ports)
         frequencies = dict.fromkeys(INTERFACES, localizer.frequencies)
         options = SourceOptions(ports.line_resource, 1.0, 9600, None, path)
@@ -313,7 +313,7 @@ def multisine_quilt(scene):
 
 def test_a_multisine_sends_whole_frames_no_faster_than_it_reads_them(quilt, tmp_path):
     scene = multisine_quilt(quilt)
-    skin = served_skin.simulated(scene, seed=1)
+    skin = served_skin.simulated(scene.parts, seed=1)
     text = ARRAYS.replace("rate = 200", "rate = {}")
     with pytest.raises(InputError, match=r"`rate` .* must be <= 31\.25 lines per second, as a sw"):
         served_skin.reader(skin, LineFormat.model_validate(inputs.tables(text.format(32))))
@@ -327,7 +327,7 @@ def test_a_multisine_sends_whole_frames_no_faster_than_it_reads_them(quilt, tmp_
 
 
 def test_a_meter_of_a_multisine_scene_notes_that_it_reads_in_its_own_time(quilt):
-    skin = served_skin.simulated(multisine_quilt(quilt), seed=1)
+    skin = served_skin.simulated(multisine_quilt(quilt).parts, seed=1)
     meter = served_skin.instrument(skin, pace=0)
     (note,) = served_skin.notes(meter, skin)
     meter.worker.end()

@@ -25,7 +25,7 @@ def operator(ports, show):
 @pytest.fixture
 def task(ports, scene, tmp_path):
     return RecordingTask(
-        header_of(scene, ["left"], standard_order(2, 2, 2)),
+        header_of(scene.parts, ["left"], standard_order(2, 2, 2)),
         tmp_path / "run.nc",
         lambda: open_meter(ports.resource, 0.5),
         read_table(),

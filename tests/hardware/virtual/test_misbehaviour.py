@@ -132,7 +132,7 @@ def test_misbehaviour_out_of_range_is_refused(ports, given, told):
 @pytest.mark.parametrize("frequencies", [(1e3, 3e5), (39.9, 1e3), (1e-3, 8e6)])
 def test_a_scene_is_served_at_the_frequencies_that_are_recorded(scene, meter, frequencies):
     with pytest.raises(InputError, match="IM3523 reads 40 Hz to 200 kHz; .* outside"):
-        instrument_of(simulated(with_frequencies(scene, frequencies)))
+        instrument_of(simulated(with_frequencies(scene, frequencies).parts))
     with pytest.raises(InputError, match="IM3523 reads 40 Hz to 200 kHz; .* outside"):
         check_frequencies(meter, frequencies)
 

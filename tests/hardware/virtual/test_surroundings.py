@@ -29,7 +29,7 @@ def earthed():
 
 def test_a_skin_is_served_before_earth_and_touched_by_fingers(earthed, serve, command):
     """The closed forms of three conductors as the frequency falls to 0, over both ports."""
-    meter = instrument(simulated(earthed), pace=0.0)
+    meter = instrument(simulated(earthed.parts), pace=0.0)
     skin = earthed.skin
     (L, W), c, R = skin.sides, skin.foam.unpressed_capacitance_per_area, skin.top.sheet_resistance
     Rs = {}
@@ -57,7 +57,7 @@ def test_a_skin_is_served_before_earth_and_touched_by_fingers(earthed, serve, co
     ],
 )
 def test_what_a_finger_cannot_do_is_said_in_one_line(earthed, serve, command, press, told):
-    meter = instrument(simulated(earthed), pace=0.0)
+    meter = instrument(simulated(earthed.parts), pace=0.0)
     with serve(meter) as ports:
         refused = command("press", press, "--control", f"127.0.0.1:{ports.control}")
     assert refused.exception and told in str(refused.exception)

@@ -11,7 +11,7 @@ from rcskin.localization.model.training import train
 from rcskin.simulator.measure.experiment import planned_presses
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
-from rcskin.simulator.models.parameters import scene_with
+from rcskin.simulator.models.parameters import parts_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
@@ -30,7 +30,7 @@ def gap(run):
 
 def recorded(scene, seed, factor=1.0):
     """The scene's experiment with sheets of a factor on their resistance, read by its meter."""
-    skin = scene_with(scene, {"sheet_resistance": np.log(factor)})
+    skin = parts_with(scene.parts, {"sheet_resistance": np.log(factor)}).scene
     presses = planned_presses(scene.parts.skin, scene.parts.plan, np.random.default_rng(seed))
     exact = simulate(Solver(skin), presses)
     return read_out(exact, scene.readout, np.random.default_rng(seed + 1))

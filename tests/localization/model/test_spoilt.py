@@ -57,10 +57,10 @@ def fields_of(value, path=()):
     if isinstance(value, Plain):
         for each in fields(value):
             if not each.metadata.get("transient"):
-                yield from fields_of(getattr(value, each.name), (*path, each.name))
+                yield from fields_of(getattr(value, each.name).parts, (*path, each.name))
     elif isinstance(value, tuple):
         for number, part in enumerate(value):
-            yield from fields_of(part, (*path, number))
+            yield from fields_of(part.parts, (*path, number))
     else:
         yield path
 
@@ -118,7 +118,7 @@ def trained(request, make_sweeps):
 
 
 def test_no_field_of_a_model_may_be_spoilt(trained):
-    for path in fields_of(trained):
+    for path in fields_of(trained.parts):
         names = path[-1] == "classes"
         for changed in () if names else spoilt(held_by(trained, path)):
             if changed is None and path[-1] == "independent":  # of a training of one session
@@ -129,7 +129,7 @@ def test_no_field_of_a_model_may_be_spoilt(trained):
 
 
 def test_no_array_may_be_of_another_size(trained):
-    for path in fields_of(trained.learned):
+    for path in fields_of(trained.learned.parts):
         array = held_by(trained.learned, path)
         if isinstance(array, np.ndarray) and array.size:
             for changed in (array[:-1], np.concatenate([array, array[:1]])):

@@ -8,7 +8,7 @@ import pytest
 import rcskin
 from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.streaming.class_names import class_names
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.memory_dataset import in_memory
 from rcskin.simulator.sweeps import InputError
 
@@ -45,7 +45,9 @@ def rows(X):
 
 def test_the_sweeps_are_those_of_a_data_set(scene, streams):
     stream = streams(seed=3)
-    sweeps = in_memory(Plan(scene, sweep_stream.MIXED * SESSION, 3, RTOL), stream.family)
+    sweeps = in_memory(
+        DatasetPlan(scene.parts, sweep_stream.MIXED * SESSION, 3, RTOL), stream.family
+    )
     samples = samples_of(sweeps, "column")
     X, y = map(torch.stack, zip(*taken(stream, len(samples.X)), strict=True))
     assert X.dtype == torch.float32 and y.dtype == torch.int64
@@ -103,12 +105,12 @@ def test_spawned_workers_repeat_themselves(streams):
 
 
 def test_classes_by_target(scene):
-    assert class_names(scene, "column") == ("0", "1", "2", "3")
-    assert class_names(scene, "row") == ("0", "1")
-    assert class_names(scene, "pixel") == ("0,0", "1,1", "1,2", "1,3")
-    assert class_names(scene, "touches") == ("0", "1", "2")
-    assert class_names(scene, "pair")[-3:] == ("1,1+1,2", "1,1+1,3", "1,2+1,3")
-    assert class_names(scene, "position") == ()
+    assert class_names(scene.parts.skin, "column") == ("0", "1", "2", "3")
+    assert class_names(scene.parts.skin, "row") == ("0", "1")
+    assert class_names(scene.parts.skin, "pixel") == ("0,0", "1,1", "1,2", "1,3")
+    assert class_names(scene.parts.skin, "touches") == ("0", "1", "2")
+    assert class_names(scene.parts.skin, "pair")[-3:] == ("1,1+1,2", "1,1+1,3", "1,2+1,3")
+    assert class_names(scene.parts.skin, "position") == ()
 
 
 REFUSED = {

@@ -61,7 +61,7 @@ def test_presses_of_a_data_set_that_are_stated_are_taken():
     table = scene_table("strip-1x3")
     table["dataset"]["press"]["factor"] = {"distribution": "fixed", "value": 2.5}
     (scene,) = scenes_of(table, parse_axes(["pixels.rows=1"], table), EvaluationSettings())
-    assert EvaluationSettings().plan(scene, 0, 1e-4).scene.dataset.press.factor.low == 2.5
+    assert EvaluationSettings().plan(scene.parts, 0, 1e-4).scene.dataset.press.factor.low == 2.5
 
 
 @pytest.mark.usefixtures("unlearned")
@@ -120,7 +120,7 @@ def test_rest_is_a_class_where_the_experiment_has_it():
         parse_axes(["pixels.rows=1"], table),
         EvaluationSettings(),
     )
-    assert EvaluationSettings().nominal(scene)[0] == Press()
+    assert EvaluationSettings().nominal(scene.parts.skin, scene.parts.plan)[0] == Press()
 
 
 def test_few_presses_do_not_make_the_unpressed_skin_count_more(run_study):
@@ -134,6 +134,9 @@ def test_few_presses_do_not_make_the_unpressed_skin_count_more(run_study):
 def test_the_amount_of_data_is_stated_as_it_is_drawn():
     scene = rcskin.load("strip-1x3")
     whole, repeated = EvaluationSettings(draws=3), EvaluationSettings(repeated=True)
-    assert whole.presses(scene) == "3 draws of 2000 sweeps"
-    assert whole.plan(scene, 0, 1e-4).sweeps == 2000
-    assert repeated.presses(scene) == f"{scene.experiment.repetitions} presses of each pixel"
+    assert whole.presses(scene.parts.plan) == "3 draws of 2000 sweeps"
+    assert whole.plan(scene.parts, 0, 1e-4).sweeps == 2000
+    assert (
+        repeated.presses(scene.parts.plan)
+        == f"{scene.experiment.repetitions} presses of each pixel"
+    )

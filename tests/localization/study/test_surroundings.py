@@ -50,7 +50,7 @@ def test_numbers_of_surroundings_are_keys_to_vary(touched, key, unit):
 def test_pixels_are_pressed_by_the_finger_of_the_scene(touched):
     """As the full solver has it, to the tolerance of the reduced model that studies share."""
     nominal, rtol = EvaluationSettings().nominal(touched), 1e-3
-    Z = impedances(touched, nominal, _family(_without_readings(touched), rtol), rtol)
+    Z = impedances(touched.parts, nominal, _family(_without_readings(touched), rtol), rtol)
     solver = Solver(touched.parts, 1e-5)
     exact = np.stack([solver.solve(press).Z for press in nominal])
     assert relative_difference(Z, exact).max() <= rtol

@@ -10,7 +10,7 @@ from rcskin.localization.model.localizer_file import load, save
 from rcskin.localization.model.training import train
 from rcskin.localization.trust.answers import CANNOT_TELL
 from rcskin.localization.trust.diagnosis import NO_FAULT, without_answer
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.memory_dataset import in_memory
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError
@@ -27,7 +27,7 @@ def sweeps():
             "dataset.session.faults": {**ODDS, "gain_factor": {"low": 0.7, "high": 0.8}},
         }
     )
-    return in_memory(Plan(scene, 3200, 1, 1e-2))
+    return in_memory(DatasetPlan(scene.parts, 3200, 1, 1e-2))
 
 
 @pytest.fixture(scope="module")
@@ -85,7 +85,7 @@ def test_sweeps_that_all_have_faults_teach_no_localizer(parts):
 def test_live_and_localize_name_the_fault(model, parts):
     dead = np.flatnonzero(np.char.startswith(parts[1]["fault"].values.astype(str), "dead foil"))
     some = parts[1].isel(sweep=slice(dead[0], dead[0] + 10))
-    live = LiveLocalizer(model, model.known_scene)
+    live = LiveLocalizer(model, model.known_scene.parts.skin)
     answer = live.answer(some.isel(sweep=[9]), some.isel(sweep=[0]), 0.0, 0.1)
     assert answer.label == "cannot tell: like a dead foil"
     _, rows = _table(model, some, None)

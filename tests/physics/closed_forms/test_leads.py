@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.models.parameters import leads_of, own_values, scene_with
+from rcskin.simulator.models.parameters import leads_of, own_values, parts_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.scene.readout.meter import Leads
@@ -66,7 +66,9 @@ def test_a_guard_keeps_its_part_of_the_stray_capacitance_from_the_meter(make_sce
     assert leads_of(own_values(guarded.parts.skin, guarded.parts.setup)).unguarded == pytest.approx(
         left.stray_capacitance
     )
-    assert scene_with(guarded, {}).leads.unguarded == pytest.approx(left.stray_capacitance)
+    assert parts_with(guarded.parts, {}).setup.leads.unguarded == pytest.approx(
+        left.stray_capacitance
+    )
 
 
 def test_a_perfect_guard_alone_leaves_ideal_leads():

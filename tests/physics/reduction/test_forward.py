@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.models.parameters import (
     FOAM_MODES,
     SHEET_MODES,
-    scene_with,
+    parts_with,
 )
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.solver import Solver
@@ -40,7 +40,7 @@ def forward(request, made):
 def test_values_are_those_of_the_full_solver(forward, moved):
     press = parse_press("1,2:1.8+2,3:2.5", 2.0)
     response = forward.respond(*forward.cells(press), moved)
-    truth = Solver(scene_with(forward.parts.scene, moved).parts, 0.1 * RTOL).solve(press).Z
+    truth = Solver(parts_with(forward.parts.scene.parts, moved), 0.1 * RTOL).solve(press).Z
     np.testing.assert_allclose(response.Z.real, truth.real, rtol=RTOL)
     frequency = forward.parts.setup.frequency
     Cp, true_Cp = (parallel_capacitance(Z, frequency) for Z in (response.Z, truth))

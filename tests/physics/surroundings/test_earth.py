@@ -242,13 +242,13 @@ def test_readings_and_fields_of_rods_leave_idle_earth_out(around):
     scene = around({"thickness": True}, {"thickness": 4e-3}, rows=2, columns=2)
     touch = TouchSize(0.05, 0.04, 1.0)
     for given in (touch, touch._replace(finger=3e-12)):
-        fields = fields_of(scene, 1e4, given, cells=1)
+        fields = fields_of(scene.parts, 1e4, given, cells=1)
         assert fields.scene.surroundings.low == ("virtual earth" if given.finger else "floating")
 
 
 @pytest.mark.parametrize("drawn", [{}, {"dataset.press.finger": {"low": 0.0, "high": 5e-12}}])
 def test_data_sets_of_rods_are_of_one_excitation(around, drawn):
     scene = around({"thickness": True}, {"thickness": 4e-3}, rows=1, columns=2).with_(drawn)
-    model = reduced(scene, 0.1)
+    model = reduced(scene.parts, 0.1)
     assert len(model.circuit.excitations) == (2 if drawn else 1)
     assert model.skin(None).parts.fingers == (2 if drawn else 0)

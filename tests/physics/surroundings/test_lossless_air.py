@@ -55,7 +55,7 @@ def by_fields(scene):
 
 
 def by_full_fields(scene):
-    full = FullFields(scene, F[-1], 1)
+    full = FullFields(scene.parts, F[-1], 1)
     return full.respond(np.ones(full.grid), {}, scene.frequencies).Z
 
 
@@ -84,7 +84,7 @@ def test_only_the_foam_has_the_loss(lossy, model):
 
 def test_skins_that_a_sensor_draws_are_those_of_their_family(lossy):
     """Skins of different losses, solved together and each by itself."""
-    skins = MountedSkins(lossy, reduce(lossy.parts, RTOL), 0, range(3), True)
+    skins = MountedSkins(lossy.parts, reduce(lossy.parts, RTOL), 0, range(3), True)
     press = PressBatch.of([(np.array([1]), np.array([0.5]))])
     each = np.stack([skin.sweeps(press)[0, 0] for skin in skins._skins])
     found = skins._impedances(press, np.arange(3), np.zeros(3, dtype=int), None, slice(None))

@@ -48,14 +48,18 @@ def read_by(model, scene, count=None):
 @pytest.fixture(scope="module")
 def scores(scene, model):
     """A function from a number of readings to what they tell."""
-    draws = CommonDraws(scene, draws=3000)
+    draws = CommonDraws(scene.parts, draws=3000)
     return lambda count: draws.score(*read_by(model, scene, count))
 
 
 def test_the_accuracy_is_that_of_the_best_classifier(scene, model, scores):
-    readings = TouchReadings(scene, own_presses(scene.parts.skin, scene.press))
+    readings = TouchReadings(scene.parts, own_presses(scene.parts.skin, scene.press))
     readings._reduced = read(model, scene.interfaces)
-    asked = readings, hypotheses(scene, "pixel"), own_presses(scene.parts.skin, scene.press)
+    asked = (
+        readings,
+        hypotheses(scene.parts.skin, scene.parts.plan, "pixel"),
+        own_presses(scene.parts.skin, scene.press),
+    )
     best = exact(*asked, seed=2, draws=3000)
     assert 0.4 < best.share < 0.97
     for found in (scores(len(READINGS)).accuracy, bayes(*asked, seed=3, draws=3000)):
@@ -85,7 +89,9 @@ def test_a_difference_has_a_far_smaller_error_than_each_accuracy(scene, model):
     asked = Setup(scene.interfaces[:2], scene.frequencies)
     gains = []
     for seed in range(12):
-        one, two = (CommonDraws(scene, draws=500, seed=seed).score(skin, asked) for skin in skins)
+        one, two = (
+            CommonDraws(scene.parts, draws=500, seed=seed).score(skin, asked) for skin in skins
+        )
         gains.append(gain(one, two))
     assert gains[0].error < 0.2 * one.accuracy.error
     spread = np.std([each.share for each in gains], ddof=1)
@@ -96,7 +102,7 @@ def test_readings_that_are_not_taken_have_no_effect(scene, model, scores):
     """At no frequency of the others, the first is alone."""
     taken = np.zeros((len(READINGS), 3), dtype=bool)
     taken[0] = True
-    found = CommonDraws(scene, draws=3000).score(*read_by(model, scene), taken)
+    found = CommonDraws(scene.parts, draws=3000).score(*read_by(model, scene), taken)
     np.testing.assert_allclose(found.correct, scores(1).correct, atol=1e-3)
 
 
@@ -110,12 +116,12 @@ def pair_scene(scene):
 
 def test_the_accuracy_of_pairs_is_that_of_the_best_classifier(pair_scene, model):
     presses = own_presses(pair_scene.parts.skin, pair_scene.press)
-    readings = TouchReadings(pair_scene, presses)
+    readings = TouchReadings(pair_scene.parts, presses)
     readings._reduced = read(model, pair_scene.interfaces)
-    asked = readings, hypotheses(pair_scene, "pair"), presses
+    asked = readings, hypotheses(pair_scene.parts.skin, pair_scene.parts.plan, "pair"), presses
     best = exact(*asked, seed=2, draws=3000)
     assert 0.4 < best.share < 0.97
-    draws = CommonDraws(pair_scene, "pair", draws=3000)
+    draws = CommonDraws(pair_scene.parts, "pair", draws=3000)
     common = draws.score(*read_by(model, pair_scene)).accuracy
     for found in (common, bayes(*asked, seed=3, draws=3000)):
         assert found.share == pytest.approx(best.share, abs=4 * np.hypot(found.error, best.error))
@@ -123,9 +129,9 @@ def test_the_accuracy_of_pairs_is_that_of_the_best_classifier(pair_scene, model)
 
 def test_what_tiles_leave_out_is_negligible(pair_scene, model):
     presses = own_presses(pair_scene.parts.skin, pair_scene.press)
-    readings = TouchReadings(pair_scene, presses)
+    readings = TouchReadings(pair_scene.parts, presses)
     readings._reduced = read(model, pair_scene.interfaces)
-    among = hypotheses(pair_scene, "pair")
+    among = hypotheses(pair_scene.parts.skin, pair_scene.parts.plan, "pair")
     known, measured = compared(readings, among, presses, 3, 200)
     sizes = np.diff([*known.starts, len(known.chance)])
     orders, tiles = [], []
@@ -145,13 +151,13 @@ def test_what_tiles_leave_out_is_negligible(pair_scene, model):
 
 def test_other_targets_are_refused(scene):
     with pytest.raises(InputError, match="touches"):
-        CommonDraws(scene, "touches")
+        CommonDraws(scene.parts, "touches")
 
 
 def test_bounds_on_position_are_those_of_the_full_elements(scene):
-    touch, highest = chosen_touch(scene), float(scene.frequencies[-1])
-    places = places_on(scene, touch, CELLS_PER_PIXEL)[1::5]
-    both = [fields_of(scene, highest, touch), FullFields(scene, highest)]
+    touch, highest = chosen_touch(scene.parts.skin, scene.press), float(scene.frequencies[-1])
+    places = places_on(scene.parts, touch, CELLS_PER_PIXEL)[1::5]
+    both = [fields_of(scene.parts, highest, touch), FullFields(scene.parts, highest)]
     assert not isinstance(both[0], FullFields)
     found, truth = (
         position_slopes(each, places, touch, scene.frequencies).bounds() for each in both

@@ -13,10 +13,10 @@ from rcskin.simulator.limits.criteria import identity_criterion, position_criter
 @pytest.mark.parametrize("repeats", [False, True])
 @pytest.mark.parametrize("target", ["position", "column"])
 def test_exchange_finds_the_best_of_all_choices(noisy_strip, target, repeats):
-    fields, f = FullFields(noisy_strip, 1e5), noisy_strip.frequencies
+    fields, f = FullFields(noisy_strip.parts, 1e5), noisy_strip.frequencies
     if target == "position":
-        touch = chosen_touch(noisy_strip)
-        places = places_on(noisy_strip, touch, fields.cells)
+        touch = chosen_touch(noisy_strip.parts.skin, noisy_strip.press)
+        places = places_on(noisy_strip.parts, touch, fields.cells)
         criterion = position_criterion(position_slopes(fields, places, touch, f))
     else:
         criterion = identity_criterion(fields, target, f)

@@ -7,7 +7,7 @@ from rcskin.simulator.bounds.fields.reduced_fields import ReducedFields
 from rcskin.simulator.bounds.touches.area_rasterizer import AreaRasterizer, covered_about
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.network.terminals import read, trained
-from rcskin.simulator.models.parameters import scene_with
+from rcskin.simulator.models.parameters import parts_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Rectangle
@@ -49,7 +49,7 @@ def test_derivatives_are_those_of_a_touch_that_moves_and_grows(name):
         press = Press((Rectangle(x, y, touch.width, touch.height, 1 + rise),))
         return solver.solve(press).Z
 
-    found = answered(FullFields(scene, 2e5), place, touch, scene.frequencies)
+    found = answered(FullFields(scene.parts, 2e5), place, touch, scene.frequencies)
     np.testing.assert_allclose(found.Z, impedance(*place, touch.rise), rtol=2e-3)
     expected = differences(impedance, place, touch)
     assert_close(found.by_parameter["x"], expected["x"], 0.02)
@@ -68,7 +68,7 @@ def test_an_edge_that_moves_on_a_strip_is_that_of_the_exact_line(noisy):
     def impedance(x, y, rise):
         return line.impedance(Press((Rectangle(x, 0.01, 0.02, 0.02, 1 + rise),)), scene.frequencies)
 
-    found = answered(FullFields(scene, 1e4), place, touch, scene.frequencies)
+    found = answered(FullFields(scene.parts, 1e4), place, touch, scene.frequencies)
     expected = differences(impedance, place, touch)
     assert_close(found.by_parameter["x"], expected["x"], 5e-3)
     assert_close(found.by_parameter["strength"], expected["strength"], 1e-3)
@@ -85,7 +85,7 @@ def test_derivatives_by_the_skin_are_differences_of_skins(noisy):
     scene = noisy(contacts=contacts, loss_tangent=0.05, rows=2, columns=2)
     frequency, step = scene.frequencies, 1e-4
     press = np.where(np.arange(64).reshape(8, 8) % 7 < 2, 2.0, 1.0)
-    found = FullFields(scene, 1e5).respond(press, {}, frequency, {})
+    found = FullFields(scene.parts, 1e5).respond(press, {}, frequency, {})
     for name, unit in (
         ("sheet_resistance", 1),
         ("sheet_mismatch", 1),
@@ -98,10 +98,10 @@ def test_derivatives_by_the_skin_are_differences_of_skins(noisy):
         own = {"loss_tangent": 0.05}.get(name, 0.0)
         two = [own + 2 * step * unit, own]
         high, low = (
-            FullFields(scene_with(scene, {name: value}), 1e5).respond(press, {}, frequency).Z
+            FullFields(parts_with(scene, {name: value}), 1e5).respond(press, {}, frequency).Z
             for value in two
         )
-        between = FullFields(scene_with(scene, {name: own + step * unit}), 1e5)
+        between = FullFields(parts_with(scene, {name: own + step * unit}), 1e5)
         slope = between.respond(press, {}, frequency, {}).by_parameter[name]
         assert_close(slope, (high - low) / (2 * step * unit), 1e-3)
         assert found.by_parameter[name].shape == found.Z.shape
@@ -126,7 +126,7 @@ def test_earth_without_capacitance_changes_no_slope(make_scene):
     factors, f = np.array([[1.0, 2.0]]), scene.frequencies
     asked = factors, {"rise": factors - 1}, f, {"foam": np.ones((1, 2))}
     alone, earthed = (
-        FullFields(each, f[-1], 1).respond(*asked)
+        FullFields(each.parts, f[-1], 1).respond(*asked)
         for each in (scene, scene.with_({"surroundings": {}}))
     )
     np.testing.assert_allclose(earthed.Z, alone.Z, rtol=1e-4)
@@ -148,8 +148,8 @@ def test_a_reduced_model_of_all_terminals_agrees_near_earth():
     directions["finger"][1, 0, 1] = 1.0
     of_foam = {"foam": pressed * np.array([1.0, 0.0])[:, None, None]}
     asked = pressed, directions, np.array([1e3, 1e5]), of_foam
-    found = ReducedFields(scene, model.skin(None), 1).respond(*asked)
-    expected = FullFields(scene, 1e5, 1).respond(*asked)
+    found = ReducedFields(scene.parts, model.skin(None), 1).respond(*asked)
+    expected = FullFields(scene.parts, 1e5, 1).respond(*asked)
     np.testing.assert_allclose(found.Z, expected.Z, rtol=1e-3)
     assert found.by_parameter.keys() == expected.by_parameter.keys()
     for name in ("finger", "capacitance", "body", "rim", "loss_tangent"):

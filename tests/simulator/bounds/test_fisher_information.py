@@ -36,7 +36,7 @@ def test_two_unknowns_with_one_effect_are_not_resolved():
 def test_errors_of_the_session_as_unknowns_are_the_meters_covariance(noisy, against_rest):
     two = {"a": ("top-left", "bottom-left"), "b": ("bottom-left", "top-left")}
     scene = noisy(accuracy=True, interfaces=two)
-    model = error_model(scene, scene.frequencies[:3], against_rest)
+    model = error_model(scene.parts.setup, scene.parts.meter, scene.frequencies[:3], against_rest)
     deviation = model.deviation.reshape(2, 2, 3)
     plain = np.random.default_rng(2).standard_normal((2, 2, 3, 2))
     J = np.moveaxis(plain / deviation[..., None], 0, 2)
@@ -50,4 +50,4 @@ def test_errors_of_the_session_as_unknowns_are_the_meters_covariance(noisy, agai
 
 def test_a_meter_without_noise_is_refused(noisy):
     with pytest.raises(InputError, match="magnitude_noise.*must be > 0"):
-        error_model(noisy(readout={}), np.array([1e3]))
+        error_model(noisy(readout={}).parts.setup, noisy(readout={}).parts.meter, np.array([1e3]))

@@ -26,9 +26,9 @@ def test_drawn_skins_have_the_unguarded_stray_capacitance(make_scene):
 
 def test_limits_are_those_of_the_unguarded_stray_capacitance(make_scene):
     guarded, seen = (behind(make_scene(columns=2), leads) for leads in (GUARDED, SEEN))
-    frequency, at_rest = guarded.frequencies, np.ones(FullFields(guarded, 1e5).grid)
+    frequency, at_rest = guarded.frequencies, np.ones(FullFields(guarded.parts, 1e5).grid)
     one, other = (
-        FullFields(each, 1e5).respond(at_rest, {}, frequency, {}) for each in (guarded, seen)
+        FullFields(each.parts, 1e5).respond(at_rest, {}, frequency, {}) for each in (guarded, seen)
     )
     np.testing.assert_allclose(one.Z, other.Z, rtol=1e-13)
     for name, slope in other.by_parameter.items():

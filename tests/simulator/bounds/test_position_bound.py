@@ -19,9 +19,9 @@ TRIALS = 150
 
 
 def slopes_of(scene, most=4, **options):
-    touch = chosen_touch(scene)
-    fields = FullFields(scene, float(scene.frequencies[-1]))
-    places = places_on(scene, touch, fields.cells, most)
+    touch = chosen_touch(scene.parts.skin, scene.press)
+    fields = FullFields(scene.parts, float(scene.frequencies[-1]))
+    places = places_on(scene.parts, touch, fields.cells, most)
     return position_slopes(fields, places, touch, scene.frequencies, **options)
 
 
@@ -88,7 +88,7 @@ def test_one_edge_has_symmetric_bounds_and_does_not_resolve_y_in_the_middle(nois
     fine = {"magnitude_noise": 1e-5, "phase_noise": 1e-5}
     frequencies = np.geomspace(1e3, 1e5, 6).tolist()
     scene = noisy(readout=fine, rows=3, columns=3, frequencies=frequencies)
-    touch, fields = chosen_touch(scene), FullFields(scene, 1e5)
+    touch, fields = chosen_touch(scene.parts.skin, scene.press), FullFields(scene.parts, 1e5)
     middle, width = scene.skin.width / 2, scene.skin.width
     places = [(0.04, 0.018), (0.04, width - 0.018), (0.04, middle)]
     low, high, half = position_slopes(fields, places, touch, scene.frequencies).bounds().y
@@ -104,13 +104,13 @@ def test_maximum_likelihood_on_the_exact_line_reaches_the_bound(noisy):
         columns=3,
         frequencies=np.geomspace(1e3, 3e4, 6).tolist(),
     )
-    touch, x = chosen_touch(scene), 0.0375
-    slopes = position_slopes(FullFields(scene, 3e4), [(x, 0.01)], touch, scene.frequencies)
+    touch, x = chosen_touch(scene.parts.skin, scene.press), 0.0375
+    slopes = position_slopes(FullFields(scene.parts, 3e4), [(x, 0.01)], touch, scene.frequencies)
     bounds = slopes.bounds()
     assert np.isinf(bounds.y).all()
     line, model = (
         Line(scene.parts.skin, scene.parts.setup, scene.press),
-        error_model(scene, scene.frequencies),
+        error_model(scene.parts.setup, scene.parts.meter, scene.frequencies),
     )
 
     def read(values):
@@ -131,7 +131,7 @@ def test_maximum_likelihood_on_the_exact_line_reaches_the_bound(noisy):
 
 
 def test_the_bound_is_one_call_and_has_the_range_of_positions(square):
-    bounds = position_bound(square, size=0.02, max_places=3)
+    bounds = position_bound(square.parts, size=0.02, max_places=3)
     assert bounds.places.shape == (9, 2) and (bounds.places >= 0.01 - 1e-9).all()
     assert 0 < bounds.median_error() < 0.1
 
@@ -139,4 +139,4 @@ def test_the_bound_is_one_call_and_has_the_range_of_positions(square):
 @pytest.mark.parametrize("given", [{"size": 0.0}, {"size": 0.2}, {"factor": 1.0}, {"factor": -1}])
 def test_invalid_touches_are_refused(square, given):
     with pytest.raises(InputError, match="must be"):
-        chosen_touch(square, **given)
+        chosen_touch(square.parts.skin, square.press, **given)

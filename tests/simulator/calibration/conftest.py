@@ -8,7 +8,7 @@ import pytest
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.network.terminals import reduced_for
-from rcskin.simulator.models.parameters import scene_with
+from rcskin.simulator.models.parameters import parts_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.pixel_grid import Pressing
@@ -35,7 +35,7 @@ def line(make_scene):
 
 def true_sweeps(scene, truth, presses):
     """Of a skin of other parameters than the scene's, without a meter's errors."""
-    return _solved(scene_with(scene, truth or {}), tuple(presses)).copy(deep=True)
+    return _solved(parts_with(scene.parts, truth or {}).scene, tuple(presses)).copy(deep=True)
 
 
 @cache

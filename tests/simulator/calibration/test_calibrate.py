@@ -9,7 +9,7 @@ from rcskin.simulator.calibration.misfit import gap_by_parameter
 from rcskin.simulator.calibration.results.estimates import quantile
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.readout import read_out
-from rcskin.simulator.models.parameters import own_values, scene_with
+from rcskin.simulator.models.parameters import own_values, parts_with
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.scene.readout.meter import Readout
 from rcskin.simulator.sweeps import InputError
@@ -50,7 +50,7 @@ def test_what_the_data_determine_is_found(line, read):
 @pytest.mark.usefixtures("linear_intervals")
 def test_the_calibrated_scene_is_the_one_that_was_measured(line, read):
     found = calibrate(line, read(line, TRUTH, REST), Options(fit=tuple(TRUTH)))
-    skin, true = found.scene.skin, scene_with(line, TRUTH).skin
+    skin, true = found.scene.skin, parts_with(line.parts, TRUTH).skin
     assert skin.top.sheet_resistance == pytest.approx(true.top.sheet_resistance, rel=0.02)
     assert skin.foam.capacitance_per_area == pytest.approx(
         true.foam.unpressed_capacitance_per_area, rel=0.02
@@ -233,7 +233,7 @@ def test_sheets_of_two_fields_are_distinguished_by_two_interfaces(make_scene, re
     found = calibrate(scene, sweeps, only(truth), model=model)
     assert not outside(found, truth)
     assert found.identified["sheet_mismatch"]
-    best = gap_by_parameter(scene, sweeps, model=model).alone[0]
+    best = gap_by_parameter(scene.parts, sweeps, model=model).alone[0]
     assert best.removed > 0.3
 
 
@@ -241,7 +241,7 @@ def test_sheets_of_two_fields_are_distinguished_by_two_interfaces(make_scene, re
     ("name", "value"), [("sheet_resistance", 0.2), ("phase_exponent", 0.95), ("capacitance", 0.1)]
 )
 def test_the_parameter_that_differs_explains_the_gap(line, read, name, value):
-    found = gap_by_parameter(line, read(line, {name: value}, REST)).alone
+    found = gap_by_parameter(line.parts, read(line, {name: value}, REST)).alone
     assert found[0].name == name
     assert found[0].value == pytest.approx(value, rel=0.2)
     assert found[0].removed > 0.9
@@ -253,7 +253,7 @@ def test_frequencies_are_those_of_the_sweeps(line, read):
         update={"sweep": line.sweep.model_copy(update={"frequencies": (2e3, 1e4, 9e4)})}
     )
     found = calibrate(line, read(other, TRUTH, REST), Options(fit=tuple(TRUTH)))
-    assert found.fit.spec.measurements.scene.sweep == other.sweep
+    assert found.fit.spec.measurements.parts.sweep == other.sweep
     assert found.scene.sweep == line.sweep
     assert not outside(found, TRUTH)
 
@@ -262,7 +262,7 @@ def test_only_the_band_and_the_session_asked_for_count(line, read):
     sweeps = read(line, TRUTH, REST)
     sweeps["session"] = ("sweep", np.array([1, 1, 2, 2]))
     found = calibrate(line, sweeps, Options(fit=tuple(TRUTH), band=(2e3, 1e5), session=2))
-    f = found.fit.spec.measurements.scene.frequencies
+    f = found.fit.spec.measurements.parts.setup.frequency
     assert 2e3 <= f[0] < f[-1] <= 1e5
     assert found.fit.spec.measurements.sessions == [2]
 
@@ -295,7 +295,7 @@ def test_what_cannot_be_asked_is_reported(line, read, options, message):
 def test_an_interface_without_a_name_is_the_scenes_only_one(line, read):
     sweeps = read(line)
     unnamed = sweeps.assign_coords(interface=["unnamed"])
-    assert measurements_of(line, unnamed).scene == measurements_of(line, sweeps).scene
+    assert measurements_of(line.parts, unnamed).scene == measurements_of(line.parts, sweeps).scene
 
 
 def test_interfaces_must_be_the_scenes(line, read):

@@ -4,7 +4,7 @@ import json
 
 import pytest
 import rcskin
-from rcskin.simulator.models.parameters import scene_with
+from rcskin.simulator.models.parameters import parts_with
 from rcskin.simulator.scene.scene_files import read_scene, scene_text
 from rcskin.simulator.sweeps import read as read_sweeps
 from rcskin.simulator.sweeps import write
@@ -82,7 +82,7 @@ def test_the_calibrated_scene_says_from_what_and_is_the_same_bytes_again(run, fi
     assert text.startswith(
         "# Calibrated to run.nc by rcskin calibrate.\n# Fitted quantities with marginal 95 %"
     )
-    calibrated, truth = read_scene(folder / "calibrated.toml"), scene_with(line, TRUTH)
+    calibrated, truth = read_scene(folder / "calibrated.toml"), parts_with(line.parts, TRUTH).scene
     assert calibrated.description == "calibrated to run.nc"
     assert calibrated.skin.foam.unpressed_capacitance_per_area == pytest.approx(
         truth.skin.foam.unpressed_capacitance_per_area, rel=0.02

@@ -8,7 +8,7 @@ from rcskin.simulator.calibration.fitting.fit_options import Options
 from rcskin.simulator.calibration.results.explanations import explanations
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.simulate import simulate
-from rcskin.simulator.models.parameters import scene_with
+from rcskin.simulator.models.parameters import parts_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.scene.scene_files import load_scene
@@ -33,7 +33,7 @@ def yarn():
 @pytest.fixture(scope="module")
 def gains(yarn):
     """Of another yarn, read with noise, shape (press, interface, frequency)."""
-    truth = scene_with(yarn, TRUTH)
+    truth = parts_with(yarn.parts, TRUTH).scene
     read = simulate(Solver(truth.parts, 1e-5), [parse_press(each, 2.0, yarn) for each in PRESSES])
     noise = NOISE * np.random.default_rng(0).standard_normal(read["gain"].shape)
     return read.assign(gain=(read["gain"].dims, read["gain"].values * (1 + noise)))
@@ -103,7 +103,7 @@ def test_keys_that_are_counted_from_the_other_end_are_found(yarn, gains):
     one = yarn.with_({"interface": [_alone(yarn, 0)]})
     mirrored = ("none", "1,11:26pF", "1,7:33pF", "1,2:29pF")
     presses = [parse_press(each, 2.0, one) for each in mirrored]
-    read = simulate(Solver(scene_with(one, TRUTH).parts, 1e-5), presses)
+    read = simulate(Solver(parts_with(one.parts, TRUTH), 1e-5), presses)
     read["press"] = ("sweep", np.array(PRESSES, dtype=object))
     found = calibrate(one, read, fitted())
     assert lines(found, "taken: columns counted from the other end, which leaves")
@@ -137,13 +137,13 @@ def crossed(make_scene):
 
 
 def test_an_interface_that_is_another_of_the_scene_is_named(crossed):
-    truth = scene_with(crossed, {"capacitance": -0.3})
+    truth = parts_with(crossed.parts, {"capacitance": -0.3}).scene
     read = simulate(Solver(truth.parts, 1e-5), [Press(), parse_press("1,2:2", 2.0)])
     short = read.sel(interface=["long"]).assign_coords(interface=["short"])
     found = calibrate(crossed, short, Options(("capacitance",), ("others",), trials=False))
     assert lines(found, "taken: interface short is long of the scene, which leaves")
     assert found.values["capacitance"] == pytest.approx(-0.3, abs=0.01)
-    (only,) = found.fit.spec.measurements.scene.interfaces
+    (only,) = found.fit.spec.measurements.parts.setup.interfaces
     assert (only.name, only.high) == ("short", ("top-bottom",))
 
 

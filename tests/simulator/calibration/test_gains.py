@@ -8,7 +8,7 @@ from rcskin.simulator.calibration.results.explanations import explanations
 from rcskin.simulator.calibration.results.residual_chart import residuals
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.simulate import simulate
-from rcskin.simulator.models.parameters import scene_with
+from rcskin.simulator.models.parameters import parts_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.scene_files import load_scene
@@ -49,7 +49,7 @@ def gains(scene, presses, noise=0.0, seed=0):
 
 @pytest.fixture(scope="module")
 def fitted(yarn):
-    return calibrate(yarn, gains(scene_with(yarn, TRUTH), CALIBRATING, NOISE), FITTED)
+    return calibrate(yarn, gains(parts_with(yarn.parts, TRUTH).scene, CALIBRATING, NOISE), FITTED)
 
 
 def test_magnitudes_of_an_unpressed_pad_and_three_touches_determine_the_yarn(fitted):
@@ -66,7 +66,7 @@ def test_gains_of_the_other_touches_are_predicted(yarn, fitted):
     others = [f"1,{place}:30pF" for place in (1, 4, 8, 12)]
     true, predicted, stated = (
         gains(scene, others)["gain"].values
-        for scene in (scene_with(yarn, TRUTH), fitted.scene, yarn)
+        for scene in (parts_with(yarn.parts, TRUTH).scene, fitted.scene, yarn)
     )
     rms = [np.sqrt(np.mean((found / true - 1) ** 2)) for found in (predicted, stated)]
     assert rms[0] < NOISE < 2.5e-2 < 5 * rms[1]
@@ -100,7 +100,7 @@ def one_node(line):
 
 def test_complex_gains_determine_a_line_and_the_input_of_its_reader(one_node):
     truth = {"sheet_resistance": 0.2, "capacitance": -0.3, "load_capacitance": 12e-12}
-    sweeps = gains(scene_with(one_node, truth), ["none", "1,2:2"], NOISE, seed=1)
+    sweeps = gains(parts_with(one_node.parts, truth).scene, ["none", "1,2:2"], NOISE, seed=1)
     options = Options(tuple(truth), ("others",), trials=False)
     found = calibrate(one_node, sweeps, options)
     for name, value in truth.items():
@@ -121,7 +121,7 @@ def test_a_series_resistor_is_not_identified_beside_the_impedances_of_the_skin(o
 
 
 def test_readings_far_off_are_found_among_magnitudes(yarn):
-    sweeps = gains(scene_with(yarn, TRUTH), CALIBRATING, NOISE)
+    sweeps = gains(parts_with(yarn.parts, TRUTH).scene, CALIBRATING, NOISE)
     sweeps["gain"][0, 0, 3] *= 1.4
     sweeps["gain"][2, 1, 9] *= 0.7
     found = calibrate(yarn, sweeps, FITTED)
@@ -133,8 +133,8 @@ def test_readings_far_off_are_found_among_magnitudes(yarn):
 
 def test_magnitudes_calibrate_a_scene_that_reads_phases_too(one_node):
     sweeps = gains(one_node, ["none"]).drop_vars("gain_phase")
-    measured = measurements_of(one_node, sweeps)
-    assert measured.scene.parts.setup.kind is MAGNITUDE and measured.parts == 1
+    measured = measurements_of(one_node.parts, sweeps)
+    assert measured.parts.setup.kind is MAGNITUDE and measured.per_reading == 1
 
 
 def test_refusals(line, one_node, read):

@@ -191,7 +191,7 @@ def test_equal_sheets_lie_within_the_interval_of_their_mean(line, off):
         spec=SimpleNamespace(fitted=dict.fromkeys(names, Prior(0.0, 1.0))),
     )
     known = SimpleNamespace(names=names, covariance=np.diag([spread**2, 1.0]))
-    low, high = series_intervals(line, fit, known, NORMAL)[COMMON]
+    low, high = series_intervals(line.parts.skin, line.parts.setup, fit, known, NORMAL)[COMMON]
     assert low < -0.3 and 0 <= high < 5 * spread
     assert low < np.log(1 / np.cosh(0.8)) < high
 

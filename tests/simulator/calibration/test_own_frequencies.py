@@ -50,11 +50,14 @@ def own(shared):
 
 
 def problem_of(scene, sweeps):
-    data, values = measurements_of(scene, sweeps), own_values(scene.parts.skin, scene.parts.setup)
+    data, values = (
+        measurements_of(scene.parts, sweeps),
+        own_values(scene.parts.skin, scene.parts.setup),
+    )
     known = priors(data, "wide")
     fixed = {name: value for name, value in values.items() if name not in NAMES}
     asked = FitSpec(data, scene.readout, {name: known[name] for name in NAMES}, fixed)
-    return LeastSquaresProblem(asked, centered_model(scene, {}, 1e-4))
+    return LeastSquaresProblem(asked, centered_model(scene.parts, {}, 1e-4))
 
 
 def test_what_was_read_counts_as_ever_and_what_was_not_for_nothing(own, shared, read):
@@ -114,11 +117,11 @@ def test_noise_is_estimated_from_repeats_of_what_was_read(own, shared, simulated
 
 def test_an_interface_that_the_band_leaves_nothing_of_is_left_out(own, shared, read):
     sweeps = restricted(read(shared, TRUTH, PRESSES), own.taken)
-    data = measurements_of(own, sweeps, (FREQUENCIES[8] - 1, np.inf))
-    assert [each.name for each in data.scene.interfaces] == ["left"]
-    assert data.scene.taken is None and data.scene.frequencies.size == 2
+    data = measurements_of(own.parts, sweeps, (FREQUENCIES[8] - 1, np.inf))
+    assert [each.name for each in data.parts.setup.interfaces] == ["left"]
+    assert data.parts.setup.taken is None and data.parts.setup.frequency.size == 2
     with pytest.raises(InputError, match="`band` must contain frequencies"):
-        measurements_of(own, sweeps, (1e7, np.inf))
+        measurements_of(own.parts, sweeps, (1e7, np.inf))
 
 
 @pytest.mark.usefixtures("linear_intervals", "unpainted")

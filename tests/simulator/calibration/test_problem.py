@@ -18,7 +18,10 @@ NAMES = ("sheet_resistance", "capacitance", "phase_exponent", "lead_inductance")
 
 
 def asked_of(scene, sweeps, names=()):
-    data, own = measurements_of(scene, sweeps), own_values(scene.parts.skin, scene.parts.setup)
+    data, own = (
+        measurements_of(scene.parts, sweeps),
+        own_values(scene.parts.skin, scene.parts.setup),
+    )
     known = priors(data, "wide")
     fixed = {name: value for name, value in own.items() if name not in names}
     return FitSpec(data, scene.readout, {name: known[name] for name in names}, fixed)
@@ -26,7 +29,7 @@ def asked_of(scene, sweeps, names=()):
 
 def test_slopes_are_exact(line, read):
     asked = asked_of(line, read(line, presses=PRESSES), NAMES)
-    problem = LeastSquaresProblem(asked, centered_model(line, {}, 1e-4))
+    problem = LeastSquaresProblem(asked, centered_model(line.parts, {}, 1e-4))
     u = 0.3 * np.random.default_rng(1).standard_normal(
         len(NAMES) + asked.touch_count + asked.error_count
     )
@@ -50,7 +53,7 @@ def test_every_session_has_errors_of_its_own(line, read):
     sweeps = read(line, presses=PRESSES)
     sweeps["session"] = ("sweep", np.array([1, 1, 2, 2]))
     asked = asked_of(line, sweeps, NAMES)
-    slopes = LeastSquaresProblem(asked, centered_model(line, {}, 1e-4)).jacobian(
+    slopes = LeastSquaresProblem(asked, centered_model(line.parts, {}, 1e-4)).jacobian(
         np.zeros(len(NAMES) + 3 + 4)
     )
     seen = np.abs(slopes[:72, -4:]).reshape(3, 2, 12, 4).any(axis=2).any(axis=1)
@@ -60,7 +63,7 @@ def test_every_session_has_errors_of_its_own(line, read):
 def test_chi_squared_is_that_of_the_error_models_covariance(line, read):
     sweeps = read(line, {"capacitance": 0.01}, presses=("none",), seed=3)
     asked = asked_of(line, sweeps)
-    ready = centered_model(line, {}, 1e-4)
+    ready = centered_model(line.parts, {}, 1e-4)
     fit = solve_from(LeastSquaresProblem(asked, ready), asked.fixed)
     Z = ready.respond(np.zeros(0, dtype=np.int64), np.zeros(0), asked.fixed).Z
     off = difference(Z, asked.measurements.sweeps[0].Z)
@@ -74,7 +77,7 @@ def test_few_rows_have_the_products_of_all(line, read, scale, strengths):
     sweeps = read(line, presses=(*PRESSES, "1,1:1.7", "1,3:2.2"))
     sweeps["session"] = ("sweep", np.array([1, 1, 2, 2, 1, 3]))
     asked = replace(asked_of(line, sweeps, NAMES), strengths=strengths)
-    problem = LeastSquaresProblem(asked, centered_model(line, {}, 1e-4))
+    problem = LeastSquaresProblem(asked, centered_model(line.parts, {}, 1e-4))
     u = 0.3 * np.random.default_rng(2).standard_normal(
         len(NAMES) + asked.touch_count + asked.error_count
     )
@@ -89,7 +92,10 @@ def test_few_rows_have_the_products_of_all(line, read, scale, strengths):
 
 
 def test_a_model_about_other_values_answers_alike(line):
-    near, far = centered_model(line, {}, 1e-4), centered_model(line, {"capacitance": 0.7}, 1e-4)
+    near, far = (
+        centered_model(line.parts, {}, 1e-4),
+        centered_model(line.parts, {"capacitance": 0.7}, 1e-4),
+    )
     values = own_values(line.parts.skin, line.parts.setup) | {
         "capacitance": 0.5,
         "sheet_resistance": -0.2,

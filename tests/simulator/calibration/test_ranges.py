@@ -66,12 +66,12 @@ def test_a_step_between_ranges_is_not_taken_for_a_property_of_the_skin(sheet, si
 def test_a_reading_that_may_be_of_either_of_two_ranges_is_not_used(sheet, simulated):
     """Its |Z| is nearer to a decade than three deviations, those of the range's error included."""
     sweeps = recorded(sheet, simulated(sheet, None, PRESSES), automatic=True, seed=2)
-    data = measurements_of(sheet, sweeps)
+    data = measurements_of(sheet.parts, sweeps)
     decades = np.log10(np.abs(impedance(sweeps)[3:]))
     near = np.abs(decades - decades.round()) < 3 * math.hypot(0.02, 2e-3) / math.log(10)
     assert near.any()
     np.testing.assert_array_equal([each.known for each in data.sweeps[1:]], ~near)
     assert data.numbers == 2 * sum(int(each.known.sum()) for each in data.sweeps)
     frequency = np.flatnonzero(near.all(axis=(0, 1)))[:1]
-    alone = measurements_of(sheet, sweeps.isel(frequency=frequency, sweep=slice(3, 4)))
+    alone = measurements_of(sheet.parts, sweeps.isel(frequency=frequency, sweep=slice(3, 4)))
     assert alone.numbers == 4, "all are kept where none is left otherwise"

@@ -45,7 +45,7 @@ def scene(line):
 @pytest.fixture(scope="module")
 def model(scene):
     """Of the scene with all of them, trained once for all that is asked here."""
-    found = model_of(with_effects(scene, EFFECTS), 1e-4)
+    found = model_of(with_effects(scene, EFFECTS).parts, 1e-4)
     known = found.reduced
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
@@ -78,7 +78,7 @@ def twins(scene):
     ],
 )
 def test_what_surrounds_a_twin_explains_its_gap(scene, model, twins, twin, words, truth):
-    causes = gap_by_parameter(scene, twins[twin])
+    causes = gap_by_parameter(scene.parts, twins[twin])
     first, second, *_ = causes.alone
     assert first.name == twin
     assert float(re.fullmatch(words, first.description)[1]) == pytest.approx(truth, rel=0.05)
@@ -92,22 +92,22 @@ def test_fingers_are_rods_where_the_scene_has_no_earth(scene):
     sweeps = simulate(
         Solver(twin.parts, 1e-4), [press_on(twin.parts.skin, twin.press, "1,2:2.0:5.3pF")]
     )
-    (reading,) = (found := measurements_of(scene, sweeps)).sweeps
+    (reading,) = (found := measurements_of(scene.parts, sweeps)).sweeps
     assert [str(touch) for touch in reading.press.touches] == ["1,2:2.0"]
     assert found.left_out == ("fingers of presses, because scene has no [surroundings]",)
-    (reading,) = measurements_of(twin, sweeps).sweeps
+    (reading,) = measurements_of(twin.parts, sweeps).sweeps
     assert reading.press.touches[0].finger == 5.3e-12
 
 
 def test_the_gap_of_a_twin_of_another_sheet_is_not_what_surrounds_it(scene, model, twins):
-    found = gap_by_parameter(scene, twins["sheet"]).alone
+    found = gap_by_parameter(scene.parts, twins["sheet"]).alone
     assert found[0].name in ("sheet_resistance", "sheet_mismatch")
     first_effect = next(each for each in found if each.name in EFFECTS)
     assert found[0].after < 0.2 * first_effect.after
 
 
 def test_a_body_and_a_rim_are_found_together_where_each_alone_is_not_enough(scene, model, twins):
-    causes = gap_by_parameter(scene, twins["body and rim"])
+    causes = gap_by_parameter(scene.parts, twins["body and rim"])
     both, *others = causes.together
     words = dict(zip(both.names, both.descriptions, strict=True))
     assert {*words} == {"body", "rim"}
@@ -122,7 +122,7 @@ def test_what_surrounds_a_skin_and_cannot_be_tried_is_a_remark(scene, twins, mon
         raise InputError("the foam is unknown")
 
     monkeypatch.setattr("rcskin.simulator.calibration.misfit.Trials", refuse)
-    causes = gap_by_parameter(scene, twins["body"])
+    causes = gap_by_parameter(scene.parts, twins["body"])
     assert causes.remarks == ("surroundings of the skin were not tried: the foam is unknown",)
     assert causes.together == () and len(causes.alone) > 3
 

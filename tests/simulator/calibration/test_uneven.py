@@ -8,7 +8,7 @@ from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.cosine_modes.foam_modes import map_of, with_foam_modes
-from rcskin.simulator.models.parameters import FOAM_MODES, scene_with
+from rcskin.simulator.models.parameters import FOAM_MODES, parts_with
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press, press_on
@@ -180,7 +180,7 @@ def test_modes_of_the_foam_leave_a_body_behind_the_skin_as_it_is():
     )
     own = {"foam_x": 0.08, "foam_y": -0.06, "body": 1.2}
     found = Forward(scene.parts, rtol=1e-3).respond(np.array([6]), np.array([1.0]), own).Z
-    changed = with_foam_modes(scene_with(scene, own), own)
+    changed = with_foam_modes(parts_with(scene.parts, own).scene, own)
     exact = (
         Solver(changed.parts, 1e-4).solve(press_on(changed.parts.skin, changed.press, "2,3:2.0")).Z
     )

@@ -33,7 +33,7 @@ class Skin:
 def presses():
     from rcskin.simulator.scene.scene_files import load_scene
 
-    return drawn_presses(load_scene("sheet-3x3"), stream(1, 0, PRESSES), 500, (3, 3))
+    return drawn_presses(load_scene("sheet-3x3").parts, stream(1, 0, PRESSES), 500, (3, 3))
 
 
 def audit(skin, presses, session=0):
@@ -73,7 +73,7 @@ def test_a_value_that_is_not_finite_is_solved_in_full_or_fails(presses):
 def test_a_data_set_states_how_many_sweeps_were_solved_in_full(make, toy):
     plan = toy.small_plan(400)
     sweeps = open_zarr(make("out", plan, doubtful=1))
-    family = toy.ToyFamily(plan.scene, doubtful=1)
+    family = toy.ToyFamily(plan.parts, doubtful=1)
     whole = combined_audit(each.audit for each in drawn_sessions(plan, family, range(40)))
     assert sweeps.attrs["fallbacks"] == whole.fallbacks > 40
     assert sweeps.attrs["audit_sample"] == whole.sample

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.dataset.creeping import at_sweep_end
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.memory_dataset import in_memory
 from rcskin.simulator.measure.creeping_sweeps import reading_moments
 from rcskin.simulator.measure.foam_state import FoamState
@@ -39,7 +39,7 @@ TIMING = {"averaging": 40, "pause": 0.3}
 def test_a_session_is_the_sweeps_of_its_presses_one_after_the_other(changes):
     scene = load_scene("strip-1x5").with_({**ALIKE, "experiment.timing": TIMING, **changes})
     rtol = 1e-4
-    drawn = in_memory(Plan(scene, 12, 3, rtol))
+    drawn = in_memory(DatasetPlan(scene.parts, 12, 3, rtol))
     presses = [
         press_on(scene.parts.skin, scene.press, str(press)) for press in drawn["press"].values
     ]
@@ -60,7 +60,7 @@ def test_cells_creep_as_the_touches_that_they_are_of():
         for text in ("none", "1,2:2.3", "3,1:0.8+3,3:1.4")
     ]
     crept = at_sweep_end(
-        scene,
+        scene.parts,
         PressBatch.of([touched_cells(scene.parts.skin, scene.press, press) for press in presses]),
     )
     _, whole = reading_moments(scene.parts)
@@ -102,5 +102,5 @@ def test_cells_creep_as_the_touches_that_they_are_of():
 def test_unsupported_scenes_are_refused_in_one_line(changes, told):
     scene = load_scene("strip-1x5").with_(changes)
     with pytest.raises(InputError) as refused:
-        Plan(foldable(scene, "a data set", creeps=True), 12, 3, 1e-4)
+        DatasetPlan(foldable(scene, "a data set", creeps=True).parts, 12, 3, 1e-4)
     assert told in str(refused.value) and "\n" not in str(refused.value)

@@ -48,7 +48,7 @@ def test_streams_differ_by_seed_session_and_purpose_only():
 
 
 def test_presses_on_pixels_equal_their_texts():
-    presses = drawn_presses(SCENE, stream(1, 0, PRESSES), 300, GRID)
+    presses = drawn_presses(SCENE.parts, stream(1, 0, PRESSES), 300, GRID)
     rest = SCENE.skin.foam.unpressed_capacitance_per_area
     for k, (text, cells) in enumerate(zip(presses.text, maps(presses, GRID), strict=True)):
         press = parse_press(text, default=np.nan)
@@ -73,7 +73,9 @@ def test_presses_on_pixels_equal_their_texts():
 
 
 def test_touches_have_the_given_probabilities_uniformly():
-    presses = drawn_presses(with_press(touches=(0.2, 0.5, 0.3)), stream(3, 0, 0), 20_000, (3, 3))
+    presses = drawn_presses(
+        with_press(touches=(0.2, 0.5, 0.3)).parts, stream(3, 0, 0), 20_000, (3, 3)
+    )
     shares = np.bincount(presses.touches) / 20_000
     np.testing.assert_allclose(shares, [0.2, 0.5, 0.3], atol=0.015)
     pressed = (maps(presses, (3, 3)) != 1).mean(axis=0)
@@ -81,12 +83,12 @@ def test_touches_have_the_given_probabilities_uniformly():
 
 
 def test_without_a_chance_there_is_never_a_touch_and_two_fit_on_two_pixels():
-    none = drawn_presses(with_press(touches=(1.0,)), stream(3, 0, 0), 50, (3, 3))
+    none = drawn_presses(with_press(touches=(1.0,)).parts, stream(3, 0, 0), 50, (3, 3))
     assert set(none.text) == {"none"} and none.batch.cells.size == 0
     strip = load_scene("strip-1x3")
     both = strip.dataset.press.model_copy(update={"touches": (0.0, 0.0, 1.0)})
     strip = strip.model_copy(update={"dataset": strip.dataset.model_copy(update={"press": both})})
-    presses = drawn_presses(strip, stream(3, 0, 0), 200, (1, 3))
+    presses = drawn_presses(strip.parts, stream(3, 0, 0), 200, (1, 3))
     assert (
         len({text.split(":")[0] + text.split("+")[1].split(":")[0] for text in presses.text}) == 3
     )
@@ -94,7 +96,7 @@ def test_without_a_chance_there_is_never_a_touch_and_two_fit_on_two_pixels():
 
 def test_touches_anywhere_are_on_the_skin_and_match_the_foam():
     scene = with_press(place="anywhere", size=Uniform(low=0.01, high=0.03))
-    presses = drawn_presses(scene, stream(1, 0, PRESSES), 60, (12, 12))
+    presses = drawn_presses(scene.parts, stream(1, 0, PRESSES), 60, (12, 12))
     kinds = " ".join(presses.text)
     assert "rect(" in kinds and "disc(" in kinds
     for text, cells in zip(presses.text, maps(presses, (12, 12)), strict=True):
@@ -112,7 +114,7 @@ def test_touches_anywhere_are_on_the_skin_and_match_the_foam():
 
 
 def test_cells_of_pixels_tile_the_grid():
-    cells = cells_of_pixels(SCENE, GRID)
+    cells = cells_of_pixels(SCENE.parts.skin, GRID)
     assert cells.shape == (9, 6)
     np.testing.assert_array_equal(np.sort(cells.ravel()), np.arange(54))
     np.testing.assert_array_equal(cells[1], [3, 4, 5, 12, 13, 14])
@@ -166,7 +168,7 @@ def test_baseline_sweeps_are_scheduled_and_other_presses_are_unchanged():
         update={"dataset": scene.dataset.model_copy(update={"session": session})}
     )
     drawn, promised = (
-        session_presses(each, np.random.default_rng(0), 20, (3, 3)) for each in (scene, often)
+        session_presses(each.parts, np.random.default_rng(0), 20, (3, 3)) for each in (scene, often)
     )
     at_rest = np.isin(np.arange(20), [0, 1, 2, 7, 12, 17])
     assert (promised.touches[at_rest] == 0).all()
@@ -176,4 +178,4 @@ def test_baseline_sweeps_are_scheduled_and_other_presses_are_unchanged():
 
 def test_touches_on_cells_are_compared_with_their_own_edges_at_the_meters_end_of_leads():
     scene = load_scene("strip-1x3").with_({"leads.resistance": 2e4})
-    assert rasterization_error(scene, reduced(scene, 1e-3), 1, 1e-3) < 2e-3
+    assert rasterization_error(scene.parts, reduced(scene.parts, 1e-3), 1, 1e-3) < 2e-3

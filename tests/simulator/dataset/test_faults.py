@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.drawn_session import drawn_sessions
-from rcskin.simulator.dataset.faulty_skins import family_scenes, faulty_families
+from rcskin.simulator.dataset.faulty_skins import family_parts, faulty_families
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.dataset.memory_dataset import in_memory
 from rcskin.simulator.measure.drawn_faults import drawn_fault
@@ -36,7 +36,7 @@ QUIET = {
 
 def plan_of(scene, sweeps=200, sessions=None, **faults):
     changed = scene.with_(sessions or {}).with_({"dataset.session.faults": faults})
-    return Plan(changed, sweeps, 1, 1e-3)
+    return DatasetPlan(changed.parts, sweeps, 1, 1e-3)
 
 
 def test_each_fault_comes_as_often_as_its_odds_say():
@@ -95,11 +95,11 @@ def test_odds_above_one_are_refused():
 
 def test_a_data_set_without_faults_is_as_before(toy):
     plan = toy.small_plan(sweeps=100)
-    assert "faults" not in scene_text(plan.scene)
-    odds = plan.scene.with_({"dataset.session.faults": {"aged_gain": 0.0}})
+    assert "faults" not in scene_text(plan.parts)
+    odds = plan.parts.with_({"dataset.session.faults": {"aged_gain": 0.0}})
     own, other = (
         drawn_sessions(each, toy.ToyFamily(each.scene), range(10))
-        for each in (plan, Plan(odds, 100, 1, plan.rtol))
+        for each in (plan, DatasetPlan(odds.parts, 100, 1, plan.rtol))
     )
     for one, same in zip(own, other, strict=True):
         np.testing.assert_array_equal(one.shown["Rs"], same.shown["Rs"])
@@ -121,7 +121,7 @@ def test_sessions_have_the_readings_of_their_faults():
     leads = Leads(stray_capacitance=1e-12)
     nominal = STRIP.with_({"sweep.frequencies": frequency.tolist()})
     for session in range(0, 120, 10):
-        fault = parse_fault(str(sweeps["fault"].values[session]), plan.scene.parts)
+        fault = parse_fault(str(sweeps["fault"].values[session]), plan.parts)
         Z, press = impedance(sweeps)[session, 0], str(sweeps["press"].values[session])
         if isinstance(fault, DeadFoil):
             open_meter = 1 / (2j * np.pi * frequency * 1e-12)
@@ -154,7 +154,7 @@ def test_a_data_set_on_disk_says_which_fault_each_session_has(tmp_path, toy):
     generate(plan, tmp_path / "o.zarr", training=toy.training())
     sweeps = read(tmp_path / "o.zarr")
     drawn = [
-        str(drawn_fault(plan.scene.parts.skin, plan.scene.parts.plan, 1, int(k)) or "")
+        str(drawn_fault(plan.parts.skin, plan.parts.plan, 1, int(k)) or "")
         for k in sweeps["session"].values
     ]
     assert sweeps["fault"].values.tolist() == drawn
@@ -163,7 +163,7 @@ def test_a_data_set_on_disk_says_which_fault_each_session_has(tmp_path, toy):
 
 def test_only_the_families_of_drawn_faults_are_trained():
     plan = plan_of(STRIP, 10_000, half_foil=0.3, stuck_spot=0.3, dead_foil=0.3)
-    scenes = family_scenes(plan)
+    scenes = family_parts(plan)
     trained = faulty_families(plan, lambda scene, rtol: scene)
     assert {name for name, scene in scenes.items() if scene is None} == {
         "dead foil top-left",

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.drawn_presses import drawn_presses, pressed_pixels
 from rcskin.simulator.dataset.layout import variables
 from rcskin.simulator.measure.skins import drawn_skin
@@ -24,7 +24,7 @@ MISSED = {"dataset.press.offset": 0.1, "dataset.press.cells_per_pixel": 3}
 
 
 def drawn(scene, count=60, grid=(6, 6)):
-    return drawn_presses(scene, stream(1, 0, PRESSES), count, grid)
+    return drawn_presses(scene.parts, stream(1, 0, PRESSES), count, grid)
 
 
 @pytest.mark.parametrize("place", [{}, ANYWHERE])
@@ -88,7 +88,7 @@ def test_the_finger_of_the_scene_is_the_default():
     own = finger_capacitance(EARTH.with_({"surroundings.body": None}).parts.skin, one, "floating")
     there = np.arange(2) < presses.touches[:, None]
     np.testing.assert_allclose(presses.finger[there], own, rtol=1e-4)
-    pressed = pressed_pixels(scene, np.array([[0, 1]]), np.array([2.0]), (3, 3))
+    pressed = pressed_pixels(scene.parts, np.array([[0, 1]]), np.array([2.0]), (3, 3))
     assert pressed.text == [str(parse_press(pressed.text[0], 1.0))]
     assert pressed.batch.rises.tolist() == [1.0, presses.finger.max()]
 
@@ -106,7 +106,8 @@ def test_bodies_and_rims_differ_by_session_and_nothing_else_does():
 
 def test_a_scene_without_surroundings_has_the_arrays_that_it_had():
     plain, around = (
-        {each.name for each in variables(Plan(scene, 10, 1, 1e-3))} for scene in (ROD, EARTH)
+        {each.name for each in variables(DatasetPlan(scene.parts, 10, 1, 1e-3))}
+        for scene in (ROD, EARTH)
     )
     assert around - plain == {"touch_finger", "drawn_body", "drawn_rim"}
     assert parse_scene(scene_text(FINGERS), "kept") == FINGERS
@@ -158,5 +159,5 @@ WRONG = {
 def test_draws_of_missing_parts_are_refused(name):
     scene, changes, told = WRONG[name]
     with pytest.raises(InputError) as error:
-        Plan(scene.with_(changes), 10, 1, 1e-3)
+        DatasetPlan(scene.with_(changes).parts, 10, 1, 1e-3)
     assert told in str(error.value) and "\n" not in str(error.value)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.memory_dataset import in_memory
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError, impedance
@@ -18,7 +18,10 @@ GAIN = SCENE.with_({"interface.left.reader": "gain", "interface.left.series_resi
 @pytest.mark.parametrize("magnitude_only", [False, True])
 def test_a_data_set_of_gains_has_those_of_its_impedances(magnitude_only):
     gains = GAIN.with_({"interface.left.magnitude_only": magnitude_only})
-    own, Z = in_memory(Plan(gains, 20, 1, 1e-4)), impedance(in_memory(Plan(SCENE, 20, 1, 1e-4)))
+    own, Z = (
+        in_memory(DatasetPlan(gains.parts, 20, 1, 1e-4)),
+        impedance(in_memory(DatasetPlan(SCENE.parts, 20, 1, 1e-4))),
+    )
     expected = Z / (R + Z)
     assert ("gain_phase" in own) == (not magnitude_only)
     assert not {"Rs", "X", "Cp"} & set(own.variables)
@@ -46,4 +49,4 @@ def test_foam_that_creeps_is_not_read_at_nodes_driven_together():
         }
     )
     with pytest.raises(InputError, match=r"take no `interface\.driven_with`; leave out one"):
-        Plan(creeping, 20, 1, 1e-4)
+        DatasetPlan(creeping.parts, 20, 1, 1e-4)

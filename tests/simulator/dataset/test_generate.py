@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import xarray as xr
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.drawn_session import drawn_sessions
 from rcskin.simulator.dataset.store import finish
 from rcskin.simulator.measure.readout import displayed
@@ -16,8 +16,8 @@ from rcskin.tests.library.scenes import ALIKE
 def alike(plan, sweeps, readout):
     """The plan with skins that do not vary."""
     session = {**ALIKE["dataset.session"], "sweeps_per_session": 10}
-    scene = plan.scene.with_({"dataset.session": session})
-    return Plan(scene.model_copy(update={"readout": readout}), sweeps, 1, 1e-4)
+    scene = plan.parts.with_({"dataset.session": session})
+    return DatasetPlan(scene.model_copy(update={"readout": readout}).parts, sweeps, 1, 1e-4)
 
 
 def test_any_number_of_processes_gives_the_same_bytes(make, toy):
@@ -48,12 +48,12 @@ def test_a_data_set_has_sweeps_scene_and_draws(make, toy):
     assert dict(sweeps.sizes) | {"sweep": 95, "drawn_session": 10} == dict(sweeps.sizes)
     assert {"press", "row", "column", "session"} <= set(sweeps.coords)
     np.testing.assert_array_equal(sweeps["session"], np.arange(95) // 10)
-    np.testing.assert_array_equal(sweeps["frequency"], plan.scene.frequencies)
+    np.testing.assert_array_equal(sweeps["frequency"], plan.parts.setup.frequency)
     assert sweeps["Rs"].dtype == np.float32 and sweeps["Cp"].attrs["units"] == "F"
-    assert sweeps.attrs["scene"] == scene_text(plan.scene)
+    assert sweeps.attrs["scene"] == scene_text(plan.parts)
     assert (sweeps.attrs["seed"], sweeps.attrs["rtol"]) == (1, 1e-4)
     assert (sweeps.attrs["audit_bound"], sweeps.attrs["fallbacks"]) == (3e-6, 0)
-    (session,) = drawn_sessions(plan, toy.ToyFamily(plan.scene), [4])
+    (session,) = drawn_sessions(plan, toy.ToyFamily(plan.parts), [4])
     drawn = sweeps.isel(drawn_session=4)
     np.testing.assert_array_equal(drawn["drawn_top"], session.skin.variation.top)
     assert drawn["drawn_stray_capacitance"] == session.skin.leads.stray_capacitance
@@ -63,8 +63,8 @@ def test_a_data_set_has_sweeps_scene_and_draws(make, toy):
 def test_without_any_variation_it_is_the_model_to_the_digits_displayed(make, toy):
     plan = alike(toy.small_plan(), 100, Readout())
     sweeps = read(make("out", plan))
-    (session,) = drawn_sessions(plan, toy.ToyFamily(plan.scene), [0])
-    model = toy.ToyFamily(plan.scene).skin(session.skin.variation)
+    (session,) = drawn_sessions(plan, toy.ToyFamily(plan.parts), [0])
+    model = toy.ToyFamily(plan.parts).skin(session.skin.variation)
     Z = model.sweeps(session.presses.batch)
     np.testing.assert_allclose(sweeps["Rs"][:10], displayed(Z.real, 6), rtol=1e-7)
     np.testing.assert_allclose(sweeps["X"][:10], displayed(Z.imag, 6), rtol=1e-7)
@@ -72,8 +72,8 @@ def test_without_any_variation_it_is_the_model_to_the_digits_displayed(make, toy
 
 def test_more_digits_than_single_precision_keeps_are_stored_in_double(make, toy):
     plan = toy.small_plan(10)
-    scene = plan.scene.model_copy(update={"readout": Readout(display_digits=9)})
-    sweeps = read(make("out", Plan(scene, 10, 1, 1e-4)))
+    scene = plan.parts.model_copy(update={"readout": Readout(display_digits=9)})
+    sweeps = read(make("out", DatasetPlan(scene.parts, 10, 1, 1e-4)))
     assert sweeps["Rs"].dtype == np.float64
     np.testing.assert_array_equal(sweeps["Rs"], displayed(sweeps["Rs"].values, 9))
 
@@ -117,7 +117,9 @@ def test_a_data_set_is_read_in_chunks_on_request(make, toy):
 )
 def test_plans_out_of_range_are_refused(change, told):
     with pytest.raises(InputError, match=told):
-        Plan(**{"scene": load_scene("sheet-3x3"), "sweeps": 5, "seed": 1, "rtol": 1e-4, **change})
+        DatasetPlan(
+            **{"scene": load_scene("sheet-3x3"), "sweeps": 5, "seed": 1, "rtol": 1e-4, **change}
+        )
 
 
 def test_sessions_that_do_not_fit_in_memory_are_refused(make_scene):
@@ -126,13 +128,13 @@ def test_sessions_that_do_not_fit_in_memory_are_refused(make_scene):
     with pytest.raises(
         InputError, match=r"`dataset\.session\.sweeps_per_session` must be <= 41943"
     ):
-        Plan(type(make_scene()).model_validate(scene), 1, 1, 1e-4)
+        DatasetPlan(type(make_scene()).model_validate(scene).parts, 1, 1, 1e-4)
 
 
 def test_presses_that_do_not_fit_the_skin_are_refused(make_scene):
     with pytest.raises(InputError, match=r"`dataset\.press\.touches` allows 2 touches at once"):
-        Plan(make_scene(), 1, 1, 1e-4)
+        DatasetPlan(make_scene().parts, 1, 1, 1e-4)
     scene = make_scene(rows=2, columns=2, width=0.015).model_dump(by_alias=True)
     scene["dataset"]["press"]["place"] = "anywhere"
     with pytest.raises(InputError, match=r"`dataset\.press\.size` must be <= 0\.015 m"):
-        Plan(type(make_scene()).model_validate(scene), 1, 1, 1e-4)
+        DatasetPlan(type(make_scene()).model_validate(scene).parts, 1, 1, 1e-4)

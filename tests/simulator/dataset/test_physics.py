@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.dataset.skin_model import REDUCED, reduced
 from rcskin.simulator.models.solver import Solver
@@ -68,7 +68,8 @@ def assert_solved(sweeps, scene, rtol=RTOL):
 @pytest.mark.parametrize("contact_resistance", [0.0, 200.0])
 def test_a_draw_changes_the_skin_like_the_scene(tmp_path, contact_resistance):
     generate(
-        Plan(scene_of(contact_resistance=contact_resistance), 12, 1, RTOL), tmp_path / "o.zarr"
+        DatasetPlan(scene_of(contact_resistance=contact_resistance).parts, 12, 1, RTOL),
+        tmp_path / "o.zarr",
     )
     sweeps = read(tmp_path / "o.zarr")
     assert sweeps.attrs["fallbacks"] == 0 and 0 < sweeps.attrs["audit_bound"] <= RTOL
@@ -80,19 +81,19 @@ def test_a_family_is_trained_on_touches_although_sessions_start_unpressed(tmp_pa
     scene = scene_of()
     session = scene.dataset.session.model_copy(update={"rest_every": 2})
     drawn = scene.dataset.model_copy(update={"session": session})
-    plan = Plan(scene.model_copy(update={"dataset": drawn}), 12, 1, RTOL)
+    plan = DatasetPlan(scene.model_copy(update={"dataset": drawn}).parts, 12, 1, RTOL)
     generate(plan, tmp_path / "o.zarr")
     assert open_zarr(tmp_path / "o.zarr").attrs["fallbacks"] == 0
 
 
 def trained_on_less():
     """A family of the usual presses, whatever is asked."""
-    return replace(REDUCED, train=lambda scene, rtol: reduced(scene_of(), RTOL))
+    return replace(REDUCED, train=lambda scene, rtol: reduced(scene_of().parts, RTOL))
 
 
 @pytest.mark.parametrize("factor", [(5.0, 8.0), pytest.param((30.0, 60.0), marks=pytest.mark.slow)])
 def test_presses_outside_the_trained_range_are_solved_in_full(tmp_path, factor):
-    plan = Plan(scene_of(factor=factor), 12, 1, RTOL)
+    plan = DatasetPlan(scene_of(factor=factor).parts, 12, 1, RTOL)
     generate(plan, tmp_path / "o.zarr", training=trained_on_less())
     sweeps = open_zarr(tmp_path / "o.zarr").load()
     assert 5 < sweeps.attrs["fallbacks"] <= int((sweeps["touches"] > 0).sum())
@@ -104,7 +105,10 @@ def test_touches_anywhere_are_within_the_stated_error_of_cells(tmp_path):
     scene = scene_of()
     press = scene.dataset.press.model_copy(update={"place": "anywhere", "cells_per_pixel": 3})
     dataset = scene.dataset.model_copy(update={"press": press})
-    generate(Plan(scene.model_copy(update={"dataset": dataset}), 12, 1, 1e-3), tmp_path / "o.zarr")
+    generate(
+        DatasetPlan(scene.model_copy(update={"dataset": dataset}).parts, 12, 1, 1e-3),
+        tmp_path / "o.zarr",
+    )
     sweeps = read(tmp_path / "o.zarr")
     assert sweeps["drawn_capacitance"].shape == (1, 9, 9)
     assert 0 < sweeps.attrs["cells_error"] < 0.02

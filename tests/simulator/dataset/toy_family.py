@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from rcskin.simulator.dataset.dataset_plan import Plan
+from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.dataset.skin_model import Training
 from rcskin.simulator.scene.scene import Scene
@@ -102,7 +102,7 @@ def small_plan(sweeps=400, seed=1, block=4, **session):
     session = scene.dataset.session.model_copy(update={"sweeps_per_session": 10, **session})
     dataset = scene.dataset.model_copy(update={"session": session})
     scene = scene.model_copy(update={"dataset": dataset})
-    return Plan(scene, sweeps, seed, 1e-4, block * 10 * len(scene.frequencies))
+    return DatasetPlan(scene.parts, sweeps, seed, 1e-4, block * 10 * len(scene.frequencies))
 
 
 def bytes_of(folder):

@@ -34,7 +34,7 @@ def skin(changes, name="sheet-3x3"):
 
 
 def said(scene):
-    return {each.about: each.text for each in key_facts(scene)}
+    return {each.about: each.text for each in key_facts(scene.parts)}
 
 
 def effect(scene, about):
@@ -155,7 +155,14 @@ def test_pixels_without_skin_are_left_out():
 )
 def test_pixels_have_equal_sweeps_only_on_symmetric_skins(changes, groups):
     scene = skin(changes)
-    assert len(equal_sweep_groups(scene, pixels_with_skin(scene.parts.skin))) == groups
+    assert (
+        len(
+            equal_sweep_groups(
+                scene.parts.skin, scene.parts.setup, scene.press, pixels_with_skin(scene.parts.skin)
+            )
+        )
+        == groups
+    )
 
 
 @pytest.mark.parametrize("changes", [DISC, {"contact.bottom-left.edge": "right"}])
@@ -166,7 +173,9 @@ def test_pixels_with_equal_sweeps_have_the_same_impedance(changes):
     def shown(row, column):
         return solver.solve(Press((Touch(row, column, 2.0),))).Z
 
-    groups = equal_sweep_groups(scene, pixels_with_skin(scene.parts.skin))
+    groups = equal_sweep_groups(
+        scene.parts.skin, scene.parts.setup, scene.press, pixels_with_skin(scene.parts.skin)
+    )
     largest = max(groups, key=len)
     other = next(group[0] for group in groups if group is not largest)
     first = shown(*largest[0])
@@ -176,7 +185,12 @@ def test_pixels_with_equal_sweeps_have_the_same_impedance(changes):
 
 
 def test_a_skin_without_symmetry_is_described():
-    told = indistinguishable_pixels(skin(L_SHAPE), pixels_with_skin(skin(L_SHAPE).parts.skin))
+    told = indistinguishable_pixels(
+        skin(L_SHAPE).parts.skin,
+        skin(L_SHAPE).parts.setup,
+        skin(L_SHAPE).press,
+        pixels_with_skin(skin(L_SHAPE).parts.skin),
+    )
     assert told.startswith("none: every pixel gives a sweep of its own")
 
 
@@ -209,7 +223,7 @@ def test_another_ending_is_refused_before_any_work(refused):
 def test_each_interface_has_the_cut_off_of_its_own_foils():
     """The place farthest from the foils of one pair is nearer to those of another."""
     long = load_scene("sheet-5x5-two-interfaces").with_({"skin.length": 0.18, "skin.width": 0.07})
-    left, bottom = (each.text for each in key_facts(long) if each.about == "cut-off")
+    left, bottom = (each.text for each in key_facts(long.parts) if each.about == "cut-off")
     assert left.startswith("left: ") and "180 mm from the foils" in left
     assert bottom.startswith("bottom: ") and "70 mm from the foils" in bottom
     both = [cut_off_frequency(long.parts.skin, long.parts.setup, each) for each in long.interfaces]

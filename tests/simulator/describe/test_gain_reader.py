@@ -42,7 +42,9 @@ def test_the_stated_feedback_resistance_fills_the_range():
         scene = strip.with_({"readout.multisine.feedback_capacitance": C})
         reader, f = scene.readout.multisine, scene.frequencies
         stated = fitted_resistance(reader, Z, f)
-        assert f"feedback_resistance = {stated:g} fills 70 %" in describe_multisine(scene, reader)
+        assert f"feedback_resistance = {stated:g} fills 70 %" in describe_multisine(
+            scene.parts, reader
+        )
         fitted = scene.with_({"readout.multisine.feedback_resistance": stated}).readout.multisine
         peak = output_peak(fitted, Z, f).max()
         assert peak == pytest.approx(FILLED * reader.full_scale, rel=0.01)

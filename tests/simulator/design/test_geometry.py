@@ -16,8 +16,8 @@ NOISE = {"magnitude_noise": 0.04, "phase_noise": 0.04}
 
 
 def test_geometry_is_fixed_by_default():
-    assert geometries(SHEET, Design()) == []
-    named = [name for name, _ in geometries(SHEET, Design(foils=True, grading=4.0))]
+    assert geometries(SHEET.parts.skin, Design()) == []
+    named = [name for name, _ in geometries(SHEET.parts.skin, Design(foils=True, grading=4.0))]
     assert named == ["foils on the left edge", "foils on the bottom edge", "graded sheets"]
 
 
@@ -28,7 +28,7 @@ def test_foils_stay_within_their_bounds_and_do_not_overlap():
         low, high = each.contact("top-left").span
         assert each.contact("bottom-left").span == (low, high)
         assert 0.2 - 1e-9 <= high - low <= 0.9 + 1e-9
-        assert len(terminals(each)) == 4
+        assert len(terminals(each.parts.skin)) == 4
 
 
 def test_graded_sheets_stay_within_the_largest_ratio():
@@ -63,11 +63,13 @@ def test_mirrored_foils_have_equal_merit_and_the_best_for_columns_are_symmetric(
     asking = SearchSettings(asked, 1, 100, SearchJournal(None, {}), lambda *_: None)
     mirrored = scene.with_({f"contact.{name}.span": [0.7, 1.0] for name in FOILS})
     shares = [
-        SceneEvaluator(each, asking, terminals(each)).share_of(material_of(each), [0], [0])
+        SceneEvaluator(each.parts, asking, terminals(each.parts.skin)).share_of(
+            material_of(each.parts.skin), [0], [0]
+        )
         for each in (scene, mirrored)
     ]
     assert shares[0] == pytest.approx(shares[1], abs=2e-3)
-    found = search(scene, asking)
+    found = search(scene.parts, asking)
     told = [(step.name, step.tenth) for step in found.steps]
     assert found.best.name == "foils on the left edge", told
     low, high = found.evaluator.scene.contact("top-left").span

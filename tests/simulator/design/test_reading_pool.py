@@ -19,7 +19,7 @@ SHEET = load_scene("sheet-5x5-two-interfaces")
 
 
 def test_four_wires_have_twenty_five_readings_all_of_disjoint_foils():
-    found = pool(SHEET, terminals(SHEET))
+    found = pool(SHEET.parts.skin, SHEET.parts.setup, terminals(SHEET.parts.skin))
     assert len(found) == len({each.name for each in found}) == 25
     assert all(not set(each.high) & set(each.low) for each in found)
     sides = [frozenset([frozenset(each.high), frozenset(each.low)]) for each in found]
@@ -27,37 +27,49 @@ def test_four_wires_have_twenty_five_readings_all_of_disjoint_foils():
 
 
 def test_the_scenes_own_readings_keep_their_names():
-    found = pool(SHEET, terminals(SHEET))
-    assert [found[k].name for k in own_readings(SHEET, found)] == ["left", "bottom"]
+    found = pool(SHEET.parts.skin, SHEET.parts.setup, terminals(SHEET.parts.skin))
+    assert [found[k].name for k in own_readings(SHEET.parts.skin, SHEET.parts.setup, found)] == [
+        "left",
+        "bottom",
+    ]
     turned = SHEET.with_({"interface.1.high": ["bottom-left"], "interface.1.low": ["top-left"]})
-    assert [found[k].name for k in own_readings(turned, found)] == ["left", "bottom"]
-    assert own_readings(SHEET, pool(SHEET, ["top-left", "bottom-left"])) == [0]
+    assert [found[k].name for k in own_readings(turned.parts.skin, turned.parts.setup, found)] == [
+        "left",
+        "bottom",
+    ]
+    assert own_readings(
+        SHEET.parts.skin,
+        SHEET.parts.setup,
+        pool(SHEET.parts.skin, SHEET.parts.setup, ["top-left", "bottom-left"]),
+    ) == [0]
 
 
 def test_fewer_wires_are_tried_in_all_combinations():
-    assert len(wirings(SHEET, 3)) == 4 and len(wirings(SHEET, 8)) == 1
+    assert len(wirings(SHEET.parts.skin, 3)) == 4 and len(wirings(SHEET.parts.skin, 8)) == 1
 
 
 def test_touching_foils_need_one_wire():
     corner = SHEET.with_(
         {"contact.top-left.span": [0.0, 1.0], "contact.top-bottom.span": [0.0, 1.0]}
     )
-    assert terminals(corner) == ["top-left", "bottom-left", "bottom-bottom"]
+    assert terminals(corner.parts.skin) == ["top-left", "bottom-left", "bottom-bottom"]
 
 
 def test_a_time_is_shared_by_readings_and_frequencies():
     assert sweep_time([[1e4] * 20]) == pytest.approx(0.1)
     assert sweep_time([[1e4] * 20] * 2) == pytest.approx(0.24)
     asked = Design(readings=3, frequencies=50, seconds=0.4)
-    for readings, count in budgets(SHEET, asked, 1e3, 25):
+    for readings, count in budgets(SHEET.parts.setup, SHEET.parts.meter, asked, 1e3, 25):
         assert sweep_time([[1e3] * count] * readings) <= 0.4
         assert count == 50 or sweep_time([[1e3] * (count + 1)] * readings) > 0.4
-    assert (4, 16) in budgets(SHEET, Design(readings=5, seconds=0.4), 1e3, 25)
-    many = budgets(SHEET, Design(readings=12, seconds=1.0), 1e3, 25)
+    assert (4, 16) in budgets(
+        SHEET.parts.setup, SHEET.parts.meter, Design(readings=5, seconds=0.4), 1e3, 25
+    )
+    many = budgets(SHEET.parts.setup, SHEET.parts.meter, Design(readings=12, seconds=1.0), 1e3, 25)
     assert many[0] == (8, 20)
     assert all(more[1] < fewer[1] for fewer, more in itertools.pairwise(many))
     with pytest.raises(InputError, match=r"seconds` must be >= 0.005 s.*got 0.004"):
-        budgets(SHEET, Design(seconds=0.004), 1e3, 25)
+        budgets(SHEET.parts.setup, SHEET.parts.meter, Design(seconds=0.004), 1e3, 25)
 
 
 def test_slow_frequencies_take_their_periods():
@@ -80,7 +92,7 @@ GAIN = {
 
 def test_all_readings_of_a_scene_of_gains_are_read_as_gains():
     scene = SHEET.with_(GAIN)
-    for each in pool(scene, terminals(scene)):
+    for each in pool(scene.parts.skin, scene.parts.setup, terminals(scene.parts.skin)):
         assert (each.reader, each.series_resistance, each.magnitude_only) == ("gain", 1e5, True)
         assert each.load == scene.interfaces[0].load
 
@@ -97,4 +109,4 @@ def test_all_readings_of_a_scene_of_gains_are_read_as_gains():
 )
 def test_readers_whose_wires_cannot_be_chosen_are_refused(scene, message):
     with pytest.raises(InputError, match=message):
-        check_readers(scene)
+        check_readers(scene.parts.skin, scene.parts.setup)

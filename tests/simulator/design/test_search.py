@@ -33,13 +33,13 @@ def asking(draws=100, **asked):
 
 
 def bench(scene, **asked):
-    return SceneEvaluator(scene, asking(**asked), terminals(scene))
+    return SceneEvaluator(scene.parts, asking(**asked), terminals(scene.parts.skin))
 
 
 def test_the_best_single_frequency_of_a_line_lies_between_those_of_equation_6(strip):
     found = bench(strip(session=EVEN | BARE))
     picked = found.picked(Material(50e3, 50e3), [0], [])
-    near, far = equation_6(found.scene, 4)[[0, -1]]
+    near, far = equation_6(found.scene.parts.skin, found.scene.parts.setup, 4)[[0, -1]]
     assert min(near, far) < found.frequency[picked.frequencies[0]] < max(near, far)
 
 
@@ -68,7 +68,7 @@ def test_twice_the_sheet_resistance_has_the_same_merit_at_half_the_frequencies(s
 def test_a_search_ends_no_worse_than_any_of_its_steps_and_keeps_its_bounds(strip):
     scene = strip()
     asked = asking(frequencies=2, sheet_resistance=(20e3, 100e3), seconds=0.02, casts=3)
-    found = search(scene, asked)
+    found = search(scene.parts, asked)
     assert found.before.name == "as it is" and found.best.taken
     assert found.best.tenth == max(step.tenth for step in found.steps[1:] if step.taken)
     material = found.best.layout.material
@@ -77,7 +77,7 @@ def test_a_search_ends_no_worse_than_any_of_its_steps_and_keeps_its_bounds(strip
     assert found.picked.share <= min(
         found.picked.bound_over_readings, found.picked.bound_over_frequencies
     )
-    again = search(scene, asked)
+    again = search(scene.parts, asked)
     assert again.steps == found.steps
     made = designed(scene, found.best.layout)
     assert made.frequencies.tolist() == list(found.best.layout.frequencies)
@@ -121,13 +121,15 @@ class SampleReadings:
         return self.model.whitened(self._on.observed(batch, self._frequency))
 
     def of_presses(self, pressed, factors):
-        return self.of_batch(PressBatch.of(pressed.on(self.scene, own) for own in factors.T - 1))
+        return self.of_batch(
+            PressBatch.of(pressed.on(self.scene.parts.skin, own) for own in factors.T - 1)
+        )
 
 
 def test_common_draws_and_independent_draws_agree_on_a_lossy_sample(strip):
     scene = strip(session={"lead_resistance": 2e3, "stray_capacitance": 1e-11, "loss_tangent": 0.1})
     trained = bench(scene, band=None)._trained
-    judge = AccuracyScorer(scene, Design(casts=1), 4000, 1)
+    judge = AccuracyScorer(scene.parts, Design(casts=1), 4000, 1)
     own = bench(scene, band=None).own
     on = trained.readout(trained.sample(0), own.material, own.readings)
     told = merits(judge, trained, own, 1)[1]
@@ -136,7 +138,13 @@ def test_common_draws_and_independent_draws_agree_on_a_lossy_sample(strip):
         SampleReadings(on, scene.frequencies, 6),
         own_presses(scene.parts.skin, scene.press),
     )
-    anew = exact(readings, hypotheses(scene, "pixel"), presses, seed=1, draws=4000)
+    anew = exact(
+        readings,
+        hypotheses(scene.parts.skin, scene.parts.plan, "pixel"),
+        presses,
+        seed=1,
+        draws=4000,
+    )
     assert told == pytest.approx(anew.share, abs=4 * math.sqrt(0.5 / 4000))
 
 
@@ -169,7 +177,7 @@ def test_a_search_for_pairs_finishes(strip):
     """By shares that more readings never lessen."""
     scene = strip({"magnitude_noise": 4e-3, "phase_noise": 4e-3}, columns=3)
     asked = asking(target="pair", frequencies=2, sheet_resistance=(20e3, 100e3), draws=300)
-    found = search(scene, asked)
+    found = search(scene.parts, asked)
     assert 0.5 < found.before.tenth < found.best.tenth <= 1
 
 

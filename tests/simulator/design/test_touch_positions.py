@@ -29,14 +29,14 @@ def scene(make_scene):
 
 def bench(scene):
     asking = SearchSettings(Design(**POSITIONS), 1, 100, SearchJournal(None, {}), lambda *_: None)
-    return SceneEvaluator(scene, asking, terminals(scene))
+    return SceneEvaluator(scene.parts, asking, terminals(scene.parts.skin))
 
 
 def test_bounds_are_those_of_the_full_solver(scene):
-    found, touches = bench(scene), TouchPositions(scene)
+    found, touches = bench(scene), TouchPositions(scene.parts)
     on = found._trained.readout(None, found.own.material, scene.interfaces)
     told = touches.slopes(on, scene.frequencies, 6)
-    fields = FullFields(scene, float(scene.frequencies[-1]), CELLS)
+    fields = FullFields(scene.parts, float(scene.frequencies[-1]), CELLS)
     exact = position_slopes(fields, touches.places, touches.size, scene.frequencies, against_rest=6)
     for name in ("x", "y", "strength"):
         one, other = (getattr(each.bounds(), name) for each in (told, exact))
@@ -69,4 +69,4 @@ def test_groups_of_pixels_are_refused(scene):
         update={"pixels": scene.pixels.model_copy(update={"groups": (("a", "b"), ("c", "d"))})}
     )
     with pytest.raises(ValueError, match="without `groups`"):
-        TouchPositions(grouped)
+        TouchPositions(grouped.parts)

@@ -28,7 +28,7 @@ def scenes():
     "target", ["pixel", "pair", pytest.param("position", marks=pytest.mark.slow)]
 )
 def test_tables_are_rows_of_those_of_all_readings(scenes, target):
-    part, whole = (templates(scene, target) for scene in scenes)
+    part, whole = (templates(scene.parts, target) for scene in scenes)
     by_last = {"deviation", "single", "slope", "shift", "pair", "values"}
     by_last_but_one = {"skin"}
     assert part.keys() == whole.keys()
@@ -43,11 +43,11 @@ def test_tables_are_rows_of_those_of_all_readings(scenes, target):
 
 def test_a_skin_is_estimated_from_the_readings_that_are_taken(scenes):
     """As by all readings of which those that are not taken err without bounds."""
-    part, whole = (_unknown_skin(scene, False) for scene in scenes)
+    part, whole = (_unknown_skin(scene.parts, False) for scene in scenes)
     curve = whole.baseline() + 0.05 * np.cos(np.arange(KEPT.size))
     found = part.conditioned_on_baseline(curve[KEPT], 8)
     assert found.baseline().shape == (KEPT.sum(),)
-    tables = templates(scenes[0], "pixel", baseline=curve[KEPT], averaged=8)
+    tables = templates(scenes[0].parts, "pixel", baseline=curve[KEPT], averaged=8)
     assert tables["single"].shape[-1] == KEPT.sum() and np.isfinite(tables["skin"]).all()
     before = np.linalg.norm(part.baseline() - curve[KEPT])
     assert np.linalg.norm(found.baseline() - curve[KEPT]) < before

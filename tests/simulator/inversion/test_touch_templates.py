@@ -8,7 +8,7 @@ from rcskin.simulator.inversion.touch_templates import STRENGTHS, strength_prior
 from rcskin.simulator.inversion.unknown_skin import UnknownSkin, expected
 from rcskin.simulator.measure.readout import ErrorModel, observed
 from rcskin.simulator.measure.skins import drawn_skin
-from rcskin.simulator.models.parameters import HALF_WAVES, scene_with
+from rcskin.simulator.models.parameters import HALF_WAVES, parts_with
 from rcskin.simulator.models.reduced.cases import Case
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.reduced.greedy import reduce
@@ -44,11 +44,11 @@ def change(scene, press):
 
 @pytest.fixture(scope="module")
 def tables(scene):
-    return templates(scene, "pixel")
+    return templates(scene.parts, "pixel")
 
 
 def test_touches_are_those_of_the_full_solver(scene, tables):
-    mean_skin = scene_with(scene, expected(scene))
+    mean_skin = parts_with(scene.parts, expected(scene.parts)).scene
     for place, strength in ((0, 1), (3, 5)):
         row, column = tables["pixels"][place]
         press = Press((Touch(int(row), int(column), tables["strengths"][strength]),))
@@ -63,12 +63,12 @@ def test_slopes_are_differences_between_strengths(tables):
 
 
 def test_pairs_are_two_simultaneous_touches(scene):
-    tables = templates(scene, "pair")
+    tables = templates(scene.parts, "pair")
     assert len(tables["pairs"]) == 6
     pair = int(np.flatnonzero((tables["pairs"] == [0, 3]).all(axis=1))[0])
     first, second = tables["strengths"][[2, 4]]
     press = Press((Touch(1, 1, first), Touch(2, 2, second)))
-    expected_change = change(scene_with(scene, expected(scene)), press)
+    expected_change = change(parts_with(scene.parts, expected(scene.parts)).scene, press)
     off = tables["pair"][pair, 2, 4] - expected_change
     assert np.abs(off / tables["deviation"]).max() < 0.2
 
@@ -159,7 +159,7 @@ def test_an_impossible_baseline_leaves_unknowns_within_bounds(forward):
 
 
 def test_drift_is_a_small_change_of_all_foam_and_of_both_sheets(scene, forward, baseline):
-    tables = templates(scene, "pixel", "dataset", baseline, 20, 1e-3)
+    tables = templates(scene.parts, "pixel", "dataset", baseline, 20, 1e-3)
     values = UnknownSkin(forward).conditioned_on_baseline(baseline, 20).values
     nothing = np.zeros(0, dtype=np.int64), np.zeros(0)
     for column, name in zip(tables["drift"].T, ("capacitance", "sheet_resistance"), strict=True):
@@ -172,11 +172,11 @@ def test_drift_is_a_small_change_of_all_foam_and_of_both_sheets(scene, forward, 
 def test_a_skin_without_variation_is_known(make_scene):
     scene = tables_scene(make_scene, ALIKE["dataset.session"])
     assert not any(spread.deviation for spread in session_spreads(scene.parts).values())
-    assert templates(scene, "column")["skin"].shape[-1] == 0
+    assert templates(scene.parts, "column")["skin"].shape[-1] == 0
 
 
 def test_strengths_cover_their_distribution(scene):
-    strengths, weights, spread = strength_prior(scene, "dataset")
+    strengths, weights, spread = strength_prior(scene.parts.skin, scene.parts.plan, "dataset")
     fine = np.linspace(1.6, 2.7, 50)[:, None]
     density = np.exp(-(((fine - strengths) / spread) ** 2) / 2) @ weights
     np.testing.assert_allclose(density / density.mean(), 1.0, rtol=0.03)
@@ -190,7 +190,7 @@ def test_strengths_of_the_experiment_follow_the_press(make_scene):
     pressed = scene.model_copy(
         update={"press": scene.press.model_copy(update={"factor_spread": 0.1})}
     )
-    strengths, weights, spread = strength_prior(pressed, "press")
+    strengths, weights, spread = strength_prior(pressed.parts.skin, pressed.parts.plan, "press")
     mean = strengths @ weights
     deviation = np.sqrt((strengths - mean) ** 2 @ weights + spread**2)
     assert mean == pytest.approx(2.0, abs=0.01)
@@ -200,11 +200,13 @@ def test_strengths_of_the_experiment_follow_the_press(make_scene):
 def test_positions_are_tabulated_by_the_full_solver(scene, monkeypatch):
     monkeypatch.setattr(position_tables, "NODES", 3)
     scene = scene.with_({"dataset.press.factor": {"low": 1.3, "high": 3.0}})
-    tables = templates(scene, "position")
+    tables = templates(scene.parts, "position")
     x, y, f = (tables[name][1] for name in ("x", "y", "strength_nodes"))
-    side, _ = position_tables.touch_size(scene)
+    side, _ = position_tables.touch_size(scene.parts.plan)
     press = Press((Rectangle(x, y, side, side, f),))
-    off = tables["values"][1, 1, 1] - change(scene_with(scene, expected(scene)), press)
+    off = tables["values"][1, 1, 1] - change(
+        parts_with(scene.parts, expected(scene.parts)).scene, press
+    )
     assert np.abs(off / tables["deviation"]).max() < 0.3
     ends = tables["x"][[0, -1]]
     np.testing.assert_allclose(ends, [side / 2, scene.skin.length - side / 2], rtol=1e-12)
@@ -213,4 +215,4 @@ def test_positions_are_tabulated_by_the_full_solver(scene, monkeypatch):
 
 def test_a_meter_without_noise_is_refused(make_scene):
     with pytest.raises(InputError, match="must be > 0"):
-        templates(make_scene(rows=1, columns=2), "column")
+        templates(make_scene(rows=1, columns=2).parts, "column")

@@ -167,6 +167,6 @@ def test_a_meter_without_noise_is_refused(refused, tmp_path, monkeypatch, scene_
 
 def test_another_sheet_resistance_is_not_that_of_earth():
     skin = load_scene("knit-36").skin
-    changed = with_sheets(load_scene("knit-36"), 2e3).skin
+    changed = with_sheets(load_scene("knit-36").parts, 2e3).skin
     assert changed.bottom == skin.bottom and changed.top.sheet_resistance == 2e3
-    assert with_sheets(load_scene("sheet-3x3"), 2e3).skin.sheet_resistances == (2e3, 2e3)
+    assert with_sheets(load_scene("sheet-3x3").parts, 2e3).skin.sheet_resistances == (2e3, 2e3)

@@ -29,7 +29,7 @@ FINGER = EARTH.with_({"press.finger": 5e-12})
 
 @pytest.fixture(scope="module")
 def fields():
-    return FullFields(FINGER, 5e4, cells=2)
+    return FullFields(FINGER.parts, 5e4, cells=2)
 
 
 def rasterized(fields, place, touch):
@@ -38,7 +38,7 @@ def rasterized(fields, place, touch):
 
 
 def test_a_touch_by_a_finger_equals_that_of_the_full_model(fields):
-    touch = chosen_touch(FINGER)
+    touch = chosen_touch(FINGER.parts.skin, FINGER.press)
     factors, _ = rasterized(fields, (0.06, 0.03), touch)
     found = fields.respond(factors, {}, FINGER.frequencies).Z
     press = Press((Rectangle(0.06, 0.03, 0.06, 0.06, 2.0, 5e-12),))
@@ -47,7 +47,10 @@ def test_a_touch_by_a_finger_equals_that_of_the_full_model(fields):
 
 @pytest.mark.parametrize("rise", [1.0, 0.0])
 def test_slopes_of_a_touch_by_a_finger_are_those_of_differences(fields, rise):
-    touch, place = chosen_touch(FINGER)._replace(rise=rise), np.array([0.045, 0.07])
+    touch, place = (
+        chosen_touch(FINGER.parts.skin, FINGER.press)._replace(rise=rise),
+        np.array([0.045, 0.07]),
+    )
     own = rasterized(fields, tuple(place), touch)
     slopes = fields.respond(own.factors, own.changes, FINGER.frequencies).by_parameter
 
@@ -68,7 +71,8 @@ def test_slopes_of_a_touch_by_a_finger_are_those_of_differences(fields, rise):
 
 def test_a_finger_changes_a_touch_and_a_tiny_one_equals_a_rod():
     own, none = (
-        identity(FINGER.with_({"press.finger": C}), Sampling(1, 300, 6)) for C in (5e-12, 1e-18)
+        identity(FINGER.with_({"press.finger": C}).parts, Sampling(1, 300, 6))
+        for C in (5e-12, 1e-18)
     )
     assert own.kinds is not None and none.kinds is not None
     assert own.kinds.kinds.share > 0.99
@@ -78,14 +82,14 @@ def test_a_finger_changes_a_touch_and_a_tiny_one_equals_a_rod():
         assert found.share == pytest.approx(rod[target].share, abs=0.03)
     assert touched["column"].share == pytest.approx(2 / 5, abs=0.02)
     assert own.kinds.accuracy["touched by a finger without a press"]["column"].share > 0.97
-    assert identity(EARTH, Sampling(1, 20, 6)).kinds is None
+    assert identity(EARTH.parts, Sampling(1, 20, 6)).kinds is None
 
 
 def test_fingers_are_given_as_in_texts_of_presses():
     assert with_finger(EARTH, "5.3pF").press.finger == pytest.approx(5.3e-12)
     assert with_finger(FINGER, "rod").press.finger is None
     assert with_finger(FINGER, None) is FINGER
-    assert chosen_touch(FINGER, factor=1.0).finger == 5e-12
+    assert chosen_touch(FINGER.parts.skin, FINGER.press, factor=1.0).finger == 5e-12
 
 
 @pytest.mark.parametrize(
@@ -102,9 +106,9 @@ def test_an_impossible_finger_is_refused(scene, finger, told):
 
 def test_designs_for_positions_refuse_surroundings():
     with pytest.raises(InputError, match="a design for positions cannot take `surroundings`"):
-        TouchPositions(FINGER)
+        TouchPositions(FINGER.parts)
 
 
 def test_a_touch_that_changes_nothing_is_refused():
     with pytest.raises(InputError, match="without a finger"):
-        chosen_touch(EARTH, factor=1.0)
+        chosen_touch(EARTH.parts.skin, EARTH.press, factor=1.0)

@@ -19,7 +19,14 @@ from rcskin.simulator.sweeps import InputError
 
 def test_the_best_set_is_no_worse_than_the_others_and_always_the_same(noisy_strip):
     found, again = (
-        design(noisy_strip, 4, (1e2, 1e5), chosen_touch(noisy_strip), grid=12) for _ in range(2)
+        design(
+            noisy_strip.parts,
+            4,
+            (1e2, 1e5),
+            chosen_touch(noisy_strip.parts.skin, noisy_strip.press),
+            grid=12,
+        )
+        for _ in range(2)
     )
     assert min(found.figures.values()) == found.figures["optimal"]
     assert (found.best[1:] / found.best[:-1]).min() >= DISTINCT
@@ -30,9 +37,9 @@ def test_the_best_set_is_no_worse_than_the_others_and_always_the_same(noisy_stri
 
 def test_the_error_is_that_of_limits(noisy_strip):
     """Of the same frequencies: the median over the sheet, as `rcskin limits` shows it."""
-    touch = chosen_touch(noisy_strip)
-    found = design(noisy_strip, 3, own_band(noisy_strip), touch)
-    limits = {each.name: each for each in survey(noisy_strip, SurveyOptions(touch), n=3)}
+    touch = chosen_touch(noisy_strip.parts.skin, noisy_strip.press)
+    found = design(noisy_strip.parts, 3, own_band(noisy_strip.parts.setup), touch)
+    limits = {each.name: each for each in survey(noisy_strip.parts, SurveyOptions(touch), n=3)}
     assert set(found.errors) == {"optimal", "Eq. 6", "log spacing"}
     for name, error in found.errors.items():
         same = limits[f"3, {name}"]
@@ -42,11 +49,11 @@ def test_the_error_is_that_of_limits(noisy_strip):
 
 def test_frequencies_are_chosen_among_those_given(noisy_strip):
     given = np.array([1e3, 1.01e3, 5e4, 6e4])
-    touch = chosen_touch(noisy_strip)
-    found = design(noisy_strip, 3, (1e2, 1e5), touch, among=given)
+    touch = chosen_touch(noisy_strip.parts.skin, noisy_strip.press)
+    found = design(noisy_strip.parts, 3, (1e2, 1e5), touch, among=given)
     assert np.isin(found.best, given).all() and len(set(found.best)) == 3
     with pytest.raises(InputError, match="from 1 to 4, the number of candidate frequencies, got 5"):
-        design(noisy_strip, 5, (1e2, 1e5), touch, among=given)
+        design(noisy_strip.parts, 5, (1e2, 1e5), touch, among=given)
 
 
 @pytest.mark.parametrize("n", [2, 10, 39, 40])
@@ -59,10 +66,16 @@ def test_any_number_of_frequencies_fits_on_its_grid(n):
 @pytest.mark.parametrize("text", ["0,1e3", "many", "1e3,inf", "", "-5"])
 def test_an_invalid_list_of_frequencies_is_refused(noisy_strip, text):
     with pytest.raises(InputError, match="--among must be `scene` or F,F"):
-        frequencies_among(text, noisy_strip)
+        frequencies_among(text, noisy_strip.parts.setup)
 
 
 @pytest.mark.parametrize(("n", "grid"), [(0, 10), (11, 10), (3, 1)])
 def test_numbers_out_of_range_are_refused(noisy_strip, n, grid):
     with pytest.raises(InputError, match="must be from"):
-        design(noisy_strip, n, (1e2, 1e5), chosen_touch(noisy_strip), grid=grid)
+        design(
+            noisy_strip.parts,
+            n,
+            (1e2, 1e5),
+            chosen_touch(noisy_strip.parts.skin, noisy_strip.press),
+            grid=grid,
+        )

@@ -27,7 +27,7 @@ L_SHAPE = {
 def drawn():
     """mm of all lines of a colour on the sheet of an L."""
     axes = Figure().subplots()
-    draw_sheet(axes, load_scene("sheet-3x3").with_(L_SHAPE))
+    draw_sheet(axes, load_scene("sheet-3x3").with_(L_SHAPE).parts.skin)
 
     def length(colour):
         own = [each.get_xydata() for each in axes.lines if same_color(each.get_color(), colour)]
@@ -58,7 +58,9 @@ def test_labels_of_maps_do_not_overlap_on_any_skin(sides, unresolved, monkeypatc
     x = np.array([1e-3, 3e-3, 1e-2, 0.1])
     y = np.full(4, np.inf) if unresolved else x
     bounds = PositionBounds(places, x, y, x, np.zeros(4), sides)
-    draw_maps(scene, [Variant("", str(k), bounds, x) for k in range(3)], "title", tmp_path)
+    draw_maps(
+        scene.parts.skin, [Variant("", str(k), bounds, x) for k in range(3)], "title", tmp_path
+    )
     drawn.draw_without_rendering()
     boxes = [each.get_position() for each in drawn.axes if each.get_aspect() != "auto"]
     assert len(boxes) == 9

@@ -31,16 +31,16 @@ def written(tmp_path):
 
 
 def slopes_of(scene, against_rest):
-    touch = chosen_touch(scene)
-    fields = fields_of(scene, scene.frequencies[-1], touch)
-    places = places_on(scene, touch, fields.cells, 3)
+    touch = chosen_touch(scene.parts.skin, scene.press)
+    fields = fields_of(scene.parts, scene.frequencies[-1], touch)
+    places = places_on(scene.parts, touch, fields.cells, 3)
     return position_slopes(fields, places, touch, scene.frequencies, against_rest=against_rest)
 
 
 @pytest.mark.parametrize("against_rest", [0, 4])
 def test_bounds_of_one_interface_equal_those_of_a_scene_with_it_alone(shared, against_rest):
     own = shared.with_(OWN)
-    alone = with_interfaces(own, ["bottom"])
+    alone = with_interfaces(own.parts, ["bottom"])
     assert alone.frequencies.tolist() == [1e4, 1e5] and alone.taken is None
     one = slopes_of(own, against_rest).bounds(np.array([1e4, 1e5]), [1])
     taken = np.array([[False, False, False], [False, True, True]])
@@ -63,8 +63,8 @@ def test_information_of_readings_adds_up(shared):
 
 def test_a_survey_has_the_scenes_own_frequencies_and_common_sets(shared):
     own = shared.with_(OWN)
-    question = SurveyOptions(chosen_touch(own), against_rest=4)
-    part, whole = (survey(scene, question, [3e4]) for scene in (own, shared))
+    question = SurveyOptions(chosen_touch(own.parts.skin, own.press), against_rest=4)
+    part, whole = (survey(scene.parts, question, [3e4]) for scene in (own, shared))
     named = [{each.name: each.bounds for each in variants} for variants in (part, whole)]
     for name in set(named[0]) & set(named[1]) - {"left", "bottom", "all together", "30 kohm/sq"}:
         np.testing.assert_array_equal(named[0][name].strength, named[1][name].strength)

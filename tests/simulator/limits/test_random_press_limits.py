@@ -24,8 +24,8 @@ def strip(noisy):
 
 
 def test_without_offset_the_accuracy_is_that_of_whole_pixels(strip):
-    share, error = bayes_accuracy(strip, "column", draws=3000)
-    found = off_centre_accuracy(strip, "column", offset=0.0, draws=3000, samples=600)
+    share, error = bayes_accuracy(strip.parts, "column", draws=3000)
+    found = off_centre_accuracy(strip.parts, "column", offset=0.0, draws=3000, samples=600)
     assert 0.5 < share < 0.98
     both = 4 * np.hypot(error, found.error)
     assert found.lower == pytest.approx(share, abs=both)
@@ -34,11 +34,11 @@ def test_without_offset_the_accuracy_is_that_of_whole_pixels(strip):
 
 def test_the_accuracy_falls_with_the_offset_and_samples_narrow_its_interval(strip):
     near, far = (
-        off_centre_accuracy(strip, "column", offset=offset, draws=2000, samples=1000)
+        off_centre_accuracy(strip.parts, "column", offset=offset, draws=2000, samples=1000)
         for offset in (0.05, 0.4)
     )
     assert far.upper < near.lower - 2 * near.error
-    few = off_centre_accuracy(strip, "column", offset=0.4, draws=2000, samples=10)
+    few = off_centre_accuracy(strip.parts, "column", offset=0.4, draws=2000, samples=10)
     assert few.upper - few.lower > far.upper - far.lower
     assert few.lower < far.upper and few.upper > far.lower
 
@@ -46,24 +46,27 @@ def test_the_accuracy_falls_with_the_offset_and_samples_narrow_its_interval(stri
 def test_two_presses_without_spread_are_two_points_in_normal_noise(noisy):
     noise = {"magnitude_noise": 0.03, "phase_noise": 0.03}
     scene = noisy(readout=noise, spread=0.0, columns=2, **STRIP)
-    hand = RandomPresses(scene, Fixed(value=2.0), size=(0.05, 0.02))
+    hand = RandomPresses(scene.parts, Fixed(value=2.0), size=(0.05, 0.02))
     random = np.random.default_rng(0)
-    one, other = (hand.pressed(each, random, 1) for each in hypotheses(scene, "column"))
+    one, other = (
+        hand.pressed(each, random, 1)
+        for each in hypotheses(scene.parts.skin, scene.parts.plan, "column")
+    )
     exact = ndtr(np.linalg.norm(one - other) / 2)
-    found = off_centre_accuracy(scene, "column", offset=0.0, draws=4000, samples=1)
+    found = off_centre_accuracy(scene.parts, "column", offset=0.0, draws=4000, samples=1)
     assert found.lower == pytest.approx(exact, abs=4 * found.error)
 
 
 def test_mirrored_rows_are_guessed(noisy):
     noise = {"magnitude_noise": 1e-2, "phase_noise": 1e-2}
     scene = noisy(readout=noise, spread=0.0, rows=2, columns=1, frequencies=(1e3, 1e4))
-    found = off_centre_accuracy(scene, "row", offset=0.0, draws=300, samples=2)
+    found = off_centre_accuracy(scene.parts, "row", offset=0.0, draws=300, samples=2)
     assert found.upper == pytest.approx(0.5, abs=0.05)
 
 
 def test_readings_of_a_touch_on_cells_are_those_of_the_solver(strip):
     side = 0.1 / 4 / CELLS
-    hand = RandomPresses(strip, Fixed(value=2.0), size=(2 * side, 0.02))
+    hand = RandomPresses(strip.parts, Fixed(value=2.0), size=(2 * side, 0.02))
     middles = np.array([[[5 * side, 0.01]]])
     read = hand.read(middles, np.random.default_rng(0))
     press = Press((Rectangle(5 * side, 0.01, 2 * side, 0.02, 2.0),))
@@ -75,7 +78,7 @@ def test_the_distance_falls_with_the_noise_to_that_of_a_guess(noisy):
     def median(size):
         scene = noisy(readout={"magnitude_noise": size, "phase_noise": size}, **STRIP)
         spread = Normal(mean=2.0, deviation=0.1)
-        return posterior_distance(scene, spread, size=0.02, draws=200, samples=4000)
+        return posterior_distance(scene.parts, spread, size=0.02, draws=200, samples=4000)
 
     (told, error), (lost, _) = median(0.01), median(1.0)
     assert error < told < 0.5 * lost
@@ -95,4 +98,4 @@ def test_the_geometric_median_has_the_smallest_mean_distance():
 
 def test_an_offset_out_of_range_is_refused(strip):
     with pytest.raises(InputError, match=r"`offset` must be in 0..0.5"):
-        off_centre_accuracy(strip, offset=0.6)
+        off_centre_accuracy(strip.parts, offset=0.6)

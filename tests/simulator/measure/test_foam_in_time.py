@@ -235,7 +235,7 @@ def test_sweeps_are_simulated_again_in_their_order_session_by_session(creeping):
         [part.assign_coords(session=("sweep", [k, k])) for k, part in enumerate(parts)]
     )
     mixed = both.isel(sweep=[0, 2, 1, 3])
-    again = resimulated(mixed, creeping, creeping.frequencies)
+    again = resimulated(mixed, creeping.parts, creeping.frequencies)
     np.testing.assert_allclose(impedance(again), impedance(mixed), rtol=1e-12)
     assert list(again["press"].values) == list(mixed["press"].values)
     assert np.abs(impedance(again)[1] / impedance(again)[2] - 1).max() > 1e-3
@@ -266,7 +266,7 @@ def test_commands_that_take_presses_as_they_are_at_once_say_so(
 
 def test_a_localizer_by_a_model_of_the_skin_says_so_too(creeping):
     with pytest.raises(InputError, match="a localizer by a model of the skin cannot take"):
-        templates(creeping, "column", "drawn")
+        templates(creeping.parts, "column", "drawn")
 
 
 @pytest.mark.parametrize(

@@ -149,9 +149,9 @@ def test_presses_are_simulated_anew_at_what_was_read(own, shared):
         simulate(Solver(scene.parts, 1e-3), every_press(scene.parts.skin, scene.press)[:2])
         for scene in (own, shared)
     )
-    again = resimulated(part, own, own.frequencies)
+    again = resimulated(part, own.parts, own.frequencies)
     np.testing.assert_allclose(again["Rs"].values, part["Rs"].values, rtol=1e-3)
-    elsewhere = resimulated(part, own, own.frequencies[:2])
+    elsewhere = resimulated(part, own.parts, own.frequencies[:2])
     np.testing.assert_allclose(elsewhere["Rs"], whole["Rs"][:, :, :2], rtol=1e-3)
 
 
@@ -197,9 +197,9 @@ def own_skin(own):
 @pytest.mark.parametrize("against_rest", [0, 3])
 def test_two_bounds_agree_and_fewer_readings_give_less(shared, own, own_skin, against_rest):
     known = {"draws": 300, "against_rest": against_rest}
-    part, whole = (bayes_accuracy(scene, "pixel", **known) for scene in (own, shared))
+    part, whole = (bayes_accuracy(scene.parts, "pixel", **known) for scene in (own, shared))
     assert part[0] < whole[0]
-    other = CommonDraws(own, "pixel", **known).score(own_skin, own.parts.setup).accuracy
+    other = CommonDraws(own.parts, "pixel", **known).score(own_skin, own.parts.setup).accuracy
     assert abs(other.share - part[0]) < 4 * np.hypot(other.error, part[1])
 
 
@@ -209,8 +209,8 @@ def test_positions_are_those_of_a_scene_with_the_readings_alone(shared):
     frequencies = {"interface.1.frequencies": [1e3], "interface.2.frequencies": [1e4, 1e5]}
     both = shared.with_(frequencies)
     first, second = (
-        position_bound(scene, against_rest=3, max_places=2) for scene in (lowest, both)
+        position_bound(scene.parts, against_rest=3, max_places=2) for scene in (lowest, both)
     )
     assert (second.x <= first.x * (1 + 1e-9)).all()
-    whole = position_bound(shared, against_rest=3, max_places=2)
+    whole = position_bound(shared.parts, against_rest=3, max_places=2)
     assert (whole.x < second.x).all()

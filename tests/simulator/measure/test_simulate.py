@@ -23,7 +23,7 @@ def none_of(scene):
     [
         lambda scene: simulate(Solver(scene.parts), []),
         lambda scene: gather(Solver(scene.parts), iter([])),
-        lambda scene: resimulated(none_of(scene), scene, scene.frequencies),
+        lambda scene: resimulated(none_of(scene), scene.parts, scene.frequencies),
     ],
 )
 def test_no_press_at_all_is_refused(scene, simulated):

@@ -4,7 +4,7 @@ import math
 
 import pytest
 from rcskin.simulator.models.effects import EFFECTS
-from rcskin.simulator.models.parameters import PARAMETERS, all_values, own_values, scene_with
+from rcskin.simulator.models.parameters import PARAMETERS, all_values, own_values, parts_with
 from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text
 from rcskin.simulator.surroundings.rim import rim_densities
 from rcskin.simulator.sweeps import InputError
@@ -51,13 +51,13 @@ def test_the_scene_with_other_values_has_so_much_more_around_it(scene):
         }
     )
     twice = math.log(2)
-    found = scene_with(around, {"body": twice, "rim": twice, "finger": 1e-12})
+    found = parts_with(around.parts, {"body": twice, "rim": twice, "finger": 1e-12}).scene
     assert parse_scene(scene_text(found), "found") == found
     assert found.surroundings.body[0].distance == pytest.approx(BODY["distance"] / 2)
     assert found.surroundings.rim.bottom == pytest.approx(2 * RIM["bottom"])
     assert found.press.finger == pytest.approx(3e-12)
     by_area = around.with_({"surroundings": {"body": {"capacitance_per_area": 1e-9}}})
-    other = scene_with(by_area, {"body": twice}).surroundings
+    other = parts_with(by_area.parts, {"body": twice}).skin.around
     assert other.body[0].capacitance_per_area == pytest.approx(2e-9)
 
 
@@ -66,10 +66,10 @@ def test_a_rim_that_is_computed_stays_what_it_was_beside_a_body_that_is_nearer(s
     around = scene.with_({"surroundings": {"rim": True, "body": BODY}})
     own = rim_densities(around.parts.skin)
     for given, factor in (({"body": 0.4}, 1.0), ({"body": 0.4, "rim": math.log(2)}, 2.0)):
-        found = scene_with(around, given).surroundings.rim
+        found = parts_with(around.parts, given).skin.around.rim
         assert found.mutual == pytest.approx(factor * own.mutual)
         assert found.top == pytest.approx(factor * own.top)
-    assert rim_densities(scene_with(around, {}).with_({}).parts.skin) == own
+    assert rim_densities(parts_with(around.parts, {}).scene.with_({}).parts.skin) == own
 
 
 @pytest.mark.parametrize("factor", [2.0, 0.1])
@@ -78,7 +78,9 @@ def test_foam_keeps_its_thickness_where_the_field_around_it_counts(scene, factor
     given = {"skin.foam": {"thickness": 4e-3, "relative_permittivity": 2.0}}
     around = scene.with_(given | {"surroundings": {"thickness": True}})
     changed = {"capacitance": math.log(factor)}
-    foam, plain = (scene_with(each, changed).skin.foam for each in (around, scene.with_(given)))
+    foam, plain = (
+        parts_with(each.parts, changed).skin.foam for each in (around, scene.with_(given))
+    )
     assert plain.thickness is None
     assert foam.thickness == pytest.approx(4e-3 * max(1.0, 1 / (2 * factor)))
     assert foam.unpressed_capacitance_per_area == plain.unpressed_capacitance_per_area

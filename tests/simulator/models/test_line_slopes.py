@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.models.line_ports import tanh_ratio
 from rcskin.simulator.models.line_slopes import LineModel, tanh_ratio_slope
-from rcskin.simulator.models.parameters import scene_with
+from rcskin.simulator.models.parameters import parts_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.sweeps import InputError
@@ -27,7 +27,7 @@ def test_values_are_those_of_the_solver(model, press, moved):
     touched = parse_press(press, 2.0)
     Z = model.respond(*model.cells(touched), moved).Z
     same_films = moved | {"sheet_mismatch": 0.0}
-    truth = Solver(scene_with(model.scene, same_films).parts, 1e-6).solve(touched).Z
+    truth = Solver(parts_with(model.scene.parts, same_films), 1e-6).solve(touched).Z
     np.testing.assert_allclose(model.respond(*model.cells(touched), same_films).Z, truth, rtol=1e-9)
     assert np.abs(Z / truth - 1).max() > 1e-4
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.models.line_slopes import LineModel
-from rcskin.simulator.models.parameters import own_values, reading_of, scene_with
+from rcskin.simulator.models.parameters import own_values, parts_with, reading_of
 from rcskin.simulator.models.reader_parameters import READER, reader_values
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text
@@ -46,7 +46,7 @@ def test_slopes_of_a_gain_by_its_reader_are_its_derivatives(alone):
 
 def test_slopes_of_two_nodes_that_are_driven_at_once_are_their_derivatives():
     scene = load_scene("knit-36").with_({"leads": ALONE["leads"]})
-    scene = scene_with(scene, {"load_conductance": 1e-7})
+    scene = parts_with(scene.parts, {"load_conductance": 1e-7}).scene
     own, step = steps(scene)
     random = np.random.default_rng(0)
     shape = len(scene.parts.setup.solved), len(scene.frequencies)
@@ -63,10 +63,10 @@ def test_slopes_of_two_nodes_that_are_driven_at_once_are_their_derivatives():
 
 def test_a_scene_with_reader_parameters_has_them_at_all_interfaces():
     scene = load_scene("knit-36")
-    found = scene_with(
-        scene,
+    found = parts_with(
+        scene.parts,
         {"series_resistance": 1.1e6, "load_capacitance": 15e-12, "load_conductance": 1e-8},
-    )
+    ).scene
     for each in found.interfaces:
         assert each.series_resistance == pytest.approx(1.1e6)
         assert each.load.capacitance == pytest.approx(15e-12)

@@ -53,13 +53,17 @@ def test_calibration_limits_and_inversion_take_the_same_spreads(scene):
     spreads = {
         name: each for name, each in session_spreads(scene.parts).items() if each.deviation > 0
     }
-    prior = priors(measurements_of(scene, simulate(Solver(scene.parts), [Press()])), "session")
+    prior = priors(
+        measurements_of(scene.parts, simulate(Solver(scene.parts), [Press()])), "session"
+    )
     for name, each in spreads.items():
         assert prior[name].deviation == each.deviation
         assert prior[name].center == each.shift
     frequency = np.array(scene.frequencies)
     limits = SkinUnknowns(
-        FullFields(scene, 1e4), frequency, error_model(scene, frequency)
+        FullFields(scene.parts, 1e4),
+        frequency,
+        error_model(scene.parts.setup, scene.parts.meter, frequency),
     ).deviations
     assert {name: limits[name] for name in spreads} == {n: s.deviation for n, s in spreads.items()}
     inversion = UnknownSkin(Forward(scene.parts, rtol=1e-3))

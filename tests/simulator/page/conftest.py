@@ -73,7 +73,7 @@ class Paged:
 
 
 def paged(scene, rtol=1e-3, cells=2):
-    skin = uniformly_pressed(scene, "a page")
+    skin = uniformly_pressed(scene.parts, "a page")
     reduced = reduced_for_page(skin, rtol, cells)
     return Paged(skin, reduced, page_data(skin, reduced, points=300))
 

@@ -256,6 +256,8 @@ def test_at_rest_and_low_frequency_the_sheets_are_1_v_apart(glove):
     skin = glove.reduced.skin(None)
     none = np.empty(0, dtype=np.int64), np.empty(0)
     ((u, _),) = skin.solved(*none, np.array([1e-2j]))
-    at_points = raster_fields(skin, Raster.over(glove.scene, 200)).potential
+    at_points = raster_fields(
+        skin, Raster.over(glove.scene.parts.skin, glove.scene.press, 200)
+    ).potential
     own = np.linalg.solve(skin.turn, u[:, 0])
     assert at_points[0] @ own == pytest.approx(1.0, abs=1e-6)

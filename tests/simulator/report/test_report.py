@@ -83,13 +83,13 @@ def test_a_page_holds_all_that_it_is_given_and_names_are_text(tmp_path):
 
 def test_foils_lie_beside_the_edge_and_pixels_end_at_holes():
     axes, scene = Figure().subplots(), load_scene("l-shape")
-    draw_outline(axes, scene)
+    draw_outline(axes, scene.parts.skin)
     outer, hole = (line.get_xydata() for line in axes.lines)
     assert np.ptp(np.hypot(*(hole - [30, 30]).T)) < 1e-6
-    draw_pixels(axes, scene)
+    draw_pixels(axes, scene.parts.skin)
     inside = np.concatenate([line.get_xydata() for line in axes.lines[2:]])
     assert np.nanmin(np.hypot(*(inside - [30, 30]).T)) >= 11.9
-    draw_foils(axes, scene)
+    draw_foils(axes, scene.parts.skin)
     top, bottom = (line.get_xydata() for line in axes.lines[-2:])
     assert (top[:, 1] > outer[:, 1].max()).all()
     assert (np.hypot(*(bottom - [30, 30]).T) < 12).all()

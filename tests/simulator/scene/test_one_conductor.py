@@ -46,7 +46,7 @@ def test_a_touch_of_a_pixel_is_a_factor_and_its_text_a_capacitance(yarn):
 
 def test_data_sets_draw_the_capacitance_of_touches(yarn):
     drawn = yarn.with_({"dataset.press.capacitance": {"low": 20e-12, "high": 40e-12}})
-    presses = drawn_presses(drawn, np.random.default_rng(1), 200, (1, 36))
+    presses = drawn_presses(drawn.parts, np.random.default_rng(1), 200, (1, 36))
     added = [float(t.split(":")[1].removesuffix("pF")) for t in presses.text if t.count(":") == 1]
     assert 20 <= min(added) < 22 and 38 < max(added) <= 40
     for text, touches, factor in zip(presses.text, presses.touches, presses.factor, strict=True):

@@ -113,7 +113,7 @@ def test_crossed_pairs_of_equal_sheets_repeat_readings():
         ("top-bottom to bottom-left", "top-left to bottom-bottom"),
         ("bottom-left to bottom-bottom", "top-left to top-bottom"),
     ]
-    told = [fact.text for fact in key_facts(scene) if fact.about in ("repeated", "one sheet")]
+    told = [fact.text for fact in key_facts(scene.parts) if fact.about in ("repeated", "one sheet")]
     assert "it only averages the meter" in told[0]
     assert sum("no capacitance" in each for each in told) == 2
 

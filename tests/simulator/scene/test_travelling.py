@@ -66,7 +66,7 @@ def test_sweeps_are_simulated_again_where_the_scene_s_files_are_not(
     text = found.attrs["scene"]
     assert parse_scene(text, "sweeps") == asked
     assert str(tmp_path) not in text
-    again = resimulated(found, parse_scene(text, "scene"), found["frequency"].values)
+    again = resimulated(found, parse_scene(text, "scene").parts, found["frequency"].values)
     for name in ("Rs", "X", "Cp"):
         np.testing.assert_array_equal(again[name], found[name])
 

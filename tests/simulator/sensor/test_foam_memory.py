@@ -58,7 +58,7 @@ CLOSING = {"thickness": 4e-3, "mechanics": FOAM, "capacitance_per_area": None}
 )
 def test_cells_creep_as_touches_do(foam):
     scene = strip(**foam)
-    state, memory, now = FoamState(scene.parts.skin), FoamMemory(scene, 3, 2), 0.0
+    state, memory, now = FoamState(scene.parts.skin), FoamMemory(scene.parts.skin, 3, 2), 0.0
     for touches, seconds in CHANGES:
         state = state.then(
             press_on(scene.parts.skin, scene.press, "+".join(touches) or "none"), now - state.since
@@ -79,7 +79,7 @@ def test_a_fixed_depth_keeps_its_strain_and_leaves_a_trace():
     state = FoamState(scene.parts.skin).then(
         press_on(scene.parts.skin, scene.press, f"1,2:{1e3 * depth!r}mm"), 0.0
     )
-    memory = FoamMemory(scene, 3, 1)
+    memory = FoamMemory(scene.parts.skin, 3, 1)
     memory.press(PressBatch.of([(np.array([1]), np.array([0.8]))]), np.ones(1, dtype=bool), 0.0)
     assert memory.pressed(0.4).rises == pytest.approx([0.8])
     state, left = (
@@ -108,7 +108,7 @@ def test_splitting_steps_changes_nothing_and_copies_are_apart():
 
 
 def test_foam_must_not_creep_beyond_its_greatest_strain():
-    memory = FoamMemory(strip(relaxation=ONE), 3, 1)
+    memory = FoamMemory(strip(relaxation=ONE).parts.skin, 3, 1)
     load = PressBatch.of([(np.array([0]), np.array([20.0]))])
     with pytest.raises(rcskin.InputError, match="would creep to 1.1 of its thickness"):
         memory.press(load, np.zeros(1, dtype=bool), 0.0)

@@ -25,7 +25,7 @@ def test_the_kernel_is_its_readable_twin(reader, digits):
     random = np.random.default_rng(1)
     size = 10.0 ** random.uniform(-3, 8, (skins, 4))
     reading = size * np.exp(1j * random.uniform(-1.5, 1.5, size.shape))
-    meters = MeterErrors(scene, 5, range(skins), True)
+    meters = MeterErrors(scene.parts.setup, scene.parts.meter, 5, range(skins), True)
     shown = meters.shown(reading, 1, 0, slice(0, 4))
     for skin in range(skins):
         own = stream(5, skin, METER)
@@ -38,7 +38,7 @@ def test_the_kernel_is_its_readable_twin(reader, digits):
 
 def test_errors_have_the_deviations_of_the_scene():
     scene = scene_of({})
-    meters = MeterErrors(scene, 1, range(400), True)
+    meters = MeterErrors(scene.parts.setup, scene.parts.meter, 1, range(400), True)
     reading = np.full((400, 4), 1e5 + 0j)
     shown = [meters.shown(reading, sweep, 0, slice(0, 4))[0] for sweep in range(8)]
     departure = np.stack(shown) / 1e5 - 1

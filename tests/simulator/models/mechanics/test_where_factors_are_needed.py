@@ -16,7 +16,7 @@ from rcskin.simulator.sweeps import InputError, impedance
     [
         lambda scene: planned_presses(scene.parts.skin, scene.parts.plan, np.random.default_rng(1)),
         own_presses,
-        lambda scene: strength_prior(scene, "press"),
+        lambda scene: strength_prior(scene.parts.skin, scene.parts.plan, "press"),
     ],
     ids=["planned", "own presses", "tables"],
 )
@@ -33,7 +33,7 @@ def test_a_depth_is_counted_by_the_factor_under_its_applicator(foam_scene):
         == own_presses(scene.parts.skin, scene.press).high
         == pytest.approx(factor)
     )
-    assert strength_prior(scene, "press")[0] == pytest.approx([factor])
+    assert strength_prior(scene.parts.skin, scene.parts.plan, "press")[0] == pytest.approx([factor])
     press, *_ = planned_presses(scene.parts.skin, scene.parts.plan, np.random.default_rng(1))[
         scene.experiment.repetitions :
     ]
@@ -42,7 +42,7 @@ def test_a_depth_is_counted_by_the_factor_under_its_applicator(foam_scene):
 
 def test_without_a_tension_a_depth_is_its_factor(foam_scene):
     scene = foam_scene(tension=0.0, press={"depth": 1e-3})
-    factors = folded(scene, "a test")
+    factors = folded(scene.parts, "a test")
     assert factors.press.capacitance_factor == scene.pressed_factor
     assert factors.press.by_factor
 
@@ -51,5 +51,5 @@ def test_presses_that_do_not_say_how_strongly_are_pressed_as_the_scene_presses(f
     scene = foam_scene(press={"depth": 1e-3})
     truth = simulate(Solver(scene.parts), [parse_press("1,1:1mm", 2.0)])
     named = truth.assign(press=("sweep", np.array(["1,1"], dtype=object)))
-    again = resimulated(named, scene, scene.frequencies)
+    again = resimulated(named, scene.parts, scene.frequencies)
     np.testing.assert_allclose(impedance(again), impedance(truth), rtol=1e-12)

@@ -31,7 +31,7 @@ def dense(touched):
 
 def test_the_table_of_a_disc_has_the_depths_of_the_membrane(rasterizer, membrane):
     scene = rasterizer.scene
-    table = radial_table(scene, rasterizer.foam, 5e-3, np.inf, membrane.reach)
+    table = radial_table(scene.parts.skin, rasterizer.foam, 5e-3, np.inf, membrane.reach)
     for force in (0.1, 4.0):
         press = press_on(scene.parts.skin, scene.press, f"disc(0.06,0.06,0.005):{force}N")
         (depth,) = deformation(scene.parts.skin, press, 1e-3).depth
