@@ -222,9 +222,9 @@ def _virtual_meter(
     from ..simulator.sweeps import InputError
     from .virtual import served_skin
 
-    if served.scene is not None and served.scene.parts.setup.gain:
+    if served.parts is not None and served.parts.setup.gain:
         raise InputError(
-            f"{served.scene.name}: an LCR meter reads impedances, and the readings of this scene "
+            f"{served.parts.skin.name}: an LCR meter reads impedances, and the readings of this scene "
             "are gains; --reader FILE serves lines of a reader"
         )
     meter = served_skin.instrument(served, pace, accuracy or DERIVED_TABLE, model)
@@ -249,7 +249,7 @@ def _page_options(served: ServedSkin, page: bool, port: int | None) -> PageOptio
         if port is not None:
             raise InputError("--page-port needs --page")
         return None
-    if served.scene is None:
+    if served.parts is None:
         raise InputError("--page needs --scene: a recorded skin has no page")
-    document = PageDocument.of(served.scene, "skin")
+    document = PageDocument.of(served.parts, "skin")
     return serving.PageOptions(document, port or 0, lambda address: say(f"page  {address.url}"))

@@ -118,7 +118,7 @@ def record(
         SweepLimits(
             repeatability=repeatability,
             drift=drift,
-            two_terminal=requested.two_terminal and source.checks_laws,
+            two_terminal=requested.parts.skin.two_terminal and source.checks_laws,
         ),
         same_mounting,
         source.switch_or(

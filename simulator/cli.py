@@ -185,7 +185,7 @@ def sweep(
     sweeps = gather(solver, found)
     write(sweeps, output)
     if explain:
-        for one_terminal in loaded.driven_by_touch:
+        for one_terminal in loaded.parts.driven_by_touch:
             say(f"wiring: {one_terminal}")
         for pressed, answer in found:
             say(*solver.explain(pressed, answer).splitlines())

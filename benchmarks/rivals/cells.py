@@ -83,7 +83,9 @@ class Fields:
     def of_scene(cls, scene: Scene) -> Fields:
         """The fields of the first interface."""
         interface = scene.interfaces[0]
-        high, low = (scene.contact(names[0]) for names in (interface.high, interface.low))
+        high, low = (
+            scene.parts.skin.contact(names[0]) for names in (interface.high, interface.low)
+        )
         sheets = [scene.skin.sheet(foil.electrode).sheet_resistance for foil in (high, low)]
         same = (high.edge, high.span) == (low.edge, low.span)
         return cls((sum(sheets),) if same else tuple(sheets), high, low)

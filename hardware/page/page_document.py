@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
-    from ...simulator.scene.scene import Scene
+    from ...simulator.scene.parts import SceneParts
 
 Kind = Literal["live", "skin"]
 """live: shows measured sweeps and answers. skin: presses a virtual skin."""
@@ -22,12 +22,12 @@ class PageDocument:
     placeholder: str
 
     @classmethod
-    def of(cls, scene: Scene, kind: Kind) -> PageDocument:
-        """Document of a scene. Raises InputError as `linked_page`."""
+    def of(cls, parts: SceneParts, kind: Kind) -> PageDocument:
+        """Document of a skin and its setup. Raises InputError as `linked_page`."""
         from ...simulator.page.linked import linked_page
 
         placeholder = secrets.token_urlsafe(16)
-        return cls(linked_page(scene.parts, kind, placeholder), placeholder)
+        return cls(linked_page(parts, kind, placeholder), placeholder)
 
     def sent(self) -> tuple[Mapping[str, str], bytes]:
         """Headers and body of a response."""

@@ -21,8 +21,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ...simulator.scene.parts import SceneParts
-    from ...simulator.scene.scene import Scene
-    from ..reader.line_format import LineFormat
+        from ..reader.line_format import LineFormat
     from .measurement import Skin
     from .reader.virtual_reader import VirtualReader
 
@@ -34,7 +33,7 @@ class ServedSkin:
     """A served skin at its interfaces, the first of which is connected, and the meter's readout.
 
     rows, columns: of pixels. frequency: Hz, of the first reading, which compiles and fills caches.
-    scene: with the measured readings, if the skin is simulated.
+    parts: with the measured readings, if the skin is simulated.
     """
 
     skins: Mapping[str, Skin]
@@ -42,7 +41,7 @@ class ServedSkin:
     rows: int
     columns: int
     frequency: float
-    scene: Scene | None = None
+    parts: SceneParts | None = None
 
     @property
     def skin(self) -> Skin:
@@ -80,7 +79,7 @@ def simulated(
         lambda Z, conditions: errors.read(Z, conditions.frequency, conditions.range),
         *parts.skin.pixels.shape,
         float(setup.frequency[0]),
-        parts.read(setup).scene,
+        parts.read(setup),
     )
 
 
@@ -105,9 +104,10 @@ def instrument(
     InputError for another pace or model, or if the model lacks a frequency of the served scene.
     """
     _check_pace(pace)
-    if served.scene is not None and served.scene.parts.setup.gain:
+    if served.parts is not None and served.parts.setup.gain:
         raise InputError(
-            f"{served.scene.name}: reads gains, and a meter reads impedances; serve it by --reader"
+            f"{served.parts.skin.name}: reads gains, and a meter reads impedances; serve it by "
+            "--reader"
         )
     meter = virtual_model(model)(
         MeasurementSetup(served.skin, served.readout, read_table(accuracy)),
@@ -116,32 +116,33 @@ def instrument(
         skins=served.skins,
         interface=next(iter(served.skins)),
     )
-    if served.scene is not None:
-        frequencies = served.scene.sweep.frequencies
+    if served.parts is not None:
+        frequencies = served.parts.setup.frequency
         if beyond := outside_band(meter.model, frequencies, meter.band):
             meter.worker.end()
             others = [name for name in reaching(frequencies) if name in VIRTUAL_MODELS]
             instead = f", or give --model {others[0]}" if others else ""
-            raise InputError(f"{served.scene.name}: {beyond}; change `sweep.frequencies`{instead}")
+            name = served.parts.skin.name
+            raise InputError(f"{name}: {beyond}; change `sweep.frequencies`{instead}")
     meter.worker.submit(served.skin.impedance, meter.press, served.frequency).result()
     return meter
 
 
 def notes(meter: Instrument, served: ServedSkin) -> list[str]:
     """What a user must know of a served meter: how it differs from the real one."""
-    from ...simulator.scene.readout.meter import meter_names
+    from ...simulator.scene.readout.meter import built_in, meter_names
 
     found = [meter.note] if meter.note else []
-    scene, named = served.scene, meter.model != VIRTUAL_MODEL and meter.model in meter_names()
-    if scene is not None and scene.readout.multisine is not None:
+    parts, named = served.parts, meter.model != VIRTUAL_MODEL and meter.model in meter_names()
+    if parts is not None and parts.meter.readout.multisine is not None:
         found.append(
-            f"the reader of {scene.name} is a multisine, and this meter reads one frequency after "
-            "the other in its own time; --reader FILE sends whole frames"
+            f"the reader of {parts.skin.name} is a multisine, and this meter reads one frequency "
+            "after the other in its own time; --reader FILE sends whole frames"
         )
-    elif scene is not None and named and not scene.readout.exact:
-        if scene.readout != scene.with_({"readout": meter.model}).readout:
+    elif parts is not None and named and not parts.meter.readout.exact:
+        if parts.meter.readout != built_in(meter.model):
             found.append(
-                f"readings have the errors that the readout of {scene.name} states; "
+                f"readings have the errors that the readout of {parts.skin.name} states; "
                 f'readout = "{meter.model}" in the scene takes the data sheet of this meter'
             )
     return found
@@ -155,17 +156,17 @@ def reader(served: ServedSkin, line_format: LineFormat, pace: float = 1.0) -> Vi
     from .reader.virtual_reader import VirtualReader
 
     _check_pace(pace)
-    if served.scene is None:
+    if served.parts is None:
         raise InputError("a virtual reader needs --scene: recorded sweeps have no lines in time")
-    kind = served.scene.parts.setup.kind
+    kind = served.parts.setup.kind
     if (line_format.kind is IMPEDANCE) == (kind is not IMPEDANCE):
         raise InputError(
-            f"{served.scene.name}: reads the {kind.name}, and the reader's "
+            f"{served.parts.skin.name}: reads the {kind.name}, and the reader's "
             f"file describes the {line_format.kind.name}; change one of them"
         )
-    _check_rate(served.scene.parts, line_format)
-    own = served.scene.parts.setup.own
-    whole = tuple(served.scene.frequencies.tolist())
+    _check_rate(served.parts, line_format)
+    own = served.parts.setup.own
+    whole = tuple(served.parts.setup.frequency.tolist())
     made = VirtualReader(
         line_format=line_format,
         readout=served.readout,

@@ -63,7 +63,8 @@ def _factors(
     """The distribution of factors in a scene's notation. Raises InputError if it is not one."""
     if given is None:
         return None
-    return scene.with_({"dataset.press.factor": given}).drawn_factor
+    drawn = scene.with_({"dataset.press.factor": given}).parts
+    return drawn.plan.draws.press.factor_within(drawn.skin.foam)
 
 
 @checked

@@ -117,7 +117,7 @@ def dataset(
     from ...simulator.requests.requested_scene import noise_free
 
     plan = DatasetPlan(
-        foldable(scene_of(scene).parts, "a data set", creeps=True).parts, sweeps, seed, rtol
+        foldable(scene_of(scene).parts, "a data set", creeps=True), sweeps, seed, rtol
     )
     for text in filter(
         None, (noise_free(plan.parts.setup, plan.parts.meter), plan.one_skin("sweeps={}"))

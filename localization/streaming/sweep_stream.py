@@ -71,7 +71,7 @@ class SweepStream(IterableDataset):
                 "table out, or make a data set"
             )
         self.plan = DatasetPlan(
-            foldable(own.parts, "a stream of sweeps", creeps=True).parts, 1, seed, rtol
+            foldable(own.parts, "a stream of sweeps", creeps=True), 1, seed, rtol
         )
         self.target, self.batch = target, batch
         self.family = reduced(self.plan.parts, rtol) if family is None else family

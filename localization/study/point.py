@@ -112,7 +112,7 @@ class EvaluationSettings:
             }
         )
         plan = replace(parts.plan, draws=own)
-        return DatasetPlan(replace(parts, plan=plan).parts, sweeps, plan.seed + draw, rtol)
+        return DatasetPlan(replace(parts, plan=plan), sweeps, plan.seed + draw, rtol)
 
     def presses(self, plan: Plan) -> str:
         """The amount of data of each point, in words."""

@@ -284,7 +284,7 @@ class TouchReadings:
     @cached_property
     def _divided(self) -> SceneParts:
         """The parts with cells as pixels, each with a uniform rise."""
-        return uniformly_pressed(self.parts.divided(CELLS).parts, "a limit")
+        return uniformly_pressed(self.parts.divided(CELLS), "a limit")
 
     @cached_property
     def _touches(self) -> PixelTouches:
@@ -303,4 +303,4 @@ class TouchReadings:
             case = touches(random)
             return Case(None, *self._rasterized(PressBatch.of([(case.cells, case.rises)])).one(0))
 
-        return reduced_for(self._divided.parts, RTOL, rasterized_touches)
+        return reduced_for(self._divided, RTOL, rasterized_touches)

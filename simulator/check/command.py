@@ -94,7 +94,7 @@ def check(
         scene = scene_of_sweeps(sweeps)
         two_terminal = (
             scene is None
-            or scene.two_terminal
+            or scene.parts.skin.two_terminal
             or not _current_bypasses_meter(scene.parts.skin, scene.press, sweeps)
         )
         creeps = scene is not None and _creeps(scene.parts.skin, sweeps)

@@ -53,7 +53,7 @@ def dataset(
     from .store import finished_attributes
 
     loaded = requested_scene(scene)
-    plan = DatasetPlan(foldable(loaded.parts, "a data set", creeps=True).parts, sweeps, seed, rtol)
+    plan = DatasetPlan(foldable(loaded.parts, "a data set", creeps=True), sweeps, seed, rtol)
     if is_complete(plan, output):
         return say(f"{output}: is complete, nothing was computed; --overwrite makes it anew")
     note_if_noise_free(scene, loaded.parts.setup, loaded.parts.meter)

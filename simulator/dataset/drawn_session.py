@@ -153,17 +153,15 @@ def drawn_sessions(
     """
     scene, seed, size = plan.parts, plan.seed, plan.session_sweeps
     randoms = [stream(seed, number, PRESSES) for number in numbers]
-    presses = [session_presses(scene.parts, random, size, family.grid) for random in randoms]
-    skins = [
-        faulty_skin(scene.parts, seed, number, family.grid, family.modes) for number in numbers
-    ]
+    presses = [session_presses(scene, random, size, family.grid) for random in randoms]
+    skins = [faulty_skin(scene, seed, number, family.grid, family.modes) for number in numbers]
     families = {NO_FAULT: family, **faulty}
-    answer = audited_in_time(scene.parts) if scene.skin.foam.in_time else audited
+    answer = audited_in_time(scene) if scene.skin.foam.in_time else audited
     answers = [
         answered_with(
             fault,
-            scene.parts.skin,
-            scene.parts.setup,
+            scene.skin,
+            scene.setup,
             skin.variation,
             partial(_answer, answer, families.get(family_name(fault)), own, plan, number),
             len(own.text),
@@ -201,11 +199,11 @@ def _measured(
         scene.meter.readout, len(scene.setup.interfaces), stream(plan.seed, number, METER)
     )
     frequency = scene.setup.frequency
-    at_meter, middle = scene.parts.setup.behind(skin.leads).at_meter(Z), len(frequency) // 2
+    at_meter, middle = scene.setup.behind(skin.leads).at_meter(Z), len(frequency) // 2
     if fault is not None:
         at_meter = at_meter * fault.gain(frequency)
     gain, turn = (each[..., middle] for each in meter.fixed_errors(at_meter[0], frequency))
-    shown = _shown(scene.parts.setup, scene.parts.meter, meter.measure(at_meter, frequency))
+    shown = _shown(scene.setup, scene.meter, meter.measure(at_meter, frequency))
     return DrawnSession(number, skin, gain, turn, presses, shown, audit, fault)
 
 

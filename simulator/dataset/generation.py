@@ -193,9 +193,7 @@ def _cell_errors(workshop: WorkFolder, plan: DatasetPlan) -> dict[str, float]:
 
     family = workshop.load(workshop.model_file)
     if scene.plan.draws.press.place == "anywhere":
-        errors["cells_error"] = rounded_up(
-            rasterization_error(scene.parts, family, plan.seed, plan.rtol)
-        )
-    if spreading(scene.parts.skin, scene.plan.press):
-        errors["deflection_error"] = rounded_up(lattice_error(scene.parts, family, plan.seed))
+        errors["cells_error"] = rounded_up(rasterization_error(scene, family, plan.seed, plan.rtol))
+    if spreading(scene.skin, scene.plan.press):
+        errors["deflection_error"] = rounded_up(lattice_error(scene, family, plan.seed))
     return errors

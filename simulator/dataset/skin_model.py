@@ -128,9 +128,7 @@ def _divided(parts: SceneParts) -> SceneParts:
     if press.cells == 1 and pixels.groups is not None and not press.rasterized:
         return parts
     divided = parts.on_grid(press.cells * pixels.rows, press.cells * pixels.columns)
-    return (
-        uniformly_pressed(divided.parts, "a data set", creeps=True) if press.rasterized else divided
-    )
+    return uniformly_pressed(divided, "a data set", creeps=True) if press.rasterized else divided
 
 
 def _equal_sheets(session: Session) -> bool:

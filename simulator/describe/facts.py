@@ -288,7 +288,7 @@ def assumed(scene: Scene) -> list[str]:
     if scene.press.adds:
         unused = ("press.capacitance_factor",)
     if scene.skin.one_conductor:
-        of_earth = range(len(scene.foils), len(scene.contacts))
+        of_earth = range(len(scene.parts.skin.foils), len(scene.contacts))
         unused = (*unused, "skin.bottom.", *(f"contact[{n + 1}]." for n in of_earth))
     unused = (*unused, *unused_by_tables(scene.readout))
     return [text for text in _unset(scene, "") if not text.startswith(unused)]

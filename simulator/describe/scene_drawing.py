@@ -65,7 +65,7 @@ def draw_scene(scene: Scene, pixels: list[Pixel], path: str | Path) -> Path:
     mesh file.
     """
     path = checked_output(path, ENDINGS)
-    ribbons = [ribbon(foil, scene.parts.skin) for foil in scene.foils]
+    ribbons = [ribbon(foil, scene.parts.skin) for foil in scene.parts.skin.foils]
     x, y = _frame(scene.parts.skin, ribbons)
     tall = float(np.clip((y[1] - y[0]) / (x[1] - x[0]), FLATTEST, TALLEST))
     with chart(path, WIDTH, WIDTH * tall + 0.5) as figure:

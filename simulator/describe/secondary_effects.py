@@ -56,7 +56,7 @@ def secondary_effects(scene: Scene) -> Iterator[tuple[str, str]]:
     yield "thickness", _thickness(scene, around)
     yield from _walls(scene, around)
     yield "finger", _finger(scene, around)
-    wide = [foil for foil in scene.foils if foil.width]
+    wide = [foil for foil in scene.parts.skin.foils if foil.width]
     for foil in wide or [None]:
         yield "foil width", _overlap(scene, foil)
     yield from _creep(scene.parts)
@@ -242,7 +242,7 @@ def _overlap(scene: Scene, foil: Contact | None) -> str:
         width = f"contact.{foil.name}.width"
         change = _change(scene, {width: 0.0}, {})
         return f"{foil.name} overlaps its sheet by {_mm(foil.width)}, which {change}; {INCLUDED}"
-    widths = {f"contact.{each.name}.width": OVERLAP for each in scene.foils}
+    widths = {f"contact.{each.name}.width": OVERLAP for each in scene.parts.skin.foils}
     change = _change(scene, {}, widths)
     return f"an overlap of foils and sheets by {_mm(OVERLAP)} {change}; {LEFT_OUT}"
 

@@ -115,7 +115,7 @@ def design(
         "frequencies": frequencies,
         "own_frequencies": own_frequencies,
         "seconds": seconds,
-        "band": None if band is None else parse_band(band, own_band(loaded.parts.setup)),
+        "band": None if band is None else parse_band(band, own_band(loaded.setup)),
         "sheet_resistance": _bounds("--sheet-resistance", sheet_resistance),
         "sheet_ratio": sheet_ratio,
         "foam_thickness": _bounds("--foam-thickness", foam_thickness),
@@ -126,8 +126,8 @@ def design(
         "casts": casts,
     }
     request = _request(
-        loaded.parts.skin,
-        loaded.parts.plan,
+        loaded.skin,
+        loaded.plan,
         {name: value for name, value in given.items() if value is not None},
     )
     bare = replace(loaded, plan=replace(loaded.plan, design=None))
@@ -135,7 +135,7 @@ def design(
     journal = SearchJournal(_journal_of(output), {"scene": bare.text, **header})
     with on_terminal() as progress:
         settings = SearchSettings(request, seed, draws, journal, progress)
-        found = search(bare.parts, settings)
+        found = search(bare, settings)
         write_folder(found, settings, output)
     journal.done()
     say(answer(found, settings))

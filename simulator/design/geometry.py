@@ -45,7 +45,7 @@ def moved(names: Sequence[str], bounds: tuple[float, float], scene: Scene) -> li
 
     bounds: of their length over that of the edge. Scenes in which terminals touch are left out.
     """
-    own = scene.contact(names[0]).span
+    own = scene.parts.skin.contact(names[0]).span
     made = [
         _with(scene, {f"contact.{name}.span": list(span) for name in names})
         for span in _spans(bounds)

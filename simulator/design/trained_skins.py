@@ -66,7 +66,7 @@ class TrainedSkins:
     ) -> SkinReadout:
         """Readout of a skin of a material with some readings; None for the nominal skin."""
         own = read(self.reduced, readings)
-        drawn = cast or _nominal(self._divided.parts.skin, self._divided.parts.setup, self.modes)
+        drawn = cast or _nominal(self._divided.skin, self._divided.setup, self.modes)
         top, bottom = self.parts.skin.top, self.parts.skin.bottom
         variation = replace(
             drawn.variation,
@@ -82,7 +82,7 @@ class TrainedSkins:
         """The model, trained at first use for all that the constraints allow."""
         rtol = RTOL if self._touches is None else RTOL_OF_TOUCHES
         return trained(
-            self._divided.parts,
+            self._divided,
             rtol,
             self._draw,
             modes=self.modes,

@@ -72,16 +72,16 @@ def frequencies(
     from .survey import with_interfaces
 
     folded = foldable(requested_scene(scene).parts, "a limit")
-    loaded = with_interfaces(folded.parts, interface or [])
-    chosen_from = frequencies_among(among, loaded.parts.setup)
+    loaded = with_interfaces(folded, interface or [])
+    chosen_from = frequencies_among(among, loaded.setup)
     check_design(n, grid if chosen_from is None else len(chosen_from), repeats, grid)
     with on_terminal() as progress:
         found = design(
-            loaded.parts,
+            loaded,
             n,
-            chosen_band(band, loaded.parts.setup),
+            chosen_band(band, loaded.setup),
             chosen_touch(
-                loaded.parts.skin, loaded.plan.press, None if size is None else 1e-3 * size, factor
+                loaded.skin, loaded.plan.press, None if size is None else 1e-3 * size, factor
             ),
             criterion=checked_criterion(criterion),
             grid=grid,

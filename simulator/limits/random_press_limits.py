@@ -154,7 +154,7 @@ class RandomPresses:
                 None, *self._rasterized(middles, random.uniform(*range_of, (1, touches))).one(0)
             )
 
-        return reduced_for(divided.parts, RTOL, draw)
+        return reduced_for(divided, RTOL, draw)
 
 
 MAX_AXES = 16

@@ -110,7 +110,7 @@ def survey(
             variants.append(Variant(INTERFACES, interface.name, alone, its))
         variants.append(Variant(INTERFACES, "all together", everything.bounds, own))
     for resistance in sheet_resistances:
-        of_sheets = _slopes(with_sheets(parts, resistance).parts, options, own, progress)
+        of_sheets = _slopes(with_sheets(parts, resistance), options, own, progress)
         name, bounds = f"{1e-3 * resistance:g} kohm/sq", of_sheets.bounds(taken=parts.setup.taken)
         variants.append(Variant(SHEETS, name, bounds, own))
     return variants

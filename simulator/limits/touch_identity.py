@@ -231,8 +231,8 @@ def counted(
     """The best accuracy with n pixels along the longer side of the grid."""
     divided = with_pixels(parts, n)
     presses, among = (
-        own_presses(divided.parts.skin, divided.plan.press),
-        hypotheses(divided.parts.skin, divided.parts.plan, target, sampling.size),
+        own_presses(divided.skin, divided.plan.press),
+        hypotheses(divided.skin, divided.plan, target, sampling.size),
     )
     readings = sampling.readings(divided, presses)
     readings.train(progress)

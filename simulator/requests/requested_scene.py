@@ -28,7 +28,7 @@ def requested_scene(name: str) -> Scene:
 def warn_of_model(name: str, scene: Scene) -> None:
     """Warns where touching foils connect terminals, and where thin sheets are no valid model."""
     for warning in (
-        *scene.driven_by_touch,
+        *scene.parts.driven_by_touch,
         *warnings(scene.parts.skin.electrical, scene.parts.setup, scene.press),
     ):
         warn(f"{name}: {warning}")

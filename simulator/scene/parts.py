@@ -229,10 +229,6 @@ class SceneParts:
     plan: Plan
     whole: Scene = field(compare=False, repr=False)
 
-    @property
-    def parts(self) -> SceneParts:
-        return self
-
     @cached_property
     def evened(self) -> SceneParts:
         """The parts with the electrically equivalent skin, see `Skin.electrical`."""

@@ -126,7 +126,7 @@ def _viewed_press(
         names = ", ".join(each.name for each in scene.interfaces)
         note(f"{name}: shows interface {chosen} of {names}; --interface selects another")
     frequencies = _frequencies(frequency, scene.parts.setup.frequency_at(chosen).tolist(), every)
-    for one_terminal in scene.driven_by_touch:
+    for one_terminal in scene.parts.driven_by_touch:
         if one_terminal.interface == chosen:
             warn(f"{name}: {one_terminal}")
     for key in scene.skin.foam.in_time:

@@ -9,19 +9,14 @@ from rcskin.hardware.meter.errors import MeterError
 from rcskin.hardware.virtual import served_skin
 from rcskin.hardware.virtual.recorded_skin import exact_readout
 from rcskin.simulator.command_line import run as run_command_line
-from rcskin.simulator.scene.readings.changed_readings import (
-    restricted_to_interfaces,
-)
 from rcskin.tests.hardware.pillow import SKINS, document
 
 
-def simulated(scene, interfaces=None, seed=1):
+def simulated(parts, interfaces=None, seed=1):
     """The pillow at interfaces of a scene, read without error."""
-    names = scene.parts.setup.checked_names(interfaces)
-    skins = {name: SKINS[name] for name in names}
-    return served_skin.ServedSkin(
-        skins, exact_readout, *scene.pixels.shape, 1e3, restricted_to_interfaces(scene, names)
-    )
+    names = parts.setup.checked_names(interfaces)
+    skins, read = {name: SKINS[name] for name in names}, parts.read(parts.setup.of(names))
+    return served_skin.ServedSkin(skins, exact_readout, *parts.skin.pixels.shape, 1e3, read)
 
 
 TOYS = {

@@ -61,7 +61,7 @@ def as_mesh(folder):
 def plain_set(make_scene, tmp_path_factory):
     """A plain rectangle, and what its data set holds."""
     plain = make_scene(rows=2, columns=2, length=0.12, width=0.12)
-    assert plain.uniform
+    assert plain.parts.skin.uniform
     return plain, made(plain, tmp_path_factory.mktemp("plain") / "set.zarr")
 
 
@@ -70,7 +70,7 @@ def test_a_rectangle_by_any_route_gives_the_data_of_a_rectangle(plain_set, tmp_p
     """Sweep by sweep, and so in every statistic, in single precision."""
     plain, one = plain_set
     scene = plain.with_(drawn(tmp_path))
-    assert not scene.uniform
+    assert not scene.parts.skin.uniform
     other = made(scene, tmp_path / "set.zarr")
     assert one["press"].values.tolist() == other["press"].values.tolist()
     for name in ("Rs", "Cp"):

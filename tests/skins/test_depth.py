@@ -61,7 +61,7 @@ def test_what_is_left_out_between_depths_covers_the_membrane_itself(scene, reduc
 
     family = reduced.family
     for depth in (0.21e-3, 1.13e-3, 2.3e-3):
-        rise = float(scene.pressed_factors(np.array(depth))) - 1
+        rise = float(scene.parts.skin.pressed_factors(np.array(depth))) - 1
         (found,) = family.press(np.array([1]), np.array([rise]))
         truth = deformation(scene.parts.skin, parse_press(f"1,2:{depth!r}m", DEEP), 1e-4)
         x = family.elements.surface.x[:, found.cells]
@@ -98,7 +98,7 @@ def test_a_calibration_finds_the_sheets_of_a_twin_pressed_by_depth(scene):
     sheets = (found.scene.skin.top, found.scene.skin.bottom)
     assert sum(each.sheet_resistance for each in sheets) == pytest.approx(100e3, rel=2e-3)
     assert found.scene.press.depth == scene.press.depth
-    factor = scene.pressed_factor
+    factor = scene.press.factor(scene.parts.skin)
     assert abs(factor - scene.press.capacitance_factor) > 0.1
     rises = np.concatenate(found.strengths)
     np.testing.assert_allclose(rises, factor - 1, rtol=0.02)
@@ -107,7 +107,10 @@ def test_a_calibration_finds_the_sheets_of_a_twin_pressed_by_depth(scene):
 def test_limits_and_studies_press_by_depth(scene, coarse):
     planned = scene.with_({"experiment": {"repetitions": 5}})
     assert 0.6 < bayes_accuracy(planned.parts, "pixel", draws=100, seed=1).share <= 1.0
-    assert chosen_touch(planned.parts.skin, planned.press).rise == scene.pressed_factor - 1
+    assert (
+        chosen_touch(planned.parts.skin, planned.press).rise
+        == scene.press.factor(scene.parts.skin) - 1
+    )
     presses = planned_presses(planned.parts.skin, planned.parts.plan, np.random.default_rng(1))
     assert all(touch.by.unit == "m" for press in presses for touch in press.touches)
     plan = EvaluationSettings(draws=1).plan(planned.parts, 0, RTOL)

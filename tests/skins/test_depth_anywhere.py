@@ -67,7 +67,7 @@ def at_the_worst(scene):
     height = np.array([[0.016, 0.0], [0.013, 0.0], [0.01, 0.0], [0.012, 0.012]])
     factor = np.ones_like(x)
     depths = np.array([2.1e-3, 2e-3, 1e-3, 2.2e-3, 1.2e-3])
-    factor[[0, 1, 2, 3, 3], [0, 0, 0, 0, 1]] = scene.pressed_factors(depths)
+    factor[[0, 1, 2, 3, 3], [0, 0, 0, 0, 1]] = scene.parts.skin.pressed_factors(depths)
     return np.array([1, 1, 1, 2]), Footprints(disc, x, y, width, height, factor, 0 * factor)
 
 
@@ -128,7 +128,9 @@ def test_presses_are_written_with_the_depth_that_was_solved(scenes):
     for text, touches, factor in zip(presses.text, presses.touches, presses.factor, strict=True):
         press = parse_press(text, np.nan)
         assert str(press) == text or not press.touches
-        found = sorted(scene.pressed_factors(np.array([t.by.value for t in press.indented])))
+        found = sorted(
+            scene.parts.skin.pressed_factors(np.array([t.by.value for t in press.indented]))
+        )
         np.testing.assert_allclose(found, sorted(factor[:touches]), rtol=1e-6)
 
 

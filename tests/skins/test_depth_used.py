@@ -55,7 +55,9 @@ def test_positions_are_learned_from_presses_by_depth_and_force(swept):
     scene = strip()
     depths = np.array([1e-3, 2e-3, 2.2e-3])
     factors = told[:, 1].reshape(3, 4)
-    np.testing.assert_allclose(factors[:, :3], [scene.pressed_factors(depths)] * 3, rtol=0.2)
+    np.testing.assert_allclose(
+        factors[:, :3], [scene.parts.skin.pressed_factors(depths)] * 3, rtol=0.2
+    )
     assert (np.abs(told[:, 0].reshape(3, 4) - [[15], [45], [75]]) < 15).all()
 
 

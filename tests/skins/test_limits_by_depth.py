@@ -44,7 +44,7 @@ def compared(monkeypatch):
 
 
 def pressed_at(scene, touch, solver, x, y, rise):
-    depth = scene.pressed_depth(1 + rise)
+    depth = scene.parts.skin.pressed_depth(1 + rise)
     text = f"rect({x!r},{y!r},{touch.width!r},{touch.height!r}):{depth!r}m"
     return solver.solve(parse_press(text, np.nan)).Z
 

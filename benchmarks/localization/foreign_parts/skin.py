@@ -61,7 +61,7 @@ class Foreign(Twin):
     @cached_property
     def drawn(self) -> DrawnSkin:
         """The skin and its leads at the first press."""
-        scene = self.scene.on_grid(*GRID)
+        scene = self.scene.parts.on_grid(*GRID)
         return drawn_skin(scene.parts, self.seed, self.number, GRID, len(HALF_WAVES))
 
     @cached_property

@@ -37,7 +37,7 @@ def answers(run: Run) -> Iterator[Answer]:
     for rtol in run.sized(OF_REDUCED, ()):
         pressed = touched_cells(scene.parts.skin, scene.press, press)
         yield asked.by_batch(REDUCED, f"{rtol:g}", reduce(scene.parts, rtol), *pressed)
-    even = Press((Touch(2, 3, scene.pressed_factor),))
+    even = Press((Touch(2, 3, scene.press.factor(scene.parts.skin)),))
     seconds, Z = timed(lambda: Solver(scene.parts, EVEN_RTOL).solve(even).Z[0])
     yield Answer(EVEN, f"{EVEN_RTOL:g}", asked.off(Z), seconds)
     for cells in run.sized(CELLS, CELLS[:1]):

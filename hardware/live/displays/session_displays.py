@@ -124,8 +124,7 @@ def _serve_page(localizer: LiveLocalizer, port: int) -> Iterator[SessionDisplay]
     taken = measured_mask(frequencies_of(model).values(), model.frequencies)
     parts = localizer.parts
     setup = parts.setup.of(model.interfaces).taking(np.array(model.frequencies), taken)
-    scene = parts.read(setup).scene
-    document = PageDocument.of(scene, "live")
+    document = PageDocument.of(parts.read(setup), "live")
     shown = counted_events(lambda text: say(f"rcskin: page: {text}", err=True))
     with shown, serve_in_thread(document, port) as (address, post):
         say(f"rcskin: page {address.url}", err=True)

@@ -120,7 +120,7 @@ def centered_model(
     """The scene's model around parameter values. uneven: see `model_of`."""
     center = {name: values.get(name, 0.0) for name in trainable_factors(parts.skin, parts.setup)}
     return CenteredModel(
-        model_of(parts_with(parts, center).parts, rtol, progress, uneven), center, uneven
+        model_of(parts_with(parts, center), rtol, progress, uneven), center, uneven
     )
 
 

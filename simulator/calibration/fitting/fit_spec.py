@@ -93,9 +93,7 @@ class FitSpec:
         if not (self.strengths and relative > 0):
             return [[] for _ in self.measurements.sweeps]
         pressed = [reading.press.touches for reading in self.measurements.sweeps]
-        rises = [
-            [pressed_factor(scene.parts.skin, touch) - 1 for touch in each] for each in pressed
-        ]
+        rises = [[pressed_factor(scene.skin, touch) - 1 for touch in each] for each in pressed]
         return [[relative * max(abs(own), 1e-3) for own in each if own] for each in rises]
 
 

@@ -93,7 +93,7 @@ def _of_line(spec: FitSpec) -> list[dict[str, float]]:
     return [
         {
             "sheet_resistance": math.log(LOW_FREQUENCY * share * total / sheets),
-            "capacitance": math.log(shown / total_capacitance(scene.parts.skin)),
+            "capacitance": math.log(shown / total_capacitance(scene.skin)),
             "lead_resistance": floor / 2,
             "lead_inductance": float(inductance),
             "phase_exponent": exponent,

@@ -132,7 +132,7 @@ def measurements_of(
     sweeps = restricted(sweeps, read_mask(sweeps))
     sweeps = with_named_interface(sweeps, parts.setup.names)
     bare = parts.read(_as_measured(parts.setup, parts.skin.name, sweeps))
-    presses, left_out = _presses(bare.parts.skin, bare.plan.press, list(sweeps["press"].values))
+    presses, left_out = _presses(bare.skin, bare.plan.press, list(sweeps["press"].values))
     sessions = [int(each) for each in sweeps["session"].values]
     Z = complex_readings(sweeps)
     known = np.where(bare.setup.read, Z, 1.0)

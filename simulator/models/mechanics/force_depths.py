@@ -29,7 +29,7 @@ SHOWN_RTOL = 0.05
 
 def foldable(parts: SceneParts, what: str, creeps: bool = False) -> SceneParts:
     """Parts as `folded` returns them, with forces on pixels replaced by depths."""
-    return folded(forces_as_depths(parts).parts, what, creeps)
+    return folded(forces_as_depths(parts), what, creeps)
 
 
 def forces_as_depths(parts: SceneParts) -> SceneParts:

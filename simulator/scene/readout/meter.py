@@ -205,6 +205,11 @@ def _named(given: object) -> object:
 AnyReadout = Annotated[Readout, BeforeValidator(_named), OrText()]
 
 
+def built_in(name: str) -> Readout:
+    """The readout of a built-in meter, one of `meter_names`."""
+    return Readout.model_validate(_named(name))
+
+
 MAX_REPETITIONS = 10**6
 """Largest number of repetitions; with a press every second they take eleven days."""
 

@@ -3,6 +3,7 @@
 import random
 from contextlib import suppress
 
+import numpy as np
 import pytest
 from rcskin.hardware.control_client import send_request
 from rcskin.hardware.meter.correction import correct
@@ -21,7 +22,6 @@ from rcskin.hardware.virtual.faults import Fault
 from rcskin.hardware.virtual.served_skin import instrument as instrument_of
 from rcskin.hardware.virtual.served_skin import simulated
 from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
-from rcskin.simulator.scene.readings.changed_readings import with_frequencies
 from rcskin.simulator.sweeps import InputError
 
 INSTRUMENTS_SERVED = [model for model in VIRTUAL_MODELS if model in INSTRUMENTS]
@@ -132,7 +132,8 @@ def test_misbehaviour_out_of_range_is_refused(ports, given, told):
 @pytest.mark.parametrize("frequencies", [(1e3, 3e5), (39.9, 1e3), (1e-3, 8e6)])
 def test_a_scene_is_served_at_the_frequencies_that_are_recorded(scene, meter, frequencies):
     with pytest.raises(InputError, match="IM3523 reads 40 Hz to 200 kHz; .* outside"):
-        instrument_of(simulated(with_frequencies(scene, frequencies).parts))
+        setup = scene.parts.setup.taking(np.array(frequencies))
+        instrument_of(simulated(scene.parts.read(setup)))
     with pytest.raises(InputError, match="IM3523 reads 40 Hz to 200 kHz; .* outside"):
         check_frequencies(meter, frequencies)
 

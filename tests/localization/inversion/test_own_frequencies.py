@@ -43,7 +43,7 @@ def sweeps(shared, own):
     exact = simulate(Solver(shared.parts, 1e-4), [rest] * 9 + pressed * 4)
     random = np.random.default_rng(4)
     whole = concatenate([read_out(exact, shared.readout, random, session=k) for k in range(3)])
-    part = restricted(whole, own.taken)
+    part = restricted(whole, own.parts.setup.taken)
     return whole.assign_attrs(scene=scene_text(shared)), part.assign_attrs(scene=scene_text(own))
 
 
@@ -60,7 +60,7 @@ def models(request, sweeps):
 def test_answers_are_those_of_all_readings_of_which_these_are_looked_at(sweeps, own):
     whole, part = (trained(each, "model-based").predictor for each in sweeps)
     X, fewer = (features(each, CHANGES, rest=each.isel(sweep=slice(9))) for each in sweeps)
-    kept = np.flatnonzero(np.tile(own.taken.ravel(), 2))
+    kept = np.flatnonzero(np.tile(own.parts.setup.taken.ravel(), 2))
     np.testing.assert_array_equal(fewer, X[:, kept])
     expected = whole.log_densities(X, tuple(kept.tolist()))
     told = part.log_densities(fewer)
@@ -85,15 +85,18 @@ def test_a_sweep_is_asked_reading_by_reading_of_those_taken(models, sweeps, own)
     rest, pressed = part.isel(sweep=slice(9)), part.isel(sweep=10)
     questions = asker.begin(rest, 1.0)
     asked = []
-    while (wanted := questions.next(np.full(own.taken.shape, 0.02))) is not None:
+    while (wanted := questions.next(np.full(own.parts.setup.taken.shape, 0.02))) is not None:
         name, frequency = wanted
         asked.append((["left", "bottom"].index(name), FREQUENCIES.index(frequency)))
         here = pressed.sel(interface=name, frequency=frequency)
         questions.add_reading(name, frequency, complex(here["Rs"].item(), here["X"].item()))
-    assert len(asked) == len(set(asked)) and all(own.taken[place] for place in asked)
+    assert len(asked) == len(set(asked)) and all(own.parts.setup.taken[place] for place in asked)
     assert questions.answer(1.0).label == f"{pressed['row'].item()},{pressed['column'].item()}"
     step, curve = inverter_for(models[1], rest)
-    assert curve.shape == (own.taken.sum(),) and step.noise.size == 2 * own.taken.sum()
+    assert (
+        curve.shape == (own.parts.setup.taken.sum(),)
+        and step.noise.size == 2 * own.parts.setup.taken.sum()
+    )
 
 
 def test_sweeps_read_otherwise_than_their_scene_says_are_refused(sweeps, own, shared):

@@ -25,8 +25,8 @@ def test_foils_stay_within_their_bounds_and_do_not_overlap():
     found = moved(("top-left", "bottom-left"), (0.2, 0.9), SHEET)
     assert len(found) >= 6
     for each in found:
-        low, high = each.contact("top-left").span
-        assert each.contact("bottom-left").span == (low, high)
+        low, high = each.parts.skin.contact("top-left").span
+        assert each.parts.skin.contact("bottom-left").span == (low, high)
         assert 0.2 - 1e-9 <= high - low <= 0.9 + 1e-9
         assert len(terminals(each.parts.skin)) == 4
 
@@ -72,5 +72,5 @@ def test_mirrored_foils_have_equal_merit_and_the_best_for_columns_are_symmetric(
     found = search(scene.parts, asking)
     told = [(step.name, step.tenth) for step in found.steps]
     assert found.best.name == "foils on the left edge", told
-    low, high = found.evaluator.scene.contact("top-left").span
+    low, high = found.evaluator.scene.parts.skin.contact("top-left").span
     assert low == pytest.approx(1 - high)

@@ -41,7 +41,7 @@ def slopes_of(scene, against_rest):
 def test_bounds_of_one_interface_equal_those_of_a_scene_with_it_alone(shared, against_rest):
     own = shared.with_(OWN)
     alone = with_interfaces(own.parts, ["bottom"])
-    assert alone.frequencies.tolist() == [1e4, 1e5] and alone.taken is None
+    assert alone.setup.frequency.tolist() == [1e4, 1e5] and alone.setup.taken is None
     one = slopes_of(own, against_rest).bounds(np.array([1e4, 1e5]), [1])
     taken = np.array([[False, False, False], [False, True, True]])
     other = slopes_of(own, against_rest).bounds(taken=taken)

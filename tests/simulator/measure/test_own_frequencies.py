@@ -13,10 +13,6 @@ from rcskin.simulator.models.network.terminals import reduced_for
 from rcskin.simulator.models.reduced.cases import pixel_touches
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press
-from rcskin.simulator.scene.readings.changed_readings import (
-    restricted_to_interfaces,
-    with_frequencies,
-)
 from rcskin.simulator.scene.readout.meter import Readout
 from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text
 from rcskin.simulator.sweeps import InputError, check, concatenate, impedance, read, write
@@ -47,9 +43,9 @@ def own(shared):
 
 
 def test_a_scene_keeps_them_and_one_without_says_nothing(shared, own):
-    assert own.taken.tolist() == TAKEN.tolist()
+    assert own.parts.setup.taken.tolist() == TAKEN.tolist()
     assert parse_scene(scene_text(own), "own") == own
-    assert shared.taken is None
+    assert shared.parts.setup.taken is None
     assert scene_text(shared).count("frequencies") == 1
 
 
@@ -137,11 +133,13 @@ def test_fewer_readings_are_those_of_a_scene_of_fewer(own, shared):
 def test_a_scene_is_read_otherwise_by_its_interfaces(own, shared):
     assert own.parts.setup.frequency_at("bottom").tolist() == [1e4, 1e5]
     assert shared.parts.setup.own == {}
-    left = restricted_to_interfaces(own, ["left"])
-    assert left.taken is None and left.frequencies.tolist() == [1e3, 1e4]
-    assert with_frequencies(own, FREQUENCIES) == shared
-    assert with_frequencies(shared, FREQUENCIES, TAKEN).taken.tolist() == TAKEN.tolist()
-    assert restricted_to_interfaces(own, ["left", "bottom"]).taken.tolist() == TAKEN.tolist()
+    of_own, of_shared = own.parts.setup, shared.parts.setup
+    left = of_own.of(["left"])
+    assert left.taken is None and left.frequency.tolist() == [1e3, 1e4]
+    assert of_own.taking(of_shared.frequency) == of_shared
+    assert own.parts.read(of_own.taking(of_shared.frequency)).scene == shared
+    assert of_shared.taking(of_shared.frequency, TAKEN).taken.tolist() == TAKEN.tolist()
+    assert of_own.of(["left", "bottom"]).taken.tolist() == TAKEN.tolist()
 
 
 def test_presses_are_simulated_anew_at_what_was_read(own, shared):

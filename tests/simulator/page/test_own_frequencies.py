@@ -103,7 +103,7 @@ def test_what_is_taken_away_is_what_is_read(opened, exact, tmp_path):
     scene, sweeps = taken_away(press(opened()), tmp_path)
     assert list(sweeps["press"].values) == ["none", PRESS]
     np.testing.assert_array_equal(sweeps["taken"].values, TAKEN)
-    np.testing.assert_array_equal(scene.taken, TAKEN)
+    np.testing.assert_array_equal(scene.parts.setup.taken, TAKEN)
     found, truth = impedances(sweeps), impedances(exact)
     assert np.isnan(found[:, ~TAKEN]).all()
     assert np.abs(found / truth - 1)[:, TAKEN].max() < NEAR
@@ -129,7 +129,7 @@ def test_frequencies_that_an_interface_is_not_read_at_leave_it_out(opened, tmp_p
     page.wait_for_timeout(600)
     scene, _ = taken_away(page, tmp_path)
     assert [each.name for each in scene.interfaces] == ["two"]
-    assert scene.frequencies.tolist() == [3e4, 1e5] and scene.taken is None
+    assert scene.frequencies.tolist() == [3e4, 1e5] and scene.parts.setup.taken is None
     boxes.nth(3).uncheck()
     boxes.nth(4).click()
     page.wait_for_timeout(600)

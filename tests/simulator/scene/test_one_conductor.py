@@ -29,7 +29,7 @@ def test_the_file_names_no_contacts_of_earth(yarn):
     text = scene_text(yarn)
     assert BOTTOM in text and LOW in text and "below" not in text
     assert parse_scene(text, "again") == yarn
-    assert [foil.name for foil in yarn.foils] == ["left", "right"]
+    assert [foil.name for foil in yarn.parts.skin.foils] == ["left", "right"]
 
 
 def test_a_touch_of_a_pixel_is_a_factor_and_its_text_a_capacitance(yarn):

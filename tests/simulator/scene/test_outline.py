@@ -47,7 +47,7 @@ def scene_of(outline, *edges):
 def test_scenes_with_outlines_are_written_and_read_back(outline, edges):
     scene = scene_of(outline, *edges)
     assert parse_scene(scene_text(scene), "text") == scene
-    assert not scene.uniform
+    assert not scene.parts.skin.uniform
 
 
 def test_scenes_without_outline_are_written_as_before():

@@ -1,7 +1,6 @@
 """Keys of readers of gains: what they refuse, and that a scene keeps them."""
 
 import pytest
-from rcskin.simulator.scene.readings.changed_readings import restricted_to_interfaces
 from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text
 from rcskin.tests.refusals import refusal_of
 
@@ -82,8 +81,8 @@ def test_a_scene_of_gains_keeps_its_keys():
 
 def test_one_interface_of_a_scene_keeps_the_sources_of_the_others():
     scene = SCENE.with_(TOGETHER)
-    some = restricted_to_interfaces(scene, ["left"])
+    some = scene.parts.setup.of(["left"])
     (other,) = some.interfaces[0].driven_with
     assert (other.high, other.series_resistance) == (scene.interfaces[1].high, 2e6)
     assert parse_scene(scene_text(some), "some") == some
-    assert restricted_to_interfaces(scene, ["bottom", "left"]).interfaces[1] == scene.interfaces[0]
+    assert scene.parts.setup.of(["bottom", "left"]).interfaces[1] == scene.interfaces[0]

@@ -124,12 +124,14 @@ PAIRS = {f"{sheet}-{edge}": {} for edge in ("left", "bottom") for sheet in ("top
 def test_a_floating_foil_that_touches_a_driven_one_is_reported(make_scene, contacts, driven, told):
     far = dict.fromkeys({"bottom-right", "top-right"} - contacts.keys(), {"span": (0.4, 1.0)})
     scene = make_scene({**contacts, **far}, {"meter": driven})
-    assert [str(found) for found in scene.driven_by_touch] == told
+    assert [str(found) for found in scene.parts.driven_by_touch] == told
 
 
 def test_each_interface_has_floating_foils_of_its_own(make_scene):
     meters = {"left": ("top-left", "bottom-left"), "bottom": ("top-bottom", "bottom-bottom")}
-    found = [(each.interface, each.floating) for each in make_scene(PAIRS, meters).driven_by_touch]
+    found = [
+        (each.interface, each.floating) for each in make_scene(PAIRS, meters).parts.driven_by_touch
+    ]
     assert found == [
         ("left", ("top-bottom",)),
         ("left", ("bottom-bottom",)),
@@ -163,4 +165,4 @@ def test_reported_terminals_are_those_that_are_solved(make_scene):
 
 @pytest.mark.parametrize("name", builtin_names())
 def test_no_foil_of_a_built_in_scene_is_driven_by_touch(name):
-    assert load_scene(name).driven_by_touch == []
+    assert load_scene(name).parts.driven_by_touch == []

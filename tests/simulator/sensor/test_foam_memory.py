@@ -75,7 +75,7 @@ def test_cells_creep_as_touches_do(foam):
 
 def test_a_fixed_depth_keeps_its_strain_and_leaves_a_trace():
     scene = strip(relaxation=TWO, **CLOSING)
-    depth = scene.pressed_depth(1.8)
+    depth = scene.parts.skin.pressed_depth(1.8)
     state = FoamState(scene.parts.skin).then(
         press_on(scene.parts.skin, scene.press, f"1,2:{1e3 * depth!r}mm"), 0.0
     )
@@ -89,7 +89,7 @@ def test_a_fixed_depth_keeps_its_strain_and_leaves_a_trace():
     memory.press(PressBatch.of([(np.zeros(0, dtype=np.int64), np.zeros(0))]), left, 0.5)
     (touch,) = state.after(0.1).touches
     assert memory.pressed(0.6).rises == pytest.approx(
-        [scene.factor_at(touch.by.value) - 1], rel=1e-9
+        [scene.parts.skin.factor_at(touch.by.value) - 1], rel=1e-9
     )
 
 

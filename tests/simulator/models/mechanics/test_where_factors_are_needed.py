@@ -43,7 +43,7 @@ def test_a_depth_is_counted_by_the_factor_under_its_applicator(foam_scene):
 def test_without_a_tension_a_depth_is_its_factor(foam_scene):
     scene = foam_scene(tension=0.0, press={"depth": 1e-3})
     factors = folded(scene.parts, "a test")
-    assert factors.press.capacitance_factor == scene.pressed_factor
+    assert factors.press.capacitance_factor == scene.press.factor(scene.parts.skin)
     assert factors.press.by_factor
 
 

@@ -27,7 +27,9 @@ def test_an_image_of_a_touch_is_the_touch(sharp):
     depth = np.zeros((40, 40))  # 3 mm rectangles
     depth[10:14, 20:30] = 1.5e-3
     press = press_on(
-        sharp.parts.skin, sharp.press, f"rect(0.075,0.036,0.03,0.012):{sharp.factor_at(1.5e-3)!r}"
+        sharp.parts.skin,
+        sharp.press,
+        f"rect(0.075,0.036,0.03,0.012):{sharp.parts.skin.factor_at(1.5e-3)!r}",
     )
     expected = dense(PressBatch.of([touched_cells(sharp.parts.skin, sharp.press, press, GRID)]))
     np.testing.assert_allclose(dense(to_cells(sharp, GRID, DepthImage(depth))), expected, atol=1e-6)
@@ -49,12 +51,12 @@ def test_finer_images_of_a_field_converge(sharp):
 def test_c_is_averaged_and_not_the_depth(sharp):
     depth = np.array([[0.0, 2e-3]])
     (rise,) = dense(to_cells(sharp, (1, 1), DepthImage(depth)), (1, 1)).ravel()
-    assert rise == pytest.approx((sharp.factor_at(2e-3) - 1) / 2, rel=1e-6)
+    assert rise == pytest.approx((sharp.parts.skin.factor_at(2e-3) - 1) / 2, rel=1e-6)
 
 
 def test_an_image_coarser_than_the_cells(sharp):
     rises = dense(to_cells(sharp, (4, 6), DepthImage([[1e-3, 0.0], [0.0, 2e-3]])), (4, 6))[0]
-    one, two = (sharp.factor_at(depth) - 1 for depth in (1e-3, 2e-3))
+    one, two = (sharp.parts.skin.factor_at(depth) - 1 for depth in (1e-3, 2e-3))
     np.testing.assert_allclose(rises, np.kron([[one, 0], [0, two]], np.ones((2, 3))), rtol=1e-6)
 
 
@@ -73,4 +75,4 @@ def test_images_of_many_skins(sharp):
 def test_values_beyond_the_foam_are_limited_and_said(sharp, image):
     found = ContactRasterizer.of(sharp, (1, 2))(image)
     assert found.limited.tolist() == [True]
-    assert found.batch.rises[0] == pytest.approx(sharp.max_factor - 1, rel=1e-6)
+    assert found.batch.rises[0] == pytest.approx(sharp.parts.skin.max_factor - 1, rel=1e-6)

@@ -69,7 +69,7 @@ def test_a_force_too_large_limits_the_foam_and_says_so(sharp):
     strong = PointContacts([0.05, 0.02], 0.05, [1e6, 1.0], 0.01)
     found = ContactRasterizer.of(sharp, GRID)(strong)
     assert found.limited.tolist() == [True]
-    most = sharp.max_factor - 1
+    most = sharp.parts.skin.max_factor - 1
     assert found.batch.rises.max() == pytest.approx(most, rel=1e-9)
     gentle = PointContacts([0.05, 0.02], 0.05, 1.0, 0.01)
     assert not ContactRasterizer.of(sharp, GRID)(gentle).limited.any()
