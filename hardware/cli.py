@@ -224,8 +224,8 @@ def _virtual_meter(
 
     if served.parts is not None and served.parts.setup.gain:
         raise InputError(
-            f"{served.parts.skin.name}: an LCR meter reads impedances, and the readings of this scene "
-            "are gains; --reader FILE serves lines of a reader"
+            f"{served.parts.skin.name}: an LCR meter reads impedances, and the readings of this "
+            "scene are gains; --reader FILE serves lines of a reader"
         )
     meter = served_skin.instrument(served, pace, accuracy or DERIVED_TABLE, model)
     if len(served.skins) > 1:

@@ -45,7 +45,7 @@ def networks(scene: Scene, run: Run) -> list[Progress]:
     start = time.process_time()
     stream = SweepStream(scene, "pixel", QUANTITIES, batch=BATCH, seed=21, rtol=RTOL)
     seconds = time.process_time() - start
-    unseen = in_memory(DatasetPlan(stream.plan.scene.parts, tested, 31, RTOL), stream.family)
+    unseen = in_memory(DatasetPlan(stream.plan.parts, tested, 31, RTOL), stream.family)
     test = tensors(stream, unseen)
     with tempfile.TemporaryDirectory() as folder:
         others = from_disk(stream, sizes, steps, test, Path(folder))

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ...simulator.scene.parts import SceneParts
-        from ..reader.line_format import LineFormat
+    from ..reader.line_format import LineFormat
     from .measurement import Skin
     from .reader.virtual_reader import VirtualReader
 

@@ -26,7 +26,6 @@ from ..models.reduced.reduced_model import Reduced
 from ..press.parts import Parts, foam_parts
 from ..scene.air_nodes import nodes_of
 from ..scene.frequency import REFERENCE, Loss
-from ..scene.scene import Scene
 from ..sweeps import InputError
 
 WITH_AXIS = {"capacitance": "cell", "contact_resistance": "contact"}
@@ -85,13 +84,13 @@ class SkinTensors:
         bent = bent + self.exponent_slope * decades**2 / (2 * math.log(10))
         return 2 * math.pi * frequency * (self.tangent + 1j) * torch.exp(bent) + self.leak
 
-    def variation(self, scene: Scene, skin: int) -> Variation:
-        """One of the skins in numpy."""
+    def variation(self, shape: tuple[int, int], number: int) -> Variation:
+        """One of the skins in numpy. shape: rows and columns of its cells."""
 
         def one(values: Tensor) -> np.ndarray:
-            return values[min(skin, len(values) - 1)].detach().cpu().double().numpy()
+            return values[min(number, len(values) - 1)].detach().cpu().double().numpy()
 
-        foam, grid = one(self.foam), scene.pixels.shape
+        foam, grid = one(self.foam), shape
         losses = (self.tangent, self.exponent, self.leak, self.exponent_slope)
         return Variation(
             one(self.top),

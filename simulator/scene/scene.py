@@ -148,12 +148,12 @@ class Scene(Table):
     def _tones_on_the_grid_of_a_frame(self) -> Self:
         reader = scene_reader(self.interfaces, self.readout.multisine, self.sweep.frequencies)
         if reader is not None:
-            sweep, readout = (
-                self.sweep.model_copy(update={"frequencies": tuple(reader.tones.tolist())}),
-                self.readout.model_copy(update={"multisine": reader}),
-            )
-            object.__setattr__(self, "sweep", sweep)
-            object.__setattr__(self, "readout", readout)
+            tones = tuple(reader.tones.tolist())
+            changed = {
+                "sweep": self.sweep.model_copy(update={"frequencies": tones}),
+                "readout": self.readout.model_copy(update={"multisine": reader}),
+            }
+            return self.model_copy(update=changed)
         return self
 
     @model_validator(mode="after")
@@ -164,9 +164,9 @@ class Scene(Table):
 
     @model_validator(mode="after")
     def _in_its_ambient(self) -> Self:
-        object.__setattr__(self, "skin", in_ambient(self.skin, self.experiment))
-        self.dataset.session.check_ambient(self.skin.foam)
-        return self
+        skin = in_ambient(self.skin, self.experiment)
+        self.dataset.session.check_ambient(skin.foam)
+        return self if skin is self.skin else self.model_copy(update={"skin": skin})
 
     @model_validator(mode="after")
     def _touches_add_capacitance(self) -> Self:
@@ -178,9 +178,7 @@ class Scene(Table):
         press = with_factor(self.press, self.skin, self.pixels)
         drawn = with_drawn_factor(drawn, press, self.skin, self.pixels)
         dataset = self.dataset.model_copy(update={"press": drawn})
-        object.__setattr__(self, "press", press)
-        object.__setattr__(self, "dataset", dataset)
-        return self
+        return self.model_copy(update={"press": press, "dataset": dataset})
 
     @model_validator(mode="after")
     def _fingers_have_earth(self) -> Self:

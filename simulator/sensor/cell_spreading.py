@@ -14,7 +14,7 @@ from typing import NamedTuple, Self
 import numpy as np
 
 from ..press.batch import PressBatch
-from ..scene.scene import Scene
+from ..scene.parts import Skin
 
 PARTS = 4
 """Fine cells along each side of a coarse one."""
@@ -44,13 +44,13 @@ class SkinCells(NamedTuple):
     spreading: CellSpreading | None
 
     @classmethod
-    def of(cls, scene: Scene, coarse: tuple[int, int]) -> Self:
+    def of(cls, skin: Skin, coarse: tuple[int, int]) -> Self:
         """Cells for a model's grid (rows, columns).
 
         Both are equal unless the skin is a rectangle without walls around pressed cells.
         """
-        around = scene.surroundings
-        if not scene.skin.rectangular or (around is not None and around.edges):
+        around = skin.around
+        if not skin.rectangular or (around is not None and around.edges):
             return cls(coarse, coarse, None)
         rows, columns = coarse
         return cls((PARTS * rows, PARTS * columns), coarse, CellSpreading(coarse, PARTS))

@@ -18,7 +18,7 @@ from ..press.parts import foam_parts
 from ..press.press import Press, check_press, label_of, press_on, pressed_factor
 from ..press.touch import AnyTouch, Depth, Disc, Force, Indentation, Rectangle, Touch
 from ..scene.parts import Skin
-from ..scene.scene import Scene
+from ..scene.pixel_grid import Pressing
 from ..sweeps import UNPRESSED, InputError
 from ..sweeps.schema import UNKNOWN_PRESS
 from .cell_spreading import SkinCells
@@ -119,7 +119,8 @@ class PressReader:
     skins: number of skins. highest: largest factor on c that the family is trained on.
     """
 
-    scene: Scene
+    skin: Skin
+    pressing: Pressing
     cells: SkinCells
     skins: int
     highest: float
@@ -147,9 +148,11 @@ class PressReader:
     def _rasterizer(self) -> ContactRasterizer:
         from .contacts.rasterizer import ContactRasterizer
 
-        cells, remembers = self.cells, bool(self.scene.skin.foam.in_time)
+        cells, remembers = self.cells, bool(self.skin.foam.in_time)
         coarse = None if cells.spreading is None or remembers else cells.coarse
-        return ContactRasterizer.of(self.scene, cells.fine, coarse=coarse, highest=self.highest)
+        return ContactRasterizer.of(
+            self.skin, self.pressing, cells.fine, coarse=coarse, highest=self.highest
+        )
 
     def _one(self, given: AnyContacts) -> GivenPress:
         if given is None or isinstance(given, str | Press):
@@ -200,24 +203,18 @@ class PressReader:
         press = (
             given
             if isinstance(given, Press)
-            else press_on(
-                self.scene.parts.skin, self.scene.press, UNPRESSED if given is None else given
-            )
+            else press_on(self.skin, self.pressing, UNPRESSED if given is None else given)
         )
-        check_press(press, self.scene.parts.skin)
-        label = PressLabel(label_of(press, self.scene.parts.skin, self.scene.press), *press.pixel)
+        check_press(press, self.skin)
+        label = PressLabel(label_of(press, self.skin, self.pressing), *press.pixel)
         fixed = self._fixes_depths(press)
-        if press.indented and spreads(self.scene.parts.skin):
-            pressed = self._rasterizer(_indenters(self.scene.parts.skin, press))
+        if press.indented and spreads(self.skin):
+            pressed = self._rasterizer(_indenters(self.skin, press))
             limited = bool(pressed.limited[0])
             return GivenPress(pressed.batch, (label,), (fixed,), (limited,), (0.0,))
-        by_factor = Press(
-            tuple(map(self._by_factor, press_by_depths(self.scene.parts.skin, press).touches))
-        )
-        batch = PressBatch.of(
-            [touched_cells(self.scene.parts.skin, self.scene.press, by_factor, self.cells.fine)]
-        )
-        if not self.scene.skin.foam.in_time:
+        by_factor = Press(tuple(map(self._by_factor, press_by_depths(self.skin, press).touches)))
+        batch = PressBatch.of([touched_cells(self.skin, self.pressing, by_factor, self.cells.fine)])
+        if not self.skin.foam.in_time:
             batch = self.cells.spread(batch)
         return GivenPress(batch, (label,), (fixed,), (False,), (0.0,))
 
@@ -227,7 +224,7 @@ class PressReader:
         Raises InputError for a depth beside a load on foam that creeps.
         """
         depths = [isinstance(touch.by, Depth) for touch in press.indented]
-        if self.scene.skin.foam.in_time and any(depths) and sum(depths) < len(press.touches):
+        if self.skin.foam.in_time and any(depths) and sum(depths) < len(press.touches):
             raise InputError(
                 f"press {press}: foam that creeps takes depths or loads at one time, not both"
             )
@@ -237,22 +234,22 @@ class PressReader:
         """Touch by the factor that its depth causes."""
         if not isinstance(touch, Indentation):
             return touch
-        factor = pressed_factor(self.scene.parts.skin, touch)
+        factor = pressed_factor(self.skin, touch)
         return replace(touch.place, factor=factor, finger=touch.finger)
 
     @cached_property
     def _limits(self) -> tuple[int, float]:
         """Number of the foam's parts, and the largest rise there; that of a finger is far less."""
-        spread = self.cells.spreading is not None and not self.scene.skin.foam.in_time
+        spread = self.cells.spreading is not None and not self.skin.foam.in_time
         grid, margin = (self.cells.coarse, OVERSHOOT) if spread else (self.cells.fine, 1 + ROUNDING)
-        return foam_parts(self.scene.parts.skin, grid), margin * (self.highest - 1)
+        return foam_parts(self.skin, grid), margin * (self.highest - 1)
 
     def _checked(self, given: GivenPress) -> GivenPress:
         batch, (foam, highest) = given.batch, self._limits
         if batch.rises.size and not batch.rises.max() <= highest:
             raised = 1 + batch.rises[batch.cells < foam].max()
             raise InputError(
-                f"{self.scene.name}: contacts must raise c to at most {self.highest:g} times the "
+                f"{self.skin.name}: contacts must raise c to at most {self.highest:g} times the "
                 f"unpressed one, got {raised:.3g}: the sensor's model covers no more"
             )
         if given.batch.count not in (1, self.skins):

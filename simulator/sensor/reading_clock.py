@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ..measure.creeping_sweeps import reading_spans
-from ..scene.scene import Scene
+from ..scene.parts import Meter
+from ..scene.readings.setup import Setup
 
 PER_SECOND = 10**15
 """Ticks of the clock per second: steps of 1 s, 1/60 s or 1/1000 s add up without an error."""
@@ -54,13 +55,13 @@ class ReadingClock:
     period: int
 
     @classmethod
-    def of(cls, scene: Scene) -> ReadingClock:
+    def of(cls, setup: Setup, meter: Meter) -> ReadingClock:
         """Clock of a scene's meter; sweeps follow each other without a pause."""
-        starts, durations, whole = reading_spans(scene.parts.setup, scene.parts.meter)
-        taken, slots = scene.parts.setup.read, []
+        starts, durations, whole = reading_spans(setup, meter)
+        taken, slots = setup.read, []
         for interface in range(len(taken)):
             own = np.flatnonzero(taken[interface]).tolist()
-            together = [slice(0, len(own))] if scene.readout.multisine else map(_alone, own)
+            together = [slice(0, len(own))] if meter.readout.multisine else map(_alone, own)
             for some in together:
                 start, takes = (float(each[interface, some.start]) for each in (starts, durations))
                 middle, end = in_ticks(start + takes / 2), in_ticks(start + takes)

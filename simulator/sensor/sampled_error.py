@@ -52,7 +52,7 @@ def press_errors(
     touches overlap are left out.
     """
     cells, highest = (
-        SkinCells.of(parts.scene, family.grid),
+        SkinCells.of(parts.scene.parts.skin, family.grid),
         highest_factor(parts.skin, parts.plan),
     )
     presses = drawn_presses(own, np.random.default_rng(seed), count, cells.fine)

@@ -93,10 +93,12 @@ class Sensor:
         self._own = family_parts(self.scene.parts, self._drawn, rtol)
         self._family = trained_family(self._own, rtol)
         self._faults = self._first_faults = tuple(parse_fault(text, self._own) for text in faults)
-        self._cells = SkinCells.of(self.scene, self._family.grid)
+        self._cells = SkinCells.of(self.scene.parts.skin, self._family.grid)
         highest = highest_factor(self.scene.parts.skin, self.scene.parts.plan)
-        self._press = PressReader(self.scene, self._cells, len(numbers), highest)
-        self._clock = ReadingClock.of(self.scene)
+        self._press = PressReader(
+            self.scene.parts.skin, self.scene.press, self._cells, len(numbers), highest
+        )
+        self._clock = ReadingClock.of(self.scene.parts.setup, self.scene.parts.meter)
         self._layout = VectorLayout.of(self.scene.parts.setup)
         self._mounted: MountedSkins | None = None
         self._begin(seed)

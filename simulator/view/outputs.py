@@ -74,7 +74,7 @@ def title(stage: ViewedPress) -> str:
     if len(press) > MAX_PRESS_TEXT:
         press = f"{press[:MAX_PRESS_TEXT]}…"
     pressed = f"press {press}" if press else "unpressed"
-    return f"{stage.scene.name}, {pressed}, interface {stage.interface.name}"
+    return f"{stage.skin.name}, {pressed}, interface {stage.interface.name}"
 
 
 def rows_of_panels(stage: ViewedPress, what: str) -> list[list[Panel]]:
@@ -95,7 +95,7 @@ def _in_rows(panels: list[Panel]) -> list[list[Panel]]:
 
 def panels_of(stage: ViewedPress, quantity: ViewedQuantity) -> list[Panel]:
     """Panels of a quantity, one for each frequency, or the only one."""
-    skin = stage.skin(quantity)
+    skin = stage.surface(quantity)
     numbers = [0] if quantity.everywhere else range(len(stage.fields.frequency))
     return stage.panels(skin, at_frequencies(quantity, stage.fields, skin, numbers))
 
@@ -124,7 +124,7 @@ def _period_panels(stage: ViewedPress, what: str) -> list[list[Panel]]:
         raise InputError(f"--animate phase: --what must be potential or current, got {what!r}")
     rows = []
     for quantity in chosen(what, stage.fields):
-        skin = stage.skin(quantity)
+        skin = stage.surface(quantity)
         shown = over_one_period(quantity, stage.fields, skin, 0, PHASES)
         rows.append(stage.panels(skin, shown))
     return [list(panels) for panels in zip(*rows, strict=True)]
@@ -158,7 +158,7 @@ def _write_data(path: Path, stage: ViewedPress, what: str) -> None:
     from .paraview import write_dataset
 
     about = {
-        "scene": scene_text(stage.scene),
+        "scene": scene_text(stage.skin),
         "press": str(stage.press),
         "interface": stage.interface.name,
     }

@@ -22,8 +22,9 @@ if TYPE_CHECKING:
 
     from ..models.solution_fields import SolutionFields
     from ..press.press import Press
+    from ..scene.parts import Skin
+    from ..scene.pixel_grid import Pressing
     from ..scene.readings.contacts import Interface
-    from ..scene.scene import Scene
     from .displayed_quantity import DisplayedQuantity
     from .quantities import ViewedQuantity
 
@@ -49,7 +50,8 @@ class ViewedPress:
     else.
     """
 
-    scene: Scene
+    skin: Skin
+    pressing: Pressing
     press: Press
     interface: Interface
     fields: SolutionFields
@@ -59,22 +61,22 @@ class ViewedPress:
     @property
     def press_text(self) -> str:
         """Text of the press for titles and messages."""
-        return displayed_press(label_of(self.press, self.scene.parts.skin, self.scene.press))
+        return displayed_press(label_of(self.press, self.skin, self.pressing))
 
     def plain_skin(self) -> SkinSurface:
         """Surface, deflected only if that is requested."""
         return surface(self.fields, self._in_space, self.exaggeration or 0.0)
 
-    def skin(self, quantity: ViewedQuantity) -> SkinSurface:
+    def surface(self, quantity: ViewedQuantity) -> SkinSurface:
         """Surface that a quantity is drawn on."""
         if quantity.name != "deformation" or self.exaggeration is not None:
             return self.plain_skin()
         return replace(self, exaggeration=readable_exaggeration(self.fields)).plain_skin()
 
-    def panels(self, skin: SkinSurface, frames: list[DisplayedQuantity]) -> list[Panel]:
+    def panels(self, surface: SkinSurface, frames: list[DisplayedQuantity]) -> list[Panel]:
         """Panels of the frames on the skin, all seen from the same place."""
-        drawn = marks(self.scene.parts.skin, self.press, self.interface, skin, self.to_space)
-        scenery = Scenery(skin, drawn, tuple(self._bodies(skin)))
+        drawn = marks(self.skin, self.press, self.interface, surface, self.to_space)
+        scenery = Scenery(surface, drawn, tuple(self._bodies(surface)))
         camera = _camera(scenery)
         return [Panel(scenery, frame, camera) for frame in frames]
 
@@ -85,12 +87,12 @@ class ViewedPress:
     def to_space(self, x: Real) -> Real:
         """Flat places (2, n) where they are drawn, (3, n), on the skin and off its edges."""
         if self._in_space:
-            return position(self.scene.parts.skin, x)
+            return position(self.skin, x)
         return np.vstack([x, np.zeros_like(x[:1])])
 
     def _bodies(self, skin: SkinSurface) -> list[pv.PolyData]:
         """Body under the skin, and the foam's sides where heights are exaggerated."""
-        shape, thickness = self.scene.skin.shape, self.scene.skin.foam.thickness
+        shape, thickness = self.skin.shape, self.skin.foam.thickness
         foam = skin.exaggeration * thickness if thickness is not None else 0.0
         sides = [_foam(skin, surface(self.fields, self._in_space), foam)] if foam else []
         if shape is None or not self._in_space:
@@ -98,7 +100,7 @@ class ViewedPress:
         deepest = skin.exaggeration * float(self.fields.deflection.max())
         free = shape.radius - max(foam, BODY_CLEARANCE * deepest)
         radius = max(MIN_BODY_RADIUS * shape.radius, min(BODY_RADIUS * shape.radius, free))
-        length, width = self.scene.skin.stretched_sides
+        length, width = self.skin.stretched_sides
         middle = np.array([length / 2, width / 2, -shape.radius])
         if shape.kind == "sphere":
             return [*sides, _ball(middle, radius)]

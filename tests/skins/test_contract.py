@@ -73,7 +73,7 @@ def drawn(model, count):
     """Further touches of pixels that have skin."""
     random, draw = (
         np.random.default_rng(7),
-        pixel_touches(model.scene.parts.skin, model.scene.parts.plan),
+        pixel_touches(model.parts.skin, model.parts.plan),
     )
     there = np.flatnonzero(np.abs(model.factors).sum(axis=(1, 2)))
     cases = [draw(random) for _ in range(5 * count)]
@@ -96,12 +96,12 @@ def test_the_full_solver_agrees_within_the_certificate(library, model, touches, 
 
 def other_skin(model):
     """Far from the model's own, and uneven where sheets may be."""
-    waves, scene = np.array([1.0, 0.1, -0.1, 0.05][: model.modes]), model.scene
+    waves, skin = np.array([1.0, 0.1, -0.1, 0.05][: model.modes]), model.parts.skin
     return Variation(
         1.1 * waves,
         (1.1 if model.circuit.fields == 1 else 0.7) * waves,
-        np.full(len(scene.contacts), 0.8),
-        np.linspace(0.5, 1.5, scene.pixels.rows * scene.pixels.columns).reshape(scene.pixels.shape),
+        np.full(len(skin.contacts), 0.8),
+        np.linspace(0.5, 1.5, skin.pixels.rows * skin.pixels.columns).reshape(skin.pixels.shape),
         Loss(0.02),
         0.7,
     )
@@ -111,7 +111,7 @@ def other_skin(model):
 def test_the_certificate_bounds_what_the_reduction_leaves_out(model, touches, name):
     own, worst = model.skin(other_skin(model)), 0.0
     for cells, rises in [*touches, *drawn(model, 4)]:
-        press = cells, np.where(cells < foam_parts(model.scene.parts.skin), 5 * rises, rises)
+        press = cells, np.where(cells < foam_parts(model.parts.skin), 5 * rises, rises)
         true = relative_difference(own.sweep(*press), own.exact(*press))
         bound = own.certificate(*press)
         assert (true <= bound + KRYLOV * KINDS[name].rtol + model.mesh_error).all()
@@ -129,7 +129,7 @@ def test_a_model_is_orthonormal_and_passive(model, touches, name):
     Z = own.sweeps(PressBatch.of([*touches, *more]))
     assert (Z.real > 0).all()
     if name in TWO_TERMINALS:
-        assert (parallel_capacitance(Z, model.scene.frequencies) > -1e-18).all()
+        assert (parallel_capacitance(Z, model.parts.setup.frequency) > -1e-18).all()
         assert (np.diff(Z.real) < 0).all()
 
 

@@ -85,7 +85,7 @@ def test_forces_stand_for_the_depths_that_they_take(caplog):
     strain = foam.strain_at(np.array(factor))
     assert foam.elastic.stress(strain) * area == pytest.approx(4.0, rel=1e-6)
     with caplog.at_level(logging.INFO):
-        depth = forces_as_depths(scene.parts).press.depth
+        depth = forces_as_depths(scene.parts).plan.press.depth
     assert depth == pytest.approx(strain * 4e-3, rel=1e-6)
     assert "4 N press pixels" in caplog.text
     assert forces_as_depths(strip(tension=20.0, force=4.0).parts).press.depth < depth

@@ -226,9 +226,7 @@ def test_touches_beside_pixels_are_refused_in_one_line(library, name):
 
 def test_slopes_beside_bodies_are_differences_where_the_foam_loses_and_air_does_not(library):
     model, press = library.model("near a virtual earth"), (np.array([2, 6]), np.array([0.5, 3e-12]))
-    lossy = replace(
-        nominal(model.scene.parts.skin), loss=Loss(tangent=0.03, exponent=0.97), body=1.2
-    )
+    lossy = replace(nominal(model.parts.skin), loss=Loss(tangent=0.03, exponent=0.97), body=1.2)
     f, skin = model.frequency, model.skin(lossy)
     found = sensitivity(skin, *press, f)
     together = sensitivities(skin, *(each[None] for each in press), f)

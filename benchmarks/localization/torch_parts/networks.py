@@ -131,7 +131,7 @@ def from_disk(
     """The network trained on data sets on disk, each a part of the largest."""
     path, found = folder / "pixels.zarr", []
     start = time.process_time()
-    generate(DatasetPlan(stream.plan.scene.parts, max(sizes), 11, stream.plan.rtol), path)
+    generate(DatasetPlan(stream.plan.parts, max(sizes), 11, stream.plan.rtol), path)
     made = time.process_time() - start
     for size in sizes:
         start, sweeps = time.process_time(), read_first(path, size)

@@ -11,7 +11,8 @@ import numpy as np
 from ...arrays import Mask, Real
 from ...models.reduced.indentation.indentation_draws import spreads
 from ...press.batch import NOTHING, PressBatch
-from ...scene.scene import Scene
+from ...scene.parts import Skin
+from ...scene.pixel_grid import Pressing
 from ...sweeps import InputError
 from ..cell_spreading import PARTS, CellSpreading
 from .contact_types import STRENGTHS, Contacts, PointContacts, PressureImage
@@ -51,7 +52,8 @@ class ContactRasterizer:
     `ContactCells.limited` says so; "refuse" raises InputError.
     """
 
-    scene: Scene
+    skin: Skin
+    pressing: Pressing
     grid: tuple[int, int]
     coarse: tuple[int, int] | None
     too_deep: TooDeep
@@ -64,7 +66,8 @@ class ContactRasterizer:
     @classmethod
     def of(
         cls,
-        scene: Scene,
+        skin: Skin,
+        pressing: Pressing,
         grid: tuple[int, int] | None = None,
         too_deep: TooDeep = "limit",
         coarse: tuple[int, int] | None = None,
@@ -77,15 +80,15 @@ class ContactRasterizer:
         """
         if too_deep not in ("limit", "refuse"):
             raise InputError(f"too_deep must be 'limit' or 'refuse', got {too_deep!r}")
-        grid = grid or scene.pixels.shape
-        foam, cells = foam_tables(scene.skin.foam, highest), grid_cells(scene.parts.skin, grid)
-        refused, spread = refusals(scene.parts.skin, scene.press), None
-        if spreads(scene.parts.skin) and "force" not in refused:
+        grid = grid or skin.pixels.shape
+        foam, cells = foam_tables(skin.foam, highest), grid_cells(skin, grid)
+        refused, spread = refusals(skin, pressing), None
+        if spreads(skin) and "force" not in refused:
             from .membrane_contacts import ContactMembrane
 
-            spread = SpreadPoints(ContactMembrane(scene.parts.skin, grid, foam, cells))
+            spread = SpreadPoints(ContactMembrane(skin, grid, foam, cells))
         spreading = CellSpreading(coarse, PARTS) if coarse else None
-        return cls(scene, grid, coarse, too_deep, foam, cells, refused, spread, spreading)
+        return cls(skin, pressing, grid, coarse, too_deep, foam, cells, refused, spread, spreading)
 
     def __call__(self, contacts: Contacts) -> ContactCells:
         """Cells and rises of contacts.
@@ -98,7 +101,7 @@ class ContactRasterizer:
             self._points(contacts) if isinstance(contacts, PointContacts) else self._image(contacts)
         )
         if self.too_deep == "refuse" and found.limited.any():
-            raise InputError(too_deep_message(self.scene.parts.skin, contacts, found.limited))
+            raise InputError(too_deep_message(self.skin, contacts, found.limited))
         return found
 
     def _points(self, contacts: PointContacts) -> ContactCells:
@@ -107,18 +110,16 @@ class ContactRasterizer:
         else:
             batch, limited, patches, fault = self._points_alone(contacts)
         if fault[2] != FINE:
-            raise InputError(invalid_contact(self.scene, contacts, *fault))
-        if self.scene.press.finger:
+            raise InputError(invalid_contact(self.skin, contacts, *fault))
+        if self.pressing.finger:
             none = PressBatch.of([NOTHING] * contacts.skins)
-            fine = with_fingers(
-                self.scene.parts.skin, self.scene.press, contacts, none, patches, self.grid
-            )
+            fine = with_fingers(self.skin, self.pressing, contacts, none, patches, self.grid)
             batch = batch.and_(self._on_coarse(fine))
         return ContactCells(batch, limited, patches)
 
     def _points_alone(self, contacts: PointContacts) -> RasterizedPoints:
         """Contacts of which each presses its patch alone."""
-        by, added = STRENGTHS.index(contacts.by), self.scene.press.adds is not None
+        by, added = STRENGTHS.index(contacts.by), self.pressing.adds is not None
         by = ADDED if by == FACTOR and added else by
         given = contacts.values, contacts.counts, by, self.foam, self.cells
         if self.coarse is not None:
@@ -179,15 +180,17 @@ class ContactRasterizer:
         return ContactCells(self._on_coarse(batch), limited)
 
 
-def to_cells(scene: Scene, grid: tuple[int, int], contacts: Contacts) -> PressBatch:
+def to_cells(
+    skin: Skin, pressing: Pressing, grid: tuple[int, int], contacts: Contacts
+) -> PressBatch:
     """Cells of a grid (rows, columns) that contacts press, and the rises of c there.
 
     Foam is compressed at most to its largest strain. `ContactRasterizer` is faster for many calls.
     Raises InputError for contacts that are invalid or that the scene does not take.
     """
-    return _rasterizer(scene, grid)(contacts).batch  # pyright: ignore[reportArgumentType]
+    return _rasterizer(skin, pressing, grid)(contacts).batch  # pyright: ignore[reportArgumentType]
 
 
 @lru_cache(maxsize=8)
-def _rasterizer(scene: Scene, grid: tuple[int, int]) -> ContactRasterizer:
-    return ContactRasterizer.of(scene, grid)
+def _rasterizer(skin: Skin, pressing: Pressing, grid: tuple[int, int]) -> ContactRasterizer:
+    return ContactRasterizer.of(skin, pressing, grid)

@@ -7,7 +7,6 @@ from ...models.mechanics.deformation import check_plane
 from ...press.walls import require_no_walls
 from ...scene.parts import Skin
 from ...scene.pixel_grid import Pressing
-from ...scene.scene import Scene
 from ...sweeps import InputError
 from ...sweeps.press_text import MAX_FACTOR, MIN_FACTOR
 from .contact_types import KINDS, Contacts, PointContacts
@@ -54,17 +53,17 @@ def _check_kind(skin: Skin, pressing: Pressing, kind: str) -> None:
 
 
 def invalid_contact(
-    scene: Scene, contacts: PointContacts, skin: int, contact: int, reason: int
+    skin: Skin, contacts: PointContacts, number: int, contact: int, reason: int
 ) -> str:
     """Message about one contact. reason: number from `patch_kernel`."""
     from .patch_kernel import BAD_PATCH, BAD_PLACE, BAD_STRENGTH
 
-    x, y, strength, radius, curvature, width, height = contacts.values[skin, contact].tolist()
-    where = f"contact {contact}" + (f" of skin {skin}" if contacts.skins > 1 else "")
-    length, across = scene.skin.sides
+    x, y, strength, radius, curvature, width, height = contacts.values[number, contact].tolist()
+    where = f"contact {contact}" + (f" of skin {number}" if contacts.skins > 1 else "")
+    length, across = skin.sides
     if reason == BAD_PLACE:
         return (
-            f"{where}: (x, y) must lie within 0..{length:g} and 0..{across:g} m on {scene.name}, "
+            f"{where}: (x, y) must lie within 0..{length:g} and 0..{across:g} m on {skin.name}, "
             f"got ({x:g}, {y:g})"
         )
     if reason == BAD_STRENGTH:
@@ -79,14 +78,14 @@ def invalid_contact(
             f"{where}: radius and curvature_radius must be > 0 m and one of them finite, got "
             f"{radius:g} and {curvature:g}"
         )
-    return f"{where}: no skin of {scene.name} lies under the patch at ({x:g}, {y:g}) m"
+    return f"{where}: no skin of {skin.name} lies under the patch at ({x:g}, {y:g}) m"
 
 
-def invalid_value(contacts: Contacts, skin: int, row: int, column: int) -> str:
+def invalid_value(contacts: Contacts, number: int, row: int, column: int) -> str:
     """Message about one value of an image."""
-    where = f"{type(contacts).__name__}" + (f" of skin {skin}" if contacts.skins > 1 else "")
+    where = f"{type(contacts).__name__}" + (f" of skin {number}" if contacts.skins > 1 else "")
     name = contacts.kind.removesuffix(" image")
-    value = contacts.values[skin, row, column]
+    value = contacts.values[number, row, column]
     here = f"row {row} and column {column}"
     return f"{where}: {name} must be >= 0 {UNITS[name]}, got {value:g} in {here}"
 

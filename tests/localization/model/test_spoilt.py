@@ -118,7 +118,7 @@ def trained(request, make_sweeps):
 
 
 def test_no_field_of_a_model_may_be_spoilt(trained):
-    for path in fields_of(trained.parts):
+    for path in fields_of(trained):
         names = path[-1] == "classes"
         for changed in () if names else spoilt(held_by(trained, path)):
             if changed is None and path[-1] == "independent":  # of a training of one session
@@ -129,7 +129,7 @@ def test_no_field_of_a_model_may_be_spoilt(trained):
 
 
 def test_no_array_may_be_of_another_size(trained):
-    for path in fields_of(trained.learned.parts):
+    for path in fields_of(trained.learned):
         array = held_by(trained.learned, path)
         if isinstance(array, np.ndarray) and array.size:
             for changed in (array[:-1], np.concatenate([array, array[:1]])):

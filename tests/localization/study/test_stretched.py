@@ -2,7 +2,7 @@
 
 import pytest
 from rcskin.localization.study.axis import Axis
-from rcskin.localization.study.execution import scenes_of
+from rcskin.localization.study.execution import points_of
 from rcskin.localization.study.point import EvaluationSettings
 from rcskin.localization.study.scene_keys import find_key, scene_table
 from rcskin.simulator.scene.scene_files import BUILTIN
@@ -15,8 +15,8 @@ def test_a_study_may_stretch_a_skin(tmp_path):
     path.write_text(f"{sheet}\n[skin.stretch]\nx = 1.0\ny = 1.0\n")
     table = scene_table(str(path))
     axis = Axis(find_key("skin.stretch.x", table), (1.0, 1.25))
-    rest, pulled = scenes_of(table, [axis], EvaluationSettings())
-    assert (rest.uniform, pulled.uniform) == (True, True)
+    rest, pulled = points_of(table, [axis], EvaluationSettings())
+    assert (rest.skin.uniform, pulled.skin.uniform) == (True, True)
     assert rest.skin.sides == (0.12, 0.12)
     assert pulled.skin.sides == (0.15, 0.12)
     assert pulled.skin.top.sheet_resistance == pytest.approx(1.25 * 50e3)

@@ -5,7 +5,7 @@ import pytest
 import rcskin
 from rcskin.localization.model.training import train
 from rcskin.localization.study.axis import parse_axes
-from rcskin.localization.study.execution import scenes_of, study
+from rcskin.localization.study.execution import points_of, study
 from rcskin.localization.study.point import EvaluationSettings
 from rcskin.localization.study.report import answers
 from rcskin.localization.study.scene_keys import scene_table
@@ -21,9 +21,9 @@ def run_study():
         trial = EvaluationSettings(target, draws, repeated)
         table = scene_table(name)
         axes = parse_axes(vary, table)
-        scenes = scenes_of(table, axes, trial)
-        found = study(scenes, axes, trial, silent, **more)
-        return found, scenes, axes
+        points = points_of(table, axes, trial)
+        found = study(points, axes, trial, silent, **more)
+        return found, [point.scene for point in points], axes
 
     return run_study
 
@@ -60,8 +60,8 @@ def test_the_sweeps_given_to_the_localizer_are_of_several_skins_and_of_its_own_p
 def test_presses_of_a_data_set_that_are_stated_are_taken():
     table = scene_table("strip-1x3")
     table["dataset"]["press"]["factor"] = {"distribution": "fixed", "value": 2.5}
-    (scene,) = scenes_of(table, parse_axes(["pixels.rows=1"], table), EvaluationSettings())
-    assert EvaluationSettings().plan(scene.parts, 0, 1e-4).scene.dataset.press.factor.low == 2.5
+    (point,) = points_of(table, parse_axes(["pixels.rows=1"], table), EvaluationSettings())
+    assert EvaluationSettings().plan(point, 0, 1e-4).parts.plan.draws.press.factor.low == 2.5
 
 
 @pytest.mark.usefixtures("unlearned")
@@ -115,12 +115,12 @@ def test_answers_name_the_best_and_what_is_as_good(run_study):
 
 
 def test_rest_is_a_class_where_the_experiment_has_it():
-    scene, *_ = scenes_of(
+    point, *_ = points_of(
         table := scene_table("strip-1x3"),
         parse_axes(["pixels.rows=1"], table),
         EvaluationSettings(),
     )
-    assert EvaluationSettings().nominal(scene.parts.skin, scene.parts.plan)[0] == Press()
+    assert EvaluationSettings().nominal(point.skin, point.plan)[0] == Press()
 
 
 def test_few_presses_do_not_make_the_unpressed_skin_count_more(run_study):

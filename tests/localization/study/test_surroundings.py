@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.localization.study.axis import Axis
-from rcskin.localization.study.execution import scenes_of
+from rcskin.localization.study.execution import points_of
 from rcskin.localization.study.point import (
     EvaluationSettings,
     _family,
@@ -40,17 +40,17 @@ def touched(make_scene):
 def test_numbers_of_surroundings_are_keys_to_vary(touched, key, unit):
     table = scene_table(touched)
     found = find_key(key, table)
-    *_, varied = scenes_of(
+    *_, varied = points_of(
         table, [Axis(found, (1e-3 if unit == "m" else 7e-12,))], EvaluationSettings()
     )
     assert found.unit == unit
-    assert varied == touched.with_({key: 1e-3 if unit == "m" else 7e-12})
+    assert varied.scene == touched.with_({key: 1e-3 if unit == "m" else 7e-12})
 
 
 def test_pixels_are_pressed_by_the_finger_of_the_scene(touched):
     """As the full solver has it, to the tolerance of the reduced model that studies share."""
-    nominal, rtol = EvaluationSettings().nominal(touched), 1e-3
-    Z = impedances(touched.parts, nominal, _family(_without_readings(touched), rtol), rtol)
+    nominal, rtol = EvaluationSettings().nominal(touched.parts.skin, touched.parts.plan), 1e-3
+    Z = impedances(touched.parts, nominal, _family(_without_readings(touched.parts), rtol), rtol)
     solver = Solver(touched.parts, 1e-5)
     exact = np.stack([solver.solve(press).Z for press in nominal])
     assert relative_difference(Z, exact).max() <= rtol

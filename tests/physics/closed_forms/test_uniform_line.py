@@ -28,15 +28,16 @@ def coth_over_q(z):
 
 @pytest.fixture(scope="module")
 def line(make_scene):
-    return Line(make_scene().parts.skin, make_scene().parts.setup, make_scene().press)
+    scene = make_scene()
+    return Line(scene.parts.skin, scene.parts.setup, scene.press)
 
 
 def at(model, frequency_at, u):
-    return model.impedance(Press(), frequency_at(model.scene, u))[0]
+    return model.impedance(Press(), frequency_at(model, u))[0]
 
 
 def relative_Cp(model, frequency_at, u):
-    return parallel_capacitance(at(model, frequency_at, u), frequency_at(model.scene, u)) / C
+    return parallel_capacitance(at(model, frequency_at, u), frequency_at(model, u)) / C
 
 
 def test_line_is_the_coth_law_in_both_parts(line, frequency_at):

@@ -136,7 +136,9 @@ def test_a_strip_stretched_by_a_fifth_by_elements(varied, off, kind):
     area = length * stretch * width * narrower
     q = np.sqrt(2j * np.pi * f * R * C * J ** (0.3 / 0.7) * area)
     Z = R / np.tanh(q) / q
-    found = kind(scene, circuit_of(scene.parts.skin, scene.parts.setup), Press(), 1e-6)
+    skin = scene.parts.skin
+    on = (skin,) if kind is Triangles else (skin, scene.press)
+    found = kind(*on, circuit_of(skin, scene.parts.setup), Press(), 1e-6)
     rung = found.finer(f).result(f, 1e-6)
     while rung.error.max() > 1e-6:
         rung = found.finer(f).result(f, 1e-6)

@@ -64,7 +64,7 @@ def reader(request, make_scene, made):
 @pytest.mark.parametrize("touches", [0, 1, 2, 4])
 def test_presses_together_are_those_one_by_one(reader, moved, touches):
     random = np.random.default_rng(touches)
-    pixels = reader.scene.pixels.rows * reader.scene.pixels.columns
+    pixels = reader.parts.skin.pixels.rows * reader.parts.skin.pixels.columns
     cells = np.stack([random.permutation(pixels)[:touches] for _ in range(6)])
     cells[5], rises = cells[0], random.uniform(-0.4, 2.0, cells.shape)
     waves = dict.fromkeys(SHEET_MODES, 0.1) if reader.modes > 1 else {}

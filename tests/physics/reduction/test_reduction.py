@@ -39,8 +39,8 @@ def error(Z, truth, scene):
     return relative_difference(Z, truth).max()
 
 
-def drawn(scene, count, seed=7):
-    random, draw = np.random.default_rng(seed), pixel_touches(scene.parts.skin, scene.parts.plan)
+def drawn(parts, count, seed=7):
+    random, draw = np.random.default_rng(seed), pixel_touches(parts.skin, parts.plan)
     return [draw(random) for _ in range(count)]
 
 
@@ -59,7 +59,7 @@ def test_the_certificate_bounds_what_the_reduction_leaves_out(families, name):
     )
     own = reduced.skin(None)
     ratios = []
-    for case in drawn(full.scene, 6):
+    for case in drawn(full.parts, 6):
         Z = own.sweep(case.cells, case.rises)
         exact = own.exact(case.cells, case.rises)
         true = relative_difference(Z, exact)
@@ -112,7 +112,7 @@ def spanned_readable(feed, rest, touched, s, rtol):
 @pytest.mark.kernel
 def test_the_kernel_and_its_readable_twin_agree(families):
     for reduced in families.values():
-        own, cases = reduced.skin(None), drawn(reduced.parts.scene, 4)
+        own, cases = reduced.skin(None), drawn(reduced.parts, 4)
         for feed in own.dense_excitations:
             given = own.unpressed_mass, feed, batch(cases), own.s
             fused, plain = swept(*given, 1e-13), swept_readable(*given, 1e-13)
@@ -125,7 +125,7 @@ def test_potentials_of_a_certificate_and_their_readable_twin_agree(families):
     for reduced in families.values():
         own = reduced.skin(None)
         for feed in own.dense_excitations:
-            for cells, rises in batch(drawn(reduced.parts.scene, 4)).each():
+            for cells, rises in batch(drawn(reduced.parts, 4)).each():
                 given = feed, own.unpressed_mass, (cells, rises), own.s
                 (u, Y), (twin, own_Y) = spanned(*given, 1e-12), spanned_readable(*given, 1e-14)
                 np.testing.assert_allclose(Y, own_Y, rtol=1e-10)
@@ -224,7 +224,7 @@ def test_common_factors_of_resistance_and_capacitance_only_shift_frequencies(fam
         Variation(modes / a, modes / a, np.full(2, 1 / a), np.full((2, 3), b), LOSSLESS)
     )
     shifted = replace(reduced, frequency=a * b * reduced.frequency)
-    cases = drawn(reduced.parts.scene, 3)
+    cases = drawn(reduced.parts, 3)
     Z, Z_shifted = scaled.sweeps(batch(cases)), shifted.skin(None).sweeps(batch(cases))
     np.testing.assert_allclose(Z, a * Z_shifted, rtol=1e-6)
 

@@ -243,7 +243,7 @@ def test_readings_and_fields_of_rods_leave_idle_earth_out(around):
     touch = TouchSize(0.05, 0.04, 1.0)
     for given in (touch, touch._replace(finger=3e-12)):
         fields = fields_of(scene.parts, 1e4, given, cells=1)
-        assert fields.scene.surroundings.low == ("virtual earth" if given.finger else "floating")
+        assert fields.parts.skin.around.low == ("virtual earth" if given.finger else "floating")
 
 
 @pytest.mark.parametrize("drawn", [{}, {"dataset.press.finger": {"low": 0.0, "high": 5e-12}}])

@@ -184,7 +184,7 @@ def test_a_mesh_in_space_is_the_flat_skin(around, solve, tmp_path):
     given = {"rim": RIM, "thickness": True, "edges": True, "body": {"distance": 5e-3}}
     flat = around(given, {"thickness": 4e-3}, columns=2, frequencies=[1e4])
     told = flat.model_dump(by_alias=True, exclude_none=True)
-    told["skin"]["mesh"] = folded(tmp_path / "folded.msh".parts)
+    told["skin"]["mesh"] = folded(tmp_path / "folded.msh")
     told["pixels"]["groups"] = [["near", "far"]]
     in_space, press = type(flat).model_validate(told), "1,1:1.7:3pF"
     answers = [solve(each, press, 1e-3).Z for each in (in_space, flat)]

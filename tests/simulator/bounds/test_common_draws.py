@@ -81,7 +81,7 @@ def test_more_readings_never_lower_the_accuracy(scores):
 def test_a_difference_has_a_far_smaller_error_than_each_accuracy(scene, model):
     """By as much as it says: other draws give it as well."""
     readings = read(model, scene.interfaces[:2])
-    other = nominal(readings.scene.parts.skin)
+    other = nominal(readings.parts.skin)
     conducting = type(other)(
         other.top * 0.97, other.bottom, other.films, other.capacitance, other.loss
     )

@@ -17,7 +17,7 @@ STEP = 1e-3
 
 
 def answered(fields, place, touch, frequency):
-    grid = AreaRasterizer.of(fields.scene.skin.length, fields.scene.skin.width, fields.grid)
+    grid = AreaRasterizer.of(fields.parts.skin.length, fields.parts.skin.width, fields.grid)
     changes = grid.raised(place, touch)
     return fields.respond(1 + touch.rise * changes["strength"], changes, frequency)
 

@@ -11,8 +11,9 @@ from rcskin.simulator.models.network.terminals import reduced_for
 from rcskin.simulator.models.parameters import parts_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.scene.parts import Meter
 from rcskin.simulator.scene.pixel_grid import Pressing
-from rcskin.simulator.scene.readout.meter import Readout, Sweep
+from rcskin.simulator.scene.readout.meter import Readout
 
 METER = Readout(
     magnitude_accuracy=3e-3,
@@ -22,7 +23,7 @@ METER = Readout(
     display_digits=9,
 )
 SPREAD = 0.1
-NOWHERE = Sweep(frequencies=(1.0,))
+NOWHERE = np.array([1.0])
 
 
 @pytest.fixture(scope="session")
@@ -43,10 +44,9 @@ def _solved(scene, presses):
     return simulate(Solver(scene.parts, 1e-5), [parse_press(press, 2.0) for press in presses])
 
 
-def of_the_skin(scene):
-    """The scene without its meter's errors, and without what is read and what is left out."""
-    every = tuple(each.model_copy(update={"frequencies": None}) for each in scene.interfaces)
-    return scene.model_copy(update={"readout": Readout(), "interfaces": every, "sweep": NOWHERE})
+def of_the_skin(parts):
+    """The parts without their meter's errors, and without what is read and what is left out."""
+    return replace(parts, meter=Meter(), setup=parts.setup.taking(NOWHERE))
 
 
 @pytest.fixture(scope="session")
@@ -54,11 +54,11 @@ def models_made_once():
     """Fits of the same skin share the model that the first of them trains, whatever is read."""
     known = {}
 
-    def train(scene, rtol, draw, **more):
-        key = of_the_skin(scene), rtol, more["modes"], more["same_sheets"], *more["frequency"]
+    def train(parts, rtol, draw, **more):
+        key = of_the_skin(parts), rtol, more["modes"], more["same_sheets"], *more["frequency"]
         if key not in known:
-            known[key] = reduced_for(scene.parts, rtol, draw, **more)
-        return replace(known[key], scene=scene)
+            known[key] = reduced_for(parts, rtol, draw, **more)
+        return replace(known[key], parts=parts)
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("rcskin.simulator.calibration.fitting.centered_model.reduced_for", train)

@@ -165,7 +165,10 @@ def test_no_effect_is_larger_than_its_bound(scene, changes, leads):
         Solver(each.parts, 1e-4).solve(press_on(each.parts.skin, each.press, "1,2:2.0")).Z
         for each in (scene.with_(changes), scene)
     )
-    assert (np.abs(there / without - 1) <= largest_changes(scene, without, 1)).all()
+    assert (
+        np.abs(there / without - 1)
+        <= largest_changes(scene.parts.skin, scene.parts.setup, without, 1)
+    ).all()
 
 
 def test_effects_under_the_noise_are_not_tried(scene, monkeypatch):

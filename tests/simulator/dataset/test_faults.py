@@ -96,7 +96,7 @@ def test_odds_above_one_are_refused():
 def test_a_data_set_without_faults_is_as_before(toy):
     plan = toy.small_plan(sweeps=100)
     assert "faults" not in scene_text(plan.parts)
-    odds = plan.parts.with_({"dataset.session.faults": {"aged_gain": 0.0}})
+    odds = plan.parts.scene.with_({"dataset.session.faults": {"aged_gain": 0.0}})
     own, other = (
         drawn_sessions(each, toy.ToyFamily(each.scene), range(10))
         for each in (plan, DatasetPlan(odds.parts, 100, 1, plan.rtol))
@@ -130,7 +130,7 @@ def test_sessions_have_the_readings_of_their_faults():
         if isinstance(fault, StuckSpot):
             press = with_spot(press_on(nominal.parts.skin, nominal.press, press), fault)
         found = (
-            Solver(fault.changed(nominal).parts, 1e-4)
+            Solver(fault.changed(nominal.parts), 1e-4)
             .solve(press_on(nominal.parts.skin, nominal.press, press))
             .Z[0]
         )
@@ -143,14 +143,14 @@ def test_sessions_have_the_readings_of_their_faults():
 def test_a_dead_foil_opens_its_interfaces_only():
     two = load_scene("sheet-5x5-two-interfaces")
     dead = DeadFoil(two.interfaces[0].high[0])
-    connected, changed = dead.connected(two), dead.changed(two)
-    assert not connected[0] and connected.sum() == len(changed.interfaces)
-    assert dead.name not in [contact.name for contact in changed.contacts]
-    assert DeadFoil("top-left").changed(STRIP) is None
+    connected, changed = dead.connected(two.parts.setup), dead.changed(two.parts)
+    assert not connected[0] and connected.sum() == len(changed.setup.interfaces)
+    assert dead.name not in [contact.name for contact in changed.skin.contacts]
+    assert DeadFoil("top-left").changed(STRIP.parts) is None
 
 
 def test_a_data_set_on_disk_says_which_fault_each_session_has(tmp_path, toy):
-    plan = plan_of(toy.small_plan().scene, 100, half_foil=0.3, stuck_spot=0.3, aged_gain=0.3)
+    plan = plan_of(toy.small_plan().parts.scene, 100, half_foil=0.3, stuck_spot=0.3, aged_gain=0.3)
     generate(plan, tmp_path / "o.zarr", training=toy.training())
     sweeps = read(tmp_path / "o.zarr")
     drawn = [

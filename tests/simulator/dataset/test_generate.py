@@ -1,5 +1,7 @@
 """What a data set holds, and that nothing but its plan decides it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -7,6 +9,7 @@ from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.drawn_session import drawn_sessions
 from rcskin.simulator.dataset.store import finish
 from rcskin.simulator.measure.readout import displayed
+from rcskin.simulator.scene.parts import Meter
 from rcskin.simulator.scene.readout.meter import Readout
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError, impedance, open_zarr, read
@@ -16,7 +19,7 @@ from rcskin.tests.library.scenes import ALIKE
 def alike(plan, sweeps, readout):
     """The plan with skins that do not vary."""
     session = {**ALIKE["dataset.session"], "sweeps_per_session": 10}
-    scene = plan.parts.with_({"dataset.session": session})
+    scene = plan.parts.scene.with_({"dataset.session": session})
     return DatasetPlan(scene.model_copy(update={"readout": readout}).parts, sweeps, 1, 1e-4)
 
 
@@ -72,8 +75,8 @@ def test_without_any_variation_it_is_the_model_to_the_digits_displayed(make, toy
 
 def test_more_digits_than_single_precision_keeps_are_stored_in_double(make, toy):
     plan = toy.small_plan(10)
-    scene = plan.parts.model_copy(update={"readout": Readout(display_digits=9)})
-    sweeps = read(make("out", DatasetPlan(scene.parts, 10, 1, 1e-4)))
+    parts = replace(plan.parts, meter=Meter(Readout(display_digits=9)))
+    sweeps = read(make("out", DatasetPlan(parts, 10, 1, 1e-4)))
     assert sweeps["Rs"].dtype == np.float64
     np.testing.assert_array_equal(sweeps["Rs"], displayed(sweeps["Rs"].values, 9))
 
@@ -118,7 +121,13 @@ def test_a_data_set_is_read_in_chunks_on_request(make, toy):
 def test_plans_out_of_range_are_refused(change, told):
     with pytest.raises(InputError, match=told):
         DatasetPlan(
-            **{"scene": load_scene("sheet-3x3"), "sweeps": 5, "seed": 1, "rtol": 1e-4, **change}
+            **{
+                "parts": load_scene("sheet-3x3").parts,
+                "sweeps": 5,
+                "seed": 1,
+                "rtol": 1e-4,
+                **change,
+            }
         )
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.dataset.skin_model import Training
-from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.scene.parts import SceneParts
 from rcskin.simulator.scene.scene_files import load_scene
 
 
@@ -22,7 +22,7 @@ from rcskin.simulator.scene.scene_files import load_scene
 class ToySkin:
     """R and C of a skin pressed on some cells; presses of `doubtful` touches have a poor bound."""
 
-    scene: Scene
+    parts: SceneParts
     variation: object
     doubtful: int | None
 
@@ -30,7 +30,7 @@ class ToySkin:
         return np.array([self._Z(*touched) for touched in batch.each()])
 
     def certificate(self, cells, rises):
-        shape = (2, len(self.scene.interfaces), len(self.scene.frequencies))
+        shape = (2, len(self.parts.setup.interfaces), len(self.parts.setup.frequency))
         return np.full(shape, 1.0 if len(cells) == self.doubtful else 1e-6 * (1 + len(cells)))
 
     def by_mesh(self, cells, rises):
@@ -44,8 +44,8 @@ class ToySkin:
         c[cells] *= 1 + rises
         C = 1e-10 * c.mean()
         R = 1e4 * (c @ np.arange(c.size)) / c.sum() / self.variation.top[0]
-        Z = R + 1 / (2j * np.pi * self.scene.frequencies * C)
-        return np.tile(Z, (len(self.scene.interfaces), 1))
+        Z = R + 1 / (2j * np.pi * self.parts.setup.frequency * C)
+        return np.tile(Z, (len(self.parts.setup.interfaces), 1))
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ class ToyFamily:
     needed where there is no such folder.
     """
 
-    scene: Scene
+    parts: SceneParts
     delay: float = 0.0
     fine: int = 1
     doubtful: int | None = None
@@ -65,13 +65,13 @@ class ToyFamily:
 
     @property
     def grid(self):
-        return self.scene.pixels.rows * self.fine, self.scene.pixels.columns * self.fine
+        return self.parts.skin.pixels.rows * self.fine, self.parts.skin.pixels.columns * self.fine
 
     def skin(self, variation):
         time.sleep(self.delay)
         while not self._taken():
             time.sleep(0.005)
-        return ToySkin(self.scene, variation, self.doubtful)
+        return ToySkin(self.parts, variation, self.doubtful)
 
     def _taken(self):
         if self.tokens is None or not self.tokens.exists():
@@ -85,7 +85,7 @@ class ToyFamily:
 
 def training(**family):
     """Of a toy family with these options."""
-    return Training(lambda scene, rtol: ToyFamily(scene, **family), _save, _load)
+    return Training(lambda parts, rtol: ToyFamily(parts, **family), _save, _load)
 
 
 def _save(family, path):

@@ -72,5 +72,5 @@ def test_mirrored_foils_have_equal_merit_and_the_best_for_columns_are_symmetric(
     found = search(scene.parts, asking)
     told = [(step.name, step.tenth) for step in found.steps]
     assert found.best.name == "foils on the left edge", told
-    low, high = found.evaluator.scene.parts.skin.contact("top-left").span
+    low, high = found.evaluator.parts.skin.contact("top-left").span
     assert low == pytest.approx(1 - high)

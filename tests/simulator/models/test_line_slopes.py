@@ -13,21 +13,26 @@ FILMS = {"top-left": {"resistance": 200.0}, "bottom-left": {"resistance": 120.0}
 RIGHT = {"top-right": {"resistance": 200.0}, "bottom-right": {"resistance": 120.0}}
 
 
+def of(scene):
+    return LineModel(scene.parts.skin, scene.parts.setup, scene.press)
+
+
 @pytest.fixture(params=[FILMS, RIGHT], ids=["fed left", "fed right"])
-def model(request, make_scene):
-    return LineModel(
-        make_scene(request.param, columns=3, frequencies=(1e3, 1e4, 1e5)).parts.skin,
-        make_scene(request.param, columns=3, frequencies=(1e3, 1e4, 1e5)).parts.setup,
-        make_scene(request.param, columns=3, frequencies=(1e3, 1e4, 1e5)).press,
-    )
+def scene(request, make_scene):
+    return make_scene(request.param, columns=3, frequencies=(1e3, 1e4, 1e5))
+
+
+@pytest.fixture
+def model(scene):
+    return of(scene)
 
 
 @pytest.mark.parametrize("press", ["none", "1,2:1.8+1,3:2.5"])
-def test_values_are_those_of_the_solver(model, press, moved):
+def test_values_are_those_of_the_solver(scene, model, press, moved):
     touched = parse_press(press, 2.0)
     Z = model.respond(*model.cells(touched), moved).Z
     same_films = moved | {"sheet_mismatch": 0.0}
-    truth = Solver(parts_with(model.scene.parts, same_films), 1e-6).solve(touched).Z
+    truth = Solver(parts_with(scene.parts, same_films), 1e-6).solve(touched).Z
     np.testing.assert_allclose(model.respond(*model.cells(touched), same_films).Z, truth, rtol=1e-9)
     assert np.abs(Z / truth - 1).max() > 1e-4
 
@@ -39,23 +44,13 @@ def test_the_slope_of_the_ratio_is_smooth_where_its_formula_changes():
 
 
 def test_a_mismatch_of_equal_sheets_does_nothing_to_first_order(make_scene):
-    model = LineModel(
-        make_scene(top=4e4, bottom=4e4).parts.skin,
-        make_scene(top=4e4, bottom=4e4).parts.setup,
-        make_scene(top=4e4, bottom=4e4).press,
-    )
+    model = of(make_scene(top=4e4, bottom=4e4))
     slope = model.respond(*model.cells(Press())).by_parameter["sheet_mismatch"]
     assert not slope.any()
 
 
 def test_sheets_are_no_lines(make_scene):
     with pytest.raises(InputError, match="no line: it has 2 pixels across"):
-        LineModel(
-            make_scene(rows=2).parts.skin, make_scene(rows=2).parts.setup, make_scene(rows=2).press
-        )
+        of(make_scene(rows=2))
     with pytest.raises(InputError, match="not fed in pairs"):
-        LineModel(
-            make_scene({"top-left": {}, "bottom-bottom": {}}).parts.skin,
-            make_scene({"top-left": {}, "bottom-bottom": {}}).parts.setup,
-            make_scene({"top-left": {}, "bottom-bottom": {}}).press,
-        )
+        of(make_scene({"top-left": {}, "bottom-bottom": {}}))

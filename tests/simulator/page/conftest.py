@@ -73,9 +73,9 @@ class Paged:
 
 
 def paged(scene, rtol=1e-3, cells=2):
-    skin = uniformly_pressed(scene.parts, "a page")
-    reduced = reduced_for_page(skin, rtol, cells)
-    return Paged(skin, reduced, page_data(skin, reduced, points=300))
+    parts = uniformly_pressed(scene.parts, "a page")
+    reduced = reduced_for_page(parts, rtol, cells)
+    return Paged(parts.scene, reduced, page_data(parts, reduced, points=300))
 
 
 @pytest.fixture(scope="session")

@@ -170,7 +170,8 @@ def test_a_patch_is_stretched_with_the_skin(fingered):
     ],
 )
 def test_a_finger_that_a_scene_does_not_have_is_reported_in_one_line(changes, text, why):
-    assert why in refusal_of(press_on, load_scene("sheet-5x5").with_(changes), text)
+    scene = load_scene("sheet-5x5").with_(changes)
+    assert why in refusal_of(press_on, scene.parts.skin, scene.press, text)
 
 
 def test_no_solver_leaves_a_finger_out_without_a_word():

@@ -20,8 +20,8 @@ def swept(sensor, press=PRESS):
 
 
 def solved(fault, press=PRESS):
-    scene = parse_fault(fault, SCENE.parts).changed(SCENE)
-    return Solver(scene.parts, 1e-4).solve(press_on(scene.parts.skin, scene.press, press)).Z[0]
+    parts = parse_fault(fault, SCENE.parts).changed(SCENE.parts)
+    return Solver(parts, 1e-4).solve(press_on(parts.skin, parts.plan.press, press)).Z[0]
 
 
 @pytest.mark.slow
@@ -54,8 +54,8 @@ def test_an_interface_is_open_once_all_its_foils_are_dead():
     tied = first.model_copy(update={"high": tuple(names[:2]), "low": tuple(names[2:3])})
     both = [parse_fault(f"dead foil {name}", own.parts) for name in names[:2]]
     scene = own.model_copy(update={"interfaces": (tied,)})
-    one = both[0].changed(scene)
-    assert one.interfaces[0].high == (names[1],) and both[1].changed(one) is None
+    one = both[0].changed(scene.parts)
+    assert one.setup.interfaces[0].high == (names[1],) and both[1].changed(one) is None
 
 
 def test_a_refused_fault_leaves_the_sensor_as_it_was():

@@ -102,6 +102,14 @@ def stage(scene):
     def stage(fields, press="3,5", wrapped=None, exaggeration=None, **skin):
         there = scene(**skin)
         pressed = parse_press(press, 2.0)
-        return ViewedPress(there, pressed, there.interfaces[0], fields, wrapped, exaggeration)
+        return ViewedPress(
+            there.parts.skin,
+            there.press,
+            pressed,
+            there.interfaces[0],
+            fields,
+            wrapped,
+            exaggeration,
+        )
 
     return stage

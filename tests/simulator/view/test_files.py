@@ -81,7 +81,7 @@ def test_half_a_period_later_the_potential_is_reversed(fields, stage, tmp_path, 
 
     set_up = stage(fields())
     (quantity,) = chosen("potential", set_up.fields)
-    frames = over_one_period(quantity, set_up.fields, set_up.skin(quantity), 1, 4)
+    frames = over_one_period(quantity, set_up.fields, set_up.surface(quantity), 1, 4)
     assert frames[0].values == pytest.approx(-frames[2].values)
     assert frames[0].limits == (pytest.approx(-1), pytest.approx(1))
 

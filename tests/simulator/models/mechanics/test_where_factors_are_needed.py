@@ -15,7 +15,7 @@ from rcskin.simulator.sweeps import InputError, impedance
     "feature",
     [
         lambda scene: planned_presses(scene.parts.skin, scene.parts.plan, np.random.default_rng(1)),
-        own_presses,
+        lambda scene: own_presses(scene.parts.skin, scene.press),
         lambda scene: strength_prior(scene.parts.skin, scene.parts.plan, "press"),
     ],
     ids=["planned", "own presses", "tables"],
@@ -43,8 +43,8 @@ def test_a_depth_is_counted_by_the_factor_under_its_applicator(foam_scene):
 def test_without_a_tension_a_depth_is_its_factor(foam_scene):
     scene = foam_scene(tension=0.0, press={"depth": 1e-3})
     factors = folded(scene.parts, "a test")
-    assert factors.press.capacitance_factor == scene.press.factor(scene.parts.skin)
-    assert factors.press.by_factor
+    assert factors.plan.press.capacitance_factor == scene.press.factor(scene.parts.skin)
+    assert factors.plan.press.by_factor
 
 
 def test_presses_that_do_not_say_how_strongly_are_pressed_as_the_scene_presses(foam_scene):

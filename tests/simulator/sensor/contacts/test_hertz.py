@@ -66,7 +66,12 @@ def test_the_foam_returns_the_whole_force(linear, place):
         }
     )
     foam, force, grid = scene.skin.foam, 0.02, (240, 240)
-    batch = to_cells(scene, grid, PointContacts(*place, force, curvature_radius=CURVATURE))
+    batch = to_cells(
+        scene.parts.skin,
+        scene.press,
+        grid,
+        PointContacts(*place, force, curvature_radius=CURVATURE),
+    )
     strain = 1 - 1 / (1 + batch.rises)
     cell = scene.skin.length * scene.skin.width / (grid[0] * grid[1])
     assert (foam.mechanics.elastic.stress(strain) * cell).sum() == pytest.approx(force, rel=2e-3)
@@ -82,31 +87,40 @@ def test_cells_are_the_means_of_the_profile(sharp):
     profile = np.maximum(strain - far / (2 * CURVATURE * foam.thickness), 0.0)
     exact = (foam.factor_at(profile) - 1).reshape(GRID[0], n, GRID[1], n).mean(axis=(1, 3))
     found = np.zeros(GRID[0] * GRID[1])
-    batch = to_cells(sharp, GRID, PointContacts(x, y, force, curvature_radius=CURVATURE))
+    batch = to_cells(
+        sharp.parts.skin, sharp.press, GRID, PointContacts(x, y, force, curvature_radius=CURVATURE)
+    )
     found[batch.cells] = batch.rises
     assert np.abs(found - exact.ravel()).max() < 1e-2 * exact.max()
     assert found.sum() == pytest.approx(exact.sum(), rel=2e-4)
 
 
 def test_two_forces_on_one_place_are_their_sum(sharp):
-    twice = to_cells(sharp, GRID, PointContacts([0.05, 0.05], 0.06, [0.3, 0.2], 0.01))
-    once = to_cells(sharp, GRID, PointContacts(0.05, 0.06, 0.5, 0.01))
+    twice = to_cells(
+        sharp.parts.skin, sharp.press, GRID, PointContacts([0.05, 0.05], 0.06, [0.3, 0.2], 0.01)
+    )
+    once = to_cells(sharp.parts.skin, sharp.press, GRID, PointContacts(0.05, 0.06, 0.5, 0.01))
     assert twice.rises.sum() == pytest.approx(once.rises.sum(), rel=1e-2)
     assert twice.rises.max() == pytest.approx(once.rises.max(), rel=1e-2)
 
 
 def test_of_two_depths_on_one_place_the_deeper_counts(sharp):
     twice = to_cells(
-        sharp, GRID, PointContacts([0.05, 0.05], 0.06, radius=0.01, depth=[1e-3, 2e-3])
+        sharp.parts.skin,
+        sharp.press,
+        GRID,
+        PointContacts([0.05, 0.05], 0.06, radius=0.01, depth=[1e-3, 2e-3]),
     )
-    once = to_cells(sharp, GRID, PointContacts(0.05, 0.06, radius=0.01, depth=2e-3))
+    once = to_cells(
+        sharp.parts.skin, sharp.press, GRID, PointContacts(0.05, 0.06, radius=0.01, depth=2e-3)
+    )
     assert twice.rises.sum() == pytest.approx(once.rises.sum(), rel=1e-2)
     assert twice.rises.max() == pytest.approx(once.rises.max(), rel=1e-2)
 
 
 def test_a_patch_that_hangs_over_the_edge_has_all_its_force_on_the_skin(sharp):
-    half = to_cells(sharp, GRID, PointContacts(0.0, 0.06, 0.5, 0.01))
-    whole = to_cells(sharp, GRID, PointContacts(0.05, 0.06, 1.0, 0.01))
+    half = to_cells(sharp.parts.skin, sharp.press, GRID, PointContacts(0.0, 0.06, 0.5, 0.01))
+    whole = to_cells(sharp.parts.skin, sharp.press, GRID, PointContacts(0.05, 0.06, 1.0, 0.01))
     assert half.rises.sum() == pytest.approx(whole.rises.sum() / 2, rel=1e-6)
 
 
@@ -117,10 +131,14 @@ def test_an_outline_cuts_patches():
     """Half a patch lies over a hole: the force presses the other half twice as much."""
     scene = load("l-shape").with_({"skin.foam": {"thickness": 4e-3, "mechanics": LAW}})
     rim = 0.03 + 0.012
-    over = to_cells(scene, (48, 48), PointContacts(rim, 0.03, 0.02, 2e-3))
-    part = ContactRasterizer.of(scene, (48, 48)).cells.part.ravel()[over.cells]
-    beside = to_cells(scene, (48, 48), PointContacts(0.08, 0.02, 0.04, 2e-3))
+    over = to_cells(scene.parts.skin, scene.press, (48, 48), PointContacts(rim, 0.03, 0.02, 2e-3))
+    part = ContactRasterizer.of(scene.parts.skin, scene.press, (48, 48)).cells.part.ravel()[
+        over.cells
+    ]
+    beside = to_cells(
+        scene.parts.skin, scene.press, (48, 48), PointContacts(0.08, 0.02, 0.04, 2e-3)
+    )
     assert (part < 1).any()
     assert (over.rises * part).sum() == pytest.approx(beside.rises.sum() / 2, rel=0.05)
     with pytest.raises(InputError, match="no skin of l-shape lies under the patch"):
-        to_cells(scene, (48, 48), PointContacts(0.03, 0.03, 0.02, 2e-3))
+        to_cells(scene.parts.skin, scene.press, (48, 48), PointContacts(0.03, 0.03, 0.02, 2e-3))

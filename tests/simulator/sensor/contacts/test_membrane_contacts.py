@@ -15,7 +15,7 @@ GRID = 12, 12
 
 @pytest.fixture(scope="module")
 def rasterizer():
-    return ContactRasterizer.of(load("foam"), GRID)
+    return ContactRasterizer.of(load("foam").parts.skin, load("foam").press, GRID)
 
 
 @pytest.fixture(scope="module")
@@ -30,11 +30,11 @@ def dense(touched):
 
 
 def test_the_table_of_a_disc_has_the_depths_of_the_membrane(rasterizer, membrane):
-    scene = rasterizer.scene
-    table = radial_table(scene.parts.skin, rasterizer.foam, 5e-3, np.inf, membrane.reach)
+    skin, pressing = rasterizer.skin, rasterizer.pressing
+    table = radial_table(skin, rasterizer.foam, 5e-3, np.inf, membrane.reach)
     for force in (0.1, 4.0):
-        press = press_on(scene.parts.skin, scene.press, f"disc(0.06,0.06,0.005):{force}N")
-        (depth,) = deformation(scene.parts.skin, press, 1e-3).depth
+        press = press_on(skin, pressing, f"disc(0.06,0.06,0.005):{force}N")
+        (depth,) = deformation(skin, press, 1e-3).depth
         assert np.interp(force, table.force, table.depth) == pytest.approx(depth, rel=2e-3)
 
 
@@ -43,7 +43,7 @@ def test_a_disc_alone_presses_cells_as_the_membrane_does(rasterizer, membrane):
     applied = LatticeApplicators(
         np.array([[x - r, x + r, y - r, y + r]]), np.array([r]), np.array([depth])
     )
-    exact = dense(traced(rasterizer.scene.parts.skin, membrane._lattice(2 * r), applied))
+    exact = dense(traced(rasterizer.skin, membrane._lattice(2 * r), applied))
     found = rasterizer(PointContacts(x, y, radius=r, depth=depth)).batch.one(0)
     assert np.abs(dense(found) - exact).max() <= 3e-3 * exact.max()
     assert dense(found).sum() == pytest.approx(exact.sum(), rel=1e-3)
@@ -80,8 +80,8 @@ def test_near_edges_and_neighbours_the_depths_are_those_of_the_membrane(
     rasterizer, membrane, text, contacts
 ):
     exact = deformation(
-        rasterizer.scene.parts.skin,
-        press_on(rasterizer.scene.parts.skin, rasterizer.scene.press, text),
+        rasterizer.skin,
+        press_on(rasterizer.skin, rasterizer.pressing, text),
         1e-3,
     ).depth
     found = membrane.under_points(contacts, 0)
@@ -93,5 +93,5 @@ def test_a_uniform_pressure_strains_all_foam_by_the_law(rasterizer):
     pressure = 1e3
     batch = rasterizer(PressureImage(np.full((3, 5), pressure))).batch
     strain = rasterizer.foam.strains_under(np.array(pressure))
-    rise = rasterizer.scene.skin.foam.factor_at(strain) - 1
+    rise = rasterizer.skin.foam.factor_at(strain) - 1
     np.testing.assert_allclose(batch.rises, np.full(GRID[0] * GRID[1], rise), rtol=1e-3)

@@ -33,9 +33,11 @@ def moments(batch, grid, scene, degree):
 
 @pytest.mark.parametrize("name", CONTACTS)
 def test_moments_are_kept(sharp, name):
-    dense = ContactRasterizer.of(sharp, DENSE)(CONTACTS[name]).batch
+    dense = ContactRasterizer.of(sharp.parts.skin, sharp.press, DENSE)(CONTACTS[name]).batch
     fine = PARTS * COARSE[0], PARTS * COARSE[1]
-    coarse = ContactRasterizer.of(sharp, fine, coarse=COARSE)(CONTACTS[name]).batch
+    coarse = ContactRasterizer.of(sharp.parts.skin, sharp.press, fine, coarse=COARSE)(
+        CONTACTS[name]
+    ).batch
     for degree in range(2 if name == "edge" else 3):
         np.testing.assert_allclose(
             moments(coarse, COARSE, sharp, degree),
@@ -48,8 +50,8 @@ def test_moments_of_an_image_are_kept(sharp):
     depth = np.zeros((12, 16))
     depth[4:7, 5:9] = np.random.default_rng(1).uniform(0, 2e-3, (3, 4))
     image, fine = DepthImage(depth), (PARTS * COARSE[0], PARTS * COARSE[1])
-    dense = ContactRasterizer.of(sharp, DENSE)(image).batch
-    coarse = ContactRasterizer.of(sharp, fine, coarse=COARSE)(image).batch
+    dense = ContactRasterizer.of(sharp.parts.skin, sharp.press, DENSE)(image).batch
+    coarse = ContactRasterizer.of(sharp.parts.skin, sharp.press, fine, coarse=COARSE)(image).batch
     for degree in range(3):
         np.testing.assert_allclose(
             moments(coarse, COARSE, sharp, degree), moments(dense, DENSE, sharp, degree), rtol=1e-4
@@ -59,8 +61,8 @@ def test_moments_of_an_image_are_kept(sharp):
 def test_lattices_are_spread_as_fine_cells(sharp):
     spreading = sharp.with_({"skin.foam.mechanics.tension": 20.0})
     fine = PARTS * COARSE[0], PARTS * COARSE[1]
-    on_fine = ContactRasterizer.of(spreading, fine)
-    on_coarse = ContactRasterizer.of(spreading, fine, coarse=COARSE)
+    on_fine = ContactRasterizer.of(spreading.parts.skin, spreading.press, fine)
+    on_coarse = ContactRasterizer.of(spreading.parts.skin, spreading.press, fine, coarse=COARSE)
     for contacts in (CONTACTS["rectangle"], CONTACTS["edge"], CONTACTS["overlap"]):
         expected = on_coarse.spreading(on_fine(contacts).batch)
         found = on_coarse(contacts).batch

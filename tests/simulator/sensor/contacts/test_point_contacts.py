@@ -32,13 +32,16 @@ def test_they_are_the_touches_of_a_press(sharp, text):
     press = press_on(sharp.parts.skin, sharp.press, text)
     factors = deformation(sharp.parts.skin, press, 1e-3).sharp if press.indented else press
     expected = dense(PressBatch.of([touched_cells(sharp.parts.skin, sharp.press, factors, GRID)]))
-    found = dense(to_cells(sharp, GRID, PRESSED[text]))
+    found = dense(to_cells(sharp.parts.skin, sharp.press, GRID, PRESSED[text]))
     np.testing.assert_allclose(found, expected, rtol=2e-6, atol=1e-12)
 
 
 def test_factors_of_overlapping_patches_multiply(sharp):
     found = to_cells(
-        sharp, GRID, PointContacts([0.04, 0.05], 0.06, radius=[0.012, 0.01], factor=[2.0, 1.5])
+        sharp.parts.skin,
+        sharp.press,
+        GRID,
+        PointContacts([0.04, 0.05], 0.06, radius=[0.012, 0.01], factor=[2.0, 1.5]),
     )
     press = press_on(
         sharp.parts.skin, sharp.press, "disc(0.04,0.06,0.012):2.0+disc(0.05,0.06,0.01):1.5"
@@ -48,8 +51,12 @@ def test_factors_of_overlapping_patches_multiply(sharp):
 
 
 def test_no_contact_is_the_unpressed_skin(sharp):
-    assert not to_cells(sharp, GRID, PointContacts([], [], [], 0.01)).cells.size
-    assert not to_cells(sharp, GRID, PointContacts(0.05, 0.05, 0.0, 0.01)).cells.size
+    assert not to_cells(
+        sharp.parts.skin, sharp.press, GRID, PointContacts([], [], [], 0.01)
+    ).cells.size
+    assert not to_cells(
+        sharp.parts.skin, sharp.press, GRID, PointContacts(0.05, 0.05, 0.0, 0.01)
+    ).cells.size
 
 
 def test_many_skins_are_each_of_them(sharp):
@@ -57,28 +64,32 @@ def test_many_skins_are_each_of_them(sharp):
     x, y = random.uniform(0.02, 0.1, (2, 7, 3))
     force, radius = random.uniform(0.1, 2.0, (7, 3)), random.uniform(2e-3, 8e-3, (7, 3))
     count = np.array([3, 0, 1, 2, 3, 3, 0])
-    batch = to_cells(sharp, GRID, PointContacts(x, y, force, radius, count=count))
+    batch = to_cells(
+        sharp.parts.skin, sharp.press, GRID, PointContacts(x, y, force, radius, count=count)
+    )
     for skin, own in enumerate(count):
         one = PointContacts(*(each[skin, :own] for each in (x, y, force, radius)))
-        alone = to_cells(sharp, GRID, one)
+        alone = to_cells(sharp.parts.skin, sharp.press, GRID, one)
         np.testing.assert_array_equal(batch.one(skin).cells, alone.cells)
         np.testing.assert_array_equal(batch.one(skin).rises, alone.rises)
 
 
 def test_a_force_too_large_limits_the_foam_and_says_so(sharp):
     strong = PointContacts([0.05, 0.02], 0.05, [1e6, 1.0], 0.01)
-    found = ContactRasterizer.of(sharp, GRID)(strong)
+    found = ContactRasterizer.of(sharp.parts.skin, sharp.press, GRID)(strong)
     assert found.limited.tolist() == [True]
     most = sharp.parts.skin.max_factor - 1
     assert found.batch.rises.max() == pytest.approx(most, rel=1e-9)
     gentle = PointContacts([0.05, 0.02], 0.05, 1.0, 0.01)
-    assert not ContactRasterizer.of(sharp, GRID)(gentle).limited.any()
+    assert not ContactRasterizer.of(sharp.parts.skin, sharp.press, GRID)(gentle).limited.any()
 
 
 @pytest.mark.parametrize("tension", [0.0, 20.0])
 def test_a_model_s_largest_factor_limits_as_closed_cells_do(sharp, tension):
     scene = sharp.with_({"skin.foam.mechanics.tension": tension})
-    found = ContactRasterizer.of(scene, GRID, highest=3.0)(PointContacts(0.05, 0.05, 1e3, 0.02))
+    found = ContactRasterizer.of(scene.parts.skin, scene.press, GRID, highest=3.0)(
+        PointContacts(0.05, 0.05, 1e3, 0.02)
+    )
     assert found.limited.tolist() == [True]
     assert found.batch.rises.max() == pytest.approx(2.0, rel=1e-5)
 

@@ -77,7 +77,7 @@ def test_contacts_that_are_none(contacts, message):
 def test_contacts_off_the_skin_or_of_no_strength(contacts, message, tension):
     scene = load("foam").with_({"skin.foam.mechanics.tension": tension})
     with pytest.raises(InputError) as error:
-        to_cells(scene, (5, 5), contacts)
+        to_cells(scene.parts.skin, scene.press, (5, 5), contacts)
     assert message in str(error.value)
 
 
@@ -85,26 +85,28 @@ def test_contacts_off_the_skin_or_of_no_strength(contacts, message, tension):
 def test_scenes_without_the_foam_s_law(name, changes, contacts, message):
     scene = load(name).with_(changes)
     with pytest.raises(InputError) as error:
-        to_cells(scene, (6, 6), contacts)
+        to_cells(scene.parts.skin, scene.press, (6, 6), contacts)
     assert message in str(error.value) and "\n" not in str(error.value)
 
 
 def test_factors_need_no_law():
     scene = load("sheet-3x3")
-    assert to_cells(scene, (6, 6), PointContacts(0.02, 0.02, factor=2.0, radius=0.005)).cells.size
+    assert to_cells(
+        scene.parts.skin, scene.press, (6, 6), PointContacts(0.02, 0.02, factor=2.0, radius=0.005)
+    ).cells.size
 
 
 def test_a_depth_without_mechanics_is_by_constant_permittivity():
     scene = load("sheet-3x3")
     foam = scene.skin.foam
     thick = scene.with_({"skin.foam.thickness": 4e-3})
-    (rise,) = to_cells(thick, (1, 1), DepthImage([[1e-3]])).rises
+    (rise,) = to_cells(thick.parts.skin, thick.press, (1, 1), DepthImage([[1e-3]])).rises
     assert rise == pytest.approx(4 / 3 - 1) and foam.mechanics is None
 
 
 def test_too_deep_is_refused_on_request(sharp):
-    refusing = ContactRasterizer.of(sharp, (5, 5), "refuse")
+    refusing = ContactRasterizer.of(sharp.parts.skin, sharp.press, (5, 5), "refuse")
     with pytest.raises(InputError, match="must leave foam of 0.004 m compressed by at most 0.669"):
         refusing(PointContacts(0.05, 0.05, 1e6, 0.01))
     with pytest.raises(InputError, match="must be 'limit' or 'refuse', got 'clamp'"):
-        ContactRasterizer.of(sharp, (5, 5), "clamp")
+        ContactRasterizer.of(sharp.parts.skin, sharp.press, (5, 5), "clamp")
