@@ -141,7 +141,7 @@ def _viewed_press(
         rtol,
         progress,
     )
-    return ViewedPress(scene.parts.skin, scene.press, pressed, wiring, found)
+    return ViewedPress(scene.parts, pressed, wiring, found)
 
 
 def _frequencies(requested: list[float] | None, known: list[float], every: bool) -> list[float]:

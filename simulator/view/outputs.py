@@ -74,7 +74,7 @@ def title(stage: ViewedPress) -> str:
     if len(press) > MAX_PRESS_TEXT:
         press = f"{press[:MAX_PRESS_TEXT]}…"
     pressed = f"press {press}" if press else "unpressed"
-    return f"{stage.skin.name}, {pressed}, interface {stage.interface.name}"
+    return f"{stage.parts.skin.name}, {pressed}, interface {stage.interface.name}"
 
 
 def rows_of_panels(stage: ViewedPress, what: str) -> list[list[Panel]]:
@@ -154,11 +154,10 @@ def _write_frames(
 
 
 def _write_data(path: Path, stage: ViewedPress, what: str) -> None:
-    from ..scene.scene_files import scene_text
     from .paraview import write_dataset
 
     about = {
-        "scene": scene_text(stage.skin),
+        "scene": stage.parts.text,
         "press": str(stage.press),
         "interface": stage.interface.name,
     }

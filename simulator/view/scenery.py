@@ -22,8 +22,7 @@ if TYPE_CHECKING:
 
     from ..models.solution_fields import SolutionFields
     from ..press.press import Press
-    from ..scene.parts import Skin
-    from ..scene.pixel_grid import Pressing
+    from ..scene.parts import SceneParts
     from ..scene.readings.contacts import Interface
     from .displayed_quantity import DisplayedQuantity
     from .quantities import ViewedQuantity
@@ -50,8 +49,7 @@ class ViewedPress:
     else.
     """
 
-    skin: Skin
-    pressing: Pressing
+    parts: SceneParts
     press: Press
     interface: Interface
     fields: SolutionFields
@@ -61,7 +59,7 @@ class ViewedPress:
     @property
     def press_text(self) -> str:
         """Text of the press for titles and messages."""
-        return displayed_press(label_of(self.press, self.skin, self.pressing))
+        return displayed_press(label_of(self.press, self.parts.skin, self.parts.plan.press))
 
     def plain_skin(self) -> SkinSurface:
         """Surface, deflected only if that is requested."""
@@ -75,7 +73,7 @@ class ViewedPress:
 
     def panels(self, surface: SkinSurface, frames: list[DisplayedQuantity]) -> list[Panel]:
         """Panels of the frames on the skin, all seen from the same place."""
-        drawn = marks(self.skin, self.press, self.interface, surface, self.to_space)
+        drawn = marks(self.parts.skin, self.press, self.interface, surface, self.to_space)
         scenery = Scenery(surface, drawn, tuple(self._bodies(surface)))
         camera = _camera(scenery)
         return [Panel(scenery, frame, camera) for frame in frames]
@@ -87,12 +85,12 @@ class ViewedPress:
     def to_space(self, x: Real) -> Real:
         """Flat places (2, n) where they are drawn, (3, n), on the skin and off its edges."""
         if self._in_space:
-            return position(self.skin, x)
+            return position(self.parts.skin, x)
         return np.vstack([x, np.zeros_like(x[:1])])
 
     def _bodies(self, skin: SkinSurface) -> list[pv.PolyData]:
         """Body under the skin, and the foam's sides where heights are exaggerated."""
-        shape, thickness = self.skin.shape, self.skin.foam.thickness
+        shape, thickness = self.parts.skin.shape, self.parts.skin.foam.thickness
         foam = skin.exaggeration * thickness if thickness is not None else 0.0
         sides = [_foam(skin, surface(self.fields, self._in_space), foam)] if foam else []
         if shape is None or not self._in_space:
@@ -100,7 +98,7 @@ class ViewedPress:
         deepest = skin.exaggeration * float(self.fields.deflection.max())
         free = shape.radius - max(foam, BODY_CLEARANCE * deepest)
         radius = max(MIN_BODY_RADIUS * shape.radius, min(BODY_RADIUS * shape.radius, free))
-        length, width = self.skin.stretched_sides
+        length, width = self.parts.skin.stretched_sides
         middle = np.array([length / 2, width / 2, -shape.radius])
         if shape.kind == "sphere":
             return [*sides, _ball(middle, radius)]

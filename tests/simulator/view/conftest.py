@@ -103,8 +103,7 @@ def stage(scene):
         there = scene(**skin)
         pressed = parse_press(press, 2.0)
         return ViewedPress(
-            there.parts.skin,
-            there.press,
+            there.parts,
             pressed,
             there.interfaces[0],
             fields,

@@ -116,7 +116,7 @@ def test_vtu_holds_all_fields_at_all_frequencies(fields, stage, tmp_path, corner
     assert np.array_equal(data["sensitivity_ln_Rs_per_m2@1000Hz"], given.by_rise_Rs[0])
     assert np.array_equal(data["deflection_m"], given.deflection)
     scene = parse_scene(str(grid.field_data["scene"][0]), "vtu")
-    assert scene == set_up.scene
+    assert scene == set_up.parts.scene
     assert str(grid.field_data["press"][0]) == "3,5:2.0"
 
 

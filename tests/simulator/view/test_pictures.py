@@ -98,7 +98,7 @@ def test_deformation_is_seen_from_the_side_with_its_foam(fields, stage):
 @pytest.mark.parametrize("axis", ["x", "y"])
 def test_a_wrapped_skin_lies_on_its_mug(fields, stage, axis):
     shape = {"kind": "cylinder", "radius": 0.04, "axis": axis}
-    x, position = fields().x, stage(fields(), shape=shape).scene.skin.shape.position
+    x, position = fields().x, stage(fields(), shape=shape).parts.skin.shape.position
     given = fields(frequencies=[1e4], n=(49, 33))
     wrapped = type(given)(**{**vars(given), "position": position(given.x, (0.12, 0.08))})
     panel, image = painted(stage(wrapped, shape=shape), "current")

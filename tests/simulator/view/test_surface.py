@@ -42,7 +42,7 @@ def test_wrapped_skins_are_distinguished_from_flat_ones(fields):
 def test_foils_lie_off_the_edge_the_bottom_sheets_farther(fields, stage):
     set_up = stage(fields())
     skin = surface(set_up.fields)
-    top, bottom = foils(set_up.scene.parts.skin, set_up.interface, skin, set_up.to_space)
+    top, bottom = foils(set_up.parts.skin, set_up.interface, skin, set_up.to_space)
     assert (top.name, top.role) == ("top-left", "high")
     assert (bottom.name, bottom.role) == ("bottom-left", "low")
     assert bottom.quads[0].max() < top.quads[0].min() < top.quads[0].max() < 0
@@ -52,7 +52,7 @@ def test_foils_lie_off_the_edge_the_bottom_sheets_farther(fields, stage):
 def test_lines_follow_the_mug(fields, stage):
     set_up = stage(fields(radius=0.04, n=(97, 33)))
     skin = surface(set_up.fields, wrapped=True)
-    drawn = marks(set_up.scene.parts.skin, set_up.press, set_up.interface, skin, set_up.to_space)
+    drawn = marks(set_up.parts.skin, set_up.press, set_up.interface, skin, set_up.to_space)
     (pressed,) = [np.hstack(drawn.pressed)]
     assert np.hypot(pressed[0] - 0.06, pressed[2] + 0.04) == pytest.approx(0.04, abs=2e-5)
     assert (pressed[1].min(), pressed[1].max()) == pytest.approx((0.04, 0.06))
@@ -71,7 +71,7 @@ def test_lines_follow_the_mug(fields, stage):
 def test_touches_are_outlined(fields, stage, press, around):
     set_up = stage(fields(), press)
     skin = surface(set_up.fields)
-    drawn = marks(set_up.scene.parts.skin, set_up.press, set_up.interface, skin, set_up.to_space)
+    drawn = marks(set_up.parts.skin, set_up.press, set_up.interface, skin, set_up.to_space)
     lengths = [np.linalg.norm(np.diff(line, axis=1), axis=0).sum() for line in drawn.pressed]
     assert sum(lengths) == pytest.approx(around, rel=1e-3)
 
@@ -125,12 +125,12 @@ def test_foils_and_pixels_of_a_mesh_lie_along_its_groups(fields, stage, tmp_path
     path = tmp_path / "skin.inp"
     strip_of_two_groups(path)
     set_up = stage(fields(), press="1,2")
-    tables = set_up.scene.model_dump(by_alias=True, exclude_none=True)
+    tables = set_up.parts.scene.model_dump(by_alias=True, exclude_none=True)
     tables["skin"]["mesh"] = str(path)
     tables["pixels"] = {"rows": 1, "columns": 2, "groups": [["a", "b"]]}
     for contact, edge in zip(tables["contact"], ("feed", "far"), strict=True):
         contact["edge"] = edge
-    scene = type(set_up.scene).model_validate(tables)
+    scene = type(set_up.parts.scene).model_validate(tables)
     skin = surface(set_up.fields)
     drawn = marks(scene.parts.skin, set_up.press, scene.interfaces[0], skin, set_up.to_space)
     (between,) = drawn.pixels
