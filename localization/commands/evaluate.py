@@ -94,7 +94,7 @@ def evaluate(
         say(line)
     if folder is not None:
         scene = scene_of_sweeps(sweeps) if problem.continuous else None
-        write_report(folder, found, scene, ending)
+        write_report(folder, found, scene and scene.parts.skin, ending)
         say(f"evaluation: {len(found.score.truth)} sweeps -> {folder}")
 
 

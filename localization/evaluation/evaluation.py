@@ -157,7 +157,8 @@ def score(learned: Classifier | Regressor, samples: Samples) -> Score:
 
 
 def _position_score(learned: Regressor, samples: Samples) -> PositionScore:
-    places = places_of(learned, samples.X, carried_scene(samples.problem.scene))
+    scene = carried_scene(samples.problem.scene)
+    places = places_of(learned, samples.X, scene and scene.parts.skin)
     pairs = zip(places, samples.y, strict=True)
     content = np.array([each.content(x, y) for each, (x, y, _) in pairs])
     some = np.unique(np.linspace(0, len(places) - 1, EXAMPLES).astype(int)).tolist()

@@ -18,7 +18,7 @@ from .evaluation import ANSWERED, RIGHT_OF_ALL, ClassScore, PositionScore, Score
 from .skin_outline import draw_skin_outline
 
 if TYPE_CHECKING:
-    from ...simulator.scene.scene import Scene
+    from ...simulator.scene.parts import Skin
     from .result import Evaluation
 
 WRITTEN = ("figures.csv", "confusion.*", "belief.*", "positions.*", "regions.*")
@@ -55,13 +55,13 @@ def lines_of(found: Evaluation) -> list[str]:
 
 
 def write_report(
-    folder: Path, found: Evaluation, scene: Scene | None = None, ending: str = ".png"
+    folder: Path, found: Evaluation, skin: Skin | None = None, ending: str = ".png"
 ) -> None:
     """Write tables and charts of an evaluation.
 
     They are a table of the figures, the confusion matrix (or all positions) as a table and a chart,
     and a chart that compares stated probabilities (or regions) with the truth. Charts of positions
-    are of the answered sweeps. folder: created if absent. scene: scene of the skin for positions.
+    are of the answered sweeps. folder: created if absent. skin: for positions.
     ending: format of the charts.
     """
     from .reliability import draw_reliability_and_risk
@@ -82,8 +82,8 @@ def write_report(
             flat = ([*(f"{value:.6g}" for value in row), answered] for row, answered in each)
             write_rows(made / "positions.csv", POSITIONS, flat)
             if score.answered.any():
-                _draw_positions(score.of_answered, scene, made / f"positions{ending}")
-                _draw_regions(score.of_answered, scene, made / f"regions{ending}")
+                _draw_positions(score.of_answered, skin, made / f"positions{ending}")
+                _draw_regions(score.of_answered, skin, made / f"regions{ending}")
 
 
 def small_chart(score: Score) -> SmallChart:
@@ -103,21 +103,21 @@ def _draw_confusion(score: ClassScore, path: Path) -> None:
         draw_confusion(figure.subplots(), score.confusion, RIGHT_OF_ALL.capitalize())
 
 
-def _draw_positions(score: PositionScore, scene: Scene | None, path: Path) -> None:
+def _draw_positions(score: PositionScore, skin: Skin | None, path: Path) -> None:
     from .confusion_chart import draw_error_map, draw_errors
 
     with chart(path, *PAIR) as figure:
         where, how_often = figure.subplots(1, 2)
         draw_error_map(where, score.truth, score.distance)
-        draw_skin_outline(where, scene)
+        draw_skin_outline(where, skin)
         draw_errors(how_often, score.distance)
 
 
-def _draw_regions(score: PositionScore, scene: Scene | None, path: Path) -> None:
+def _draw_regions(score: PositionScore, skin: Skin | None, path: Path) -> None:
     from .reliability import draw_coverage, draw_regions
 
     with chart(path, *PAIR) as figure:
         how_often, where = figure.subplots(1, 2)
         draw_coverage(how_often, score.content)
         draw_regions(where, score.truth, score.examples)
-        draw_skin_outline(where, scene)
+        draw_skin_outline(where, skin)

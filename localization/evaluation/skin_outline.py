@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ...simulator.scene.scene import Scene
+    from ...simulator.scene.parts import Skin
 
 
-def draw_skin_outline(axes: Axes, scene: Scene | None) -> None:
+def draw_skin_outline(axes: Axes, skin: Skin | None) -> None:
     """Draw the skin's outline and foils, if known; not for a mesh from a file."""
     from ...simulator.report.from_above import draw_foils, draw_outline
 
     axes.grid(False)
-    if scene is not None and scene.skin.mesh is None:
-        draw_outline(axes, scene.parts.skin, color="0.35", zorder=0.5)
-        draw_foils(axes, scene.parts.skin, 3.0, clip_on=False, zorder=0.7)
+    if skin is not None and skin.mesh is None:
+        draw_outline(axes, skin, color="0.35", zorder=0.5)
+        draw_foils(axes, skin, 3.0, clip_on=False, zorder=0.7)
         axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.16))

@@ -15,7 +15,6 @@ from .region import MAX_DEVIATIONS, PlaceDistribution, Region, region_of
 
 if TYPE_CHECKING:
     from ...simulator.scene.parts import Skin
-    from ...simulator.scene.scene import Scene
 
 PROBABILITY = 0.95
 INVERTING_POSITIONS = ModelBasedPosition | AdaptedPosition
@@ -23,17 +22,17 @@ MIN_DEVIATION = 1e-3
 """Minimum deviation, mm."""
 
 
-def places_of(learned: Regressor, X: Real, scene: Scene | None) -> list[PlaceDistribution]:
+def places_of(learned: Regressor, X: Real, skin: Skin | None) -> list[PlaceDistribution]:
     """The posterior of each sweep's place.
 
     For a regressor without a posterior it is normal with its deviations. X: shape (n, feature).
-    scene: its sides bound the places; None if unknown.
+    skin: its sides bound the places; None if unknown.
     """
     if isinstance(own := learned.predictor, INVERTING_POSITIONS):
         return own.places(X)
     positions, deviation = (each[:, :2] for each in learned.positions(X))
     deviation = np.maximum(deviation, MIN_DEVIATION)
-    bounds = _reach(positions, deviation) if scene is None else sides_of(scene.parts.skin)
+    bounds = _reach(positions, deviation) if skin is None else sides_of(skin)
     positions = np.clip(positions, *bounds.T)
     pairs = zip(positions, deviation, strict=True)
     return [
@@ -41,9 +40,9 @@ def places_of(learned: Regressor, X: Real, scene: Scene | None) -> list[PlaceDis
     ]
 
 
-def regions_of(learned: Regressor, X: Real, scene: Scene | None) -> list[Region]:
+def regions_of(learned: Regressor, X: Real, skin: Skin | None) -> list[Region]:
     """The smallest region with PROBABILITY for each sweep; arguments: see `places_of`."""
-    return [region_of(each, PROBABILITY) for each in places_of(learned, X, scene)]
+    return [region_of(each, PROBABILITY) for each in places_of(learned, X, skin)]
 
 
 def sides_of(skin: Skin) -> Real:

@@ -323,7 +323,9 @@ class Model(Plain, Tabular):
         if isinstance(self.learned, Classifier):
             raise InputError(f"a model of `target` {self.target} gives no regions")
         X, rows = self.usable_features(sweeps, rest)
-        found = regions_of(self.learned, X, self.scene) if rows.size else []
+        found = (
+            regions_of(self.learned, X, self.scene and self.scene.parts.skin) if rows.size else []
+        )
         regions = dict(zip(rows.tolist(), found, strict=True))
         return [regions.get(row) for row in range(sweeps.sizes["sweep"])]
 

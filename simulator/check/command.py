@@ -104,7 +104,8 @@ def check(
         )
         bound = bound and not together
         faults = device_faults(sweeps, bound)
-        laws = {"noise": noise, "tolerance": tolerance, "profiles": noise_profiles(scene, sweeps)}
+        profiles = noise_profiles(scene and scene.parts.meter, sweeps)
+        laws = {"noise": noise, "tolerance": tolerance, "profiles": profiles}
         if gains:
             scale = max(each.source_scale for each in scene.interfaces) if scene else 1.0
             verdicts = examine_gains(sweeps, single_source=bound, source_scale=scale, **laws)

@@ -14,18 +14,17 @@ if TYPE_CHECKING:
 
     from ..arrays import Real
     from ..scene.parts import Meter
-    from ..scene.scene import Scene
 
 
-def noise_profiles(scene: Scene | None, sweeps: xr.Dataset) -> dict[str, Real]:
+def noise_profiles(meter: Meter | None, sweeps: xr.Dataset) -> dict[str, Real]:
     """Relative noise at the frequencies of each interface, by its name: rms over all sweeps.
 
-    Empty without a scene, and for a readout whose noise is 0 or the same at all frequencies.
+    Empty without a meter, and for a readout whose noise is 0 or the same at all frequencies.
     """
-    if scene is None or scene.readout.uniform or not scene.readout.noisy:
+    if meter is None or meter.readout.uniform or not meter.readout.noisy:
         return {}
     names = map(str, sweeps["interface"].values)
-    return {name: _profile(scene.parts.meter, read_at(sweeps, name)) for name in names}
+    return {name: _profile(meter, read_at(sweeps, name)) for name in names}
 
 
 def _profile(meter: Meter, sweeps: xr.Dataset) -> Real:

@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ..arrays import Integer, Real
-    from ..scene.parts import Skin
-    from ..scene.scene import Scene
+    from ..scene.parts import SceneParts, Skin
 
 MAX_TOUCHES = 2
 """Maximum number of touches that a localizer distinguishes."""
@@ -49,7 +48,8 @@ def touches_of(sweeps: xr.Dataset) -> SweepTouches:
         return SweepTouches(count.astype(int), *(a.astype(np.float64) for a in (x, y, factor)))
     texts, index = np.unique(sweeps["press"].values.astype(str), return_inverse=True)
     scene = scene_of_sweeps(sweeps)
-    touches_of_text = [_touches(str(text), scene) for text in texts]
+    parts = None if scene is None else scene.parts
+    touches_of_text = [_touches(str(text), parts) for text in texts]
     numbers = np.zeros((3, len(texts), MAX_TOUCHES)) + np.array([0, 0, 1.0]).reshape(3, 1, 1)
     for k, touches in enumerate(touches_of_text):
         for t, touch in enumerate(touches):
@@ -93,36 +93,36 @@ def _written(text: str) -> list[WrittenTouch]:
     return touches
 
 
-def _touches(text: str, scene: Scene | None) -> list[tuple[float, float, float]]:
+def _touches(text: str, parts: SceneParts | None) -> list[tuple[float, float, float]]:
     """x and y in m and factor of each touch."""
     written = _written(text)
-    centres = [_centre(each, text, scene) for each in written]
+    centres = [_centre(each, text, parts) for each in written]
     return [
-        (*at, factor) for at, factor in zip(centres, _factors(written, text, scene), strict=True)
+        (*at, factor) for at, factor in zip(centres, _factors(written, text, parts), strict=True)
     ]
 
 
-def _factors(written: list[WrittenTouch], text: str, scene: Scene | None) -> list[float]:
-    known = scene is not None and scene.press.by_factor
+def _factors(written: list[WrittenTouch], text: str, parts: SceneParts | None) -> list[float]:
+    known = parts is not None and parts.plan.press.by_factor
     stated = (known if each.strength is None else not each.strength.unit for each in written)
-    if scene is None or all(stated):
-        return [_factor(each, text, scene) for each in written]
+    if parts is None or all(stated):
+        return [_factor(each, text, parts) for each in written]
     from .touch_factors import factors_under
 
-    return factors_under(scene.parts.skin, scene.press, text)
+    return factors_under(parts.skin, parts.plan.press, text)
 
 
-def _centre(touch: WrittenTouch, text: str, scene: Scene | None) -> tuple[float, float]:
+def _centre(touch: WrittenTouch, text: str, parts: SceneParts | None) -> tuple[float, float]:
     if touch.kind == "poly":
         return _centroid(np.reshape(touch.numbers, (-1, 2)), text)
     if touch.kind != "pixel":
         return touch.numbers[0], touch.numbers[1]
-    if scene is None:
+    if parts is None:
         raise InputError(
             f"press {text!r}: the place of its pixels is unknown, because the sweeps store no scene"
         )
     row, column = touch.pixel
-    height, width = pixel_pitch(scene.parts.skin)
+    height, width = pixel_pitch(parts.skin)
     return (column - 0.5) * width, (row - 0.5) * height
 
 
@@ -136,13 +136,13 @@ def _centroid(corners: Real, text: str) -> tuple[float, float]:
     return float(corners[0, 0] + away[0]), float(corners[0, 1] + away[1])
 
 
-def _factor(touch: WrittenTouch, text: str, scene: Scene | None) -> float:
+def _factor(touch: WrittenTouch, text: str, parts: SceneParts | None) -> float:
     if touch.strength is None:
-        if scene is None:
+        if parts is None:
             raise InputError(
                 f"press {text!r}: has no capacitance factor, and the sweeps store no scene with one"
             )
-        return scene.press.capacitance_factor
+        return parts.plan.press.capacitance_factor
     if touch.strength.unit:
         other = "depth" if touch.strength.unit == "m" else "force"
         raise InputError(f"press {text!r}: needs a capacitance factor here, not a {other}")

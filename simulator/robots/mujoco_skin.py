@@ -91,7 +91,9 @@ class MujocoSkin:
         self._rule, self._foam = _rule_of(patch), foam_tables(foam)
         check_geoms(self.mount, patch)
         self.sensor = Sensor(self.scene, skins=envs, **options)
-        self._imager = TactileImager.of(self.scene, self.mount) if patch == "image" else None
+        self._imager = (
+            TactileImager.of(self.scene.parts.skin, self.mount) if patch == "image" else None
+        )
         self._slice = None if sensor is None else self._place_of(sensor)
         self._at = [0.0] * envs
         self._reading: SensorReading | None = None

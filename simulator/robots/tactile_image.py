@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Mask, Real
 from ..scene.foam.foam_mechanics import Elastic
-from ..scene.scene import Scene
+from ..scene.parts import Skin
 from .engine import Geom, MjData, MjModel, engine
 from .geom_rays import entry
 from .skin_contacts import SkinContacts
@@ -45,9 +45,9 @@ class TactileImager:
     cell: float
 
     @classmethod
-    def of(cls, scene: Scene, mount: SkinMount) -> TactileImager:
+    def of(cls, skin: Skin, mount: SkinMount) -> TactileImager:
         """Imager of a scene whose foam has a thickness and mechanics."""
-        foam, sides = scene.skin.foam, np.array(scene.skin.sides)
+        foam, sides = skin.foam, np.array(skin.sides)
         assert foam.mechanics is not None and foam.thickness is not None
         counts = np.clip(np.ceil(PER_THICKNESS * sides / foam.thickness), 1, MAX_SIDE).astype(int)
         along, across = (
@@ -55,7 +55,7 @@ class TactileImager:
         )
         x = np.stack(np.meshgrid(along, across)).reshape(2, -1)
         points, normals, on = mount.surface.points(x)
-        area = float(np.prod(scene.skin.stretched_sides)) / x.shape[1]
+        area = float(np.prod(skin.stretched_sides)) / x.shape[1]
         shape = (int(counts[1]), int(counts[0]))
         return cls(mount, foam.mechanics.elastic, foam.thickness, points, normals, on, shape, area)
 

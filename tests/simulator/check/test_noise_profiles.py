@@ -55,10 +55,10 @@ def test_profiles_are_those_of_the_scenes_readout(make_scene, make_sweeps):
     frequencies = np.round(FREQUENCY / 125) * 125
     scene = make_scene(frequencies=frequencies.tolist())
     sweeps = make_sweeps(400, ["meter"], frequencies, np.broadcast_to(line(), (400, 1, 20)).copy())
-    assert noise_profiles(None, sweeps) == noise_profiles(scene, sweeps) == {}
+    assert noise_profiles(None, sweeps) == noise_profiles(scene.parts.meter, sweeps) == {}
     reader = scene.with_({"readout": {"multisine": MULTISINE}, "interface.1.reader": "multisine"})
     read = read_out(sweeps, reader.readout, np.random.default_rng(1))
-    (profile,) = noise_profiles(reader, sweeps).values()
+    (profile,) = noise_profiles(reader.parts.meter, sweeps).values()
     logarithms = np.log(complex_readings(read)[:, 0])
     spread = np.sqrt((logarithms.real.var(axis=0) + logarithms.imag.var(axis=0)) / 2)
     assert profile == pytest.approx(spread, rel=0.15) and profile[0] > 10 * profile[-1]
