@@ -100,7 +100,7 @@ def localizer(model: Model, filters: bool, asks: bool) -> LiveLocalizer:
     certain = CERTAIN if asks else None
     follower = Follower(model, certain=certain) if filters else None
     asker = AdaptivePolicy(model, certain, follower) if asks else None
-    return LiveLocalizer(model, model.known_scene.parts.skin, follower, asker)
+    return LiveLocalizer(model, model.known_scene.parts, follower, asker)
 
 
 def session(way: LiveLocalizer, link: Any, stage: Any) -> LiveSession:

@@ -39,7 +39,7 @@ class SkinReadout:
     """One skin with some readings: its model, and what the meter observes of presses."""
 
     def __init__(self, reduced: Reduced, readings: Sequence[Interface], drawn: DrawnSkin) -> None:
-        self.scene, self._readings, self._leads = reduced.parts.scene, readings, drawn.leads
+        self.parts, self._readings, self._leads = reduced.parts, readings, drawn.leads
         self.skin: ReducedSkin = reduced.skin(drawn.variation)
 
     def reading(self, frequency: Real) -> Setup:
@@ -50,7 +50,7 @@ class SkinReadout:
         """Errors of these readings, evaluated at the unpressed skin; frequency in Hz."""
         return errors_of(
             self.reading(frequency),
-            self.scene.parts.meter,
+            self.parts.meter,
             against_rest,
             unpressed=lambda: self._impedances(PressBatch.of([NOTHING]), frequency)[0],
         )

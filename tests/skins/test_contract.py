@@ -188,22 +188,16 @@ def test_slopes_are_differences(library, touches, values, name):
 
 @kinds("a line")
 def test_slopes_of_the_exact_line_are_differences(library, touches, values, name):
-    check_slopes(
-        LineModel(
-            library.scene(name).parts.skin,
-            library.scene(name).parts.setup,
-            library.scene(name).press,
-        ),
-        touches,
-        values,
-    )
+    scene = library.scene(name)
+    model = LineModel(scene.parts.skin, scene.parts.setup, scene.press)
+    check_slopes(model, touches, values)
 
 
 def check_slopes(forward, touches, values):
     """By parameters and touches; of one press and of presses together."""
     foam, own = (
-        foam_parts(forward.parts.skin),
-        own_values(forward.parts.skin, forward.parts.setup),
+        foam_parts(forward.skin),
+        own_values(forward.skin, forward.setup),
     )
     values = {key: value for key, value in values.items() if key in own}
 

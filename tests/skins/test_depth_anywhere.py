@@ -94,7 +94,7 @@ def test_estimated_errors_cover_those_of_other_presses_and_the_worst(scenes, nam
 
 def covered(scene, count, *others):
     """Whether errors told hold for so many presses drawn, and for others."""
-    family = trained(scene, RTOL)
+    family = trained(scene.parts, RTOL)
     of_cells = rasterization_error(scene.parts, family, SEED, RTOL)
     of_deflections = lattice_error(scene.parts, family, SEED)
     own = family.skin(None)

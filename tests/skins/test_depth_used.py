@@ -88,7 +88,7 @@ def test_forces_stand_for_the_depths_that_they_take(caplog):
         depth = forces_as_depths(scene.parts).plan.press.depth
     assert depth == pytest.approx(strain * 4e-3, rel=1e-6)
     assert "4 N press pixels" in caplog.text
-    assert forces_as_depths(strip(tension=20.0, force=4.0).parts).press.depth < depth
+    assert forces_as_depths(strip(tension=20.0, force=4.0).parts).plan.press.depth < depth
 
 
 @pytest.mark.slow

@@ -25,7 +25,7 @@ class KnownSkin:
     """
 
     def __init__(self, scene: Scene, rtol: float) -> None:
-        self.factor = scene.drawn_factor
+        self.factor = scene.dataset.press.factor_within(scene.skin.foam)
         self.pixels = scene.pixels.rows * scene.pixels.columns
         self._skin = reduced(scene.parts, rtol).skin(None)
         self._at_rest = self.log_impedance(np.zeros((1, 0), dtype=np.int64), np.ones((1, 0)))

@@ -53,7 +53,7 @@ class TouchPositions:
         """Slopes of one skin's readings at every position; frequency in Hz, ascending."""
         reading = on.reading(frequency)
         return position_slopes(
-            ReducedFields(on.scene.parts, on.skin, 1, reading),
+            ReducedFields(on.parts, on.skin, 1, reading),
             self.places,
             self.size,
             frequency,

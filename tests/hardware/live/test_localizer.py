@@ -37,7 +37,8 @@ def localizer():
             regions=told([SimpleNamespace(shade=lambda x, y: (x > 40).astype(float))]),
         )
         return LiveLocalizer(
-            model, SimpleNamespace(pixels=SimpleNamespace(shape=(2, 3))).parts.skin
+            model,
+            SimpleNamespace(skin=SimpleNamespace(pixels=SimpleNamespace(shape=(2, 3)))),
         )
 
     return localizer

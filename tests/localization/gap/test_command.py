@@ -32,7 +32,7 @@ def recorded(scene, seed, factor=1.0):
     """The scene's experiment with sheets of a factor on their resistance, read by its meter."""
     skin = parts_with(scene.parts, {"sheet_resistance": np.log(factor)}).scene
     presses = planned_presses(scene.parts.skin, scene.parts.plan, np.random.default_rng(seed))
-    exact = simulate(Solver(skin), presses)
+    exact = simulate(Solver(skin.parts), presses)
     return read_out(exact, scene.readout, np.random.default_rng(seed + 1))
 
 

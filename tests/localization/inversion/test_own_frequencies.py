@@ -105,7 +105,7 @@ def test_sweeps_read_otherwise_than_their_scene_says_are_refused(sweeps, own, sh
         with pytest.raises(
             InputError, match="takes each interface at its `frequencies` of the scene"
         ):
-            trained(each.assign_attrs(scene=scene_text(scene)).parts, "model-based")
+            trained(each.assign_attrs(scene=scene_text(scene)), "model-based")
 
 
 @pytest.mark.slow

@@ -57,10 +57,10 @@ def fields_of(value, path=()):
     if isinstance(value, Plain):
         for each in fields(value):
             if not each.metadata.get("transient"):
-                yield from fields_of(getattr(value, each.name).parts, (*path, each.name))
+                yield from fields_of(getattr(value, each.name), (*path, each.name))
     elif isinstance(value, tuple):
         for number, part in enumerate(value):
-            yield from fields_of(part.parts, (*path, number))
+            yield from fields_of(part, (*path, number))
     else:
         yield path
 

@@ -50,7 +50,9 @@ def test_strip_and_sheet_differ_in_loop_time_constant_and_so_in_every_cut_off():
     )
     assert ratio == pytest.approx(7.714, abs=1e-3)
     for cut_offs in (paper_frequencies, open_line_frequencies):
-        np.testing.assert_allclose(cut_offs(sheet) / cut_offs(strip), ratio, rtol=1e-9)
+        np.testing.assert_allclose(
+            cut_offs(sheet.parts.skin) / cut_offs(strip.parts.skin), ratio, rtol=1e-9
+        )
 
 
 def test_columns_separate_best_above_the_interrogation_frequencies():

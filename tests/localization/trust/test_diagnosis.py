@@ -85,7 +85,7 @@ def test_sweeps_that_all_have_faults_teach_no_localizer(parts):
 def test_live_and_localize_name_the_fault(model, parts):
     dead = np.flatnonzero(np.char.startswith(parts[1]["fault"].values.astype(str), "dead foil"))
     some = parts[1].isel(sweep=slice(dead[0], dead[0] + 10))
-    live = LiveLocalizer(model, model.known_scene.parts.skin)
+    live = LiveLocalizer(model, model.known_scene.parts)
     answer = live.answer(some.isel(sweep=[9]), some.isel(sweep=[0]), 0.0, 0.1)
     assert answer.label == "cannot tell: like a dead foil"
     _, rows = _table(model, some, None)

@@ -44,7 +44,7 @@ def models(scene):
 @given(data=st.data())
 def test_Rs_of_a_line_tells_where_it_is_pressed(make_scene, random, data):
     scene = make_scene(columns=data.draw(st.integers(1, 6)))
-    press, skin = data.draw(random.presses(scene.parts.plan)), scene.skin
+    press, skin = data.draw(random.presses(scene)), scene.skin
     C = (
         capacitance_map(scene.parts.skin, scene.press, press)[0]
         * skin.length
@@ -102,7 +102,7 @@ def test_floating_foils_on_the_next_edge_lower_Rs(name, Rs):
 @given(data=st.data())
 def test_Cp_is_the_total_capacitance_on_any_skin(random, data):
     scene = data.draw(random.between())
-    press, skin = data.draw(random.presses(scene.parts.plan)), scene.skin
+    press, skin = data.draw(random.presses(scene)), scene.skin
     total = capacitance_map(scene.parts.skin, scene.press, press).mean() * skin.length * skin.width
     sheet = SheetModel(
         scene.parts.skin,

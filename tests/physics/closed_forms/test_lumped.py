@@ -27,7 +27,7 @@ def assert_bounded(lumped, exact, press, frequency):
 @given(data=st.data(), loss_tangent=st.sampled_from([0.0, 0.0, 0.05, 1.0]))
 def test_bounds_against_the_line(make_scene, random, frequency_at, data, loss_tangent):
     scene = make_scene(columns=data.draw(st.integers(1, 5)), loss_tangent=loss_tangent)
-    press = data.draw(random.presses(scene.parts.plan))
+    press = data.draw(random.presses(scene))
     frequency = frequency_at(scene, data.draw(random.logarithmic(1e-6, 1e4)))
     assert_bounded(
         Lumped(
@@ -48,7 +48,7 @@ def test_bounds_against_the_line(make_scene, random, frequency_at, data, loss_ta
 def test_bounds_against_the_sheet_of_the_same_mesh(random, frequency_at, data):
     """The truncation alone: both are discretised alike."""
     scene = data.draw(random.between())
-    press = data.draw(random.presses(scene.parts.plan))
+    press = data.draw(random.presses(scene))
     frequency = frequency_at(scene, data.draw(random.logarithmic(1e-6, 1e4)))
     circuit, resolution = two_fields(scene.parts.skin, scene.parts.setup), Resolution(order=3)
     sheet = SheetModel(scene.parts.skin, scene.press, circuit, resolution)

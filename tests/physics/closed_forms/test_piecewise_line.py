@@ -23,7 +23,7 @@ def test_line_is_the_product_of_its_segments(make_scene, random, frequency_at, d
         **{"columns" if across else "rows": count},
         **{name: data.draw(random.logarithmic(1e2, 1e6)) for name in ("top", "bottom")},
     )
-    press = data.draw(random.presses(scene.parts.plan))
+    press = data.draw(random.presses(scene))
     skin, frequency = scene.skin, frequency_at(scene, np.geomspace(1e-2, 1e3, 6))
     length, width = (skin.length, skin.width) if across else (skin.width, skin.length)
     R = (skin.top.sheet_resistance + skin.bottom.sheet_resistance) * length / width / count

@@ -178,7 +178,7 @@ def complex_solves(sheet, press, frequency):
 def test_against_complex_solves(random, frequency_at, data):
     """From where the skin is one capacitor to where the field reaches a hundredth of it."""
     scene = data.draw(random.between())
-    press = data.draw(random.presses(scene.parts.plan))
+    press = data.draw(random.presses(scene))
     frequency = frequency_at(scene, np.geomspace(1e-4, 1e4, 5))
     sheet = SheetModel(
         scene.parts.skin,
@@ -230,7 +230,7 @@ def test_against_complex_solves_where_direct_current_may_flow(random, frequency_
 @given(data=st.data())
 def test_lower_orders_are_nested_in_higher_ones(random, frequency_at, data):
     scene = data.draw(random.between())
-    press = data.draw(random.presses(scene.parts.plan))
+    press = data.draw(random.presses(scene))
     frequency = frequency_at(scene, [0.1, 10.0])
     circuit = one_field(scene.parts.skin, scene.parts.setup) or two_fields(
         scene.parts.skin, scene.parts.setup
@@ -248,7 +248,7 @@ def test_any_step_is_passive_and_no_step_loses_capacitance(random, frequency_at,
     """Galerkin in a real space: Re Z >= 0, Im Z <= 0, Rs and Cp fall with frequency."""
     scene = data.draw(random.between())
     press, circuit = (
-        data.draw(random.presses(scene.parts.plan)),
+        data.draw(random.presses(scene)),
         two_fields(scene.parts.skin, scene.parts.setup),
     )
     sheet = SheetModel(scene.parts.skin, scene.press, circuit, Resolution(order=2))

@@ -26,7 +26,7 @@ def assert_same(scene, circuit, resolution, press, frequency, plain_skin):
 @given(data=st.data(), order=st.integers(1, 4))
 def test_between_the_sheets(random, frequency_at, plain_skin, data, order):
     scene = data.draw(random.between())
-    press, frequency = data.draw(random.presses(scene.parts.plan)), frequency_at(scene, U)
+    press, frequency = data.draw(random.presses(scene)), frequency_at(scene, U)
     assert_same(
         scene,
         two_fields(scene.parts.skin, scene.parts.setup),
@@ -40,7 +40,7 @@ def test_between_the_sheets(random, frequency_at, plain_skin, data, order):
 @given(data=st.data(), order=st.integers(1, 4))
 def test_between_any_foils(random, frequency_at, plain_skin, data, order):
     scene = data.draw(random.across())
-    press, frequency = data.draw(random.presses(scene.parts.plan)), frequency_at(scene, U)
+    press, frequency = data.draw(random.presses(scene)), frequency_at(scene, U)
     assert_same(
         scene,
         two_fields(scene.parts.skin, scene.parts.setup),
@@ -54,7 +54,7 @@ def test_between_any_foils(random, frequency_at, plain_skin, data, order):
 @given(data=st.data(), order=st.integers(1, 4))
 def test_the_difference_alone(random, frequency_at, plain_skin, data, order):
     scene = data.draw(random.in_pairs())
-    press, frequency = data.draw(random.presses(scene.parts.plan)), frequency_at(scene, U)
+    press, frequency = data.draw(random.presses(scene)), frequency_at(scene, U)
     assert_same(
         scene,
         one_field(scene.parts.skin, scene.parts.setup),

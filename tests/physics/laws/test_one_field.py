@@ -14,7 +14,7 @@ U = np.geomspace(1e-6, 30, 4)
 @given(data=st.data())
 def test_same_impedance_as_two_fields(random, frequency_at, data):
     scene = data.draw(random.in_pairs())
-    press, frequency = data.draw(random.presses(scene.parts.plan)), frequency_at(scene, U)
+    press, frequency = data.draw(random.presses(scene)), frequency_at(scene, U)
     one, two = (
         SheetModel(scene.parts.skin, scene.press, circuit(scene), Resolution(order=3)).impedance(
             press, frequency

@@ -27,12 +27,12 @@ def sweeps(scene, press, frequency):
 @given(data=st.data())
 def test_between_the_sheets(random, frequency_at, data):
     scene = data.draw(random.between())
-    press = data.draw(random.presses(scene.parts.plan))
+    press = data.draw(random.presses(scene))
     assert violations(sweeps(scene, press, frequency_at(scene, U))) == []
 
 
 @given(data=st.data())
 def test_between_any_foils(random, frequency_at, data):
     scene = data.draw(random.across())
-    press = data.draw(random.presses(scene.parts.plan))
+    press = data.draw(random.presses(scene))
     assert violations(sweeps(scene, press, frequency_at(scene, U))) == []

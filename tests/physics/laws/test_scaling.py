@@ -13,7 +13,7 @@ FREQUENCY = np.geomspace(1e2, 1e6, 3)
 @given(data=st.data())
 def test_shape_alone_makes_the_curve(random, data):
     scene = data.draw(random.between())
-    press = data.draw(random.presses(scene.parts.plan))
+    press = data.draw(random.presses(scene))
     resistance, capacitance, size = (data.draw(random.logarithmic(0.1, 10)) for _ in range(3))
     skin = scene.skin
     scaled = scene.model_copy(

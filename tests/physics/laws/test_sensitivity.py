@@ -57,7 +57,7 @@ def test_admittance_to_capacitance(random, frequency_at, plain_skin, data, at):
 def test_impedance_to_sheet_resistance(random, frequency_at, plain_skin, data, at):
     """dZ = integral of dR J.J / I², J = grad V / R, without a conjugate."""
     scene = data.draw(random.between())
-    press, frequency = data.draw(random.presses(scene.parts.plan)), frequency_at(scene, at)
+    press, frequency = data.draw(random.presses(scene)), frequency_at(scene, at)
     plain, skin = plain_skin(scene, ORDER), scene.skin
     u, current = plain.solve(press, frequency.item())
     predicted = u @ plain.sheets[0] @ u / skin.top.sheet_resistance / current**2

@@ -55,7 +55,7 @@ ON_ITS_SIDE = {"left": "bottom", "bottom": "left", "right": "top", "top": "right
 @given(data=st.data())
 def test_any_skin_laid_on_its_side(random, data):
     scene = data.draw(random.between())
-    press, skin, pixels = data.draw(random.presses(scene.parts.plan)), scene.skin, scene.pixels
+    press, skin, pixels = data.draw(random.presses(scene)), scene.skin, scene.pixels
     turned = scene.model_copy(
         update={
             "skin": skin.model_copy(update={"length": skin.width, "width": skin.length}),
@@ -74,7 +74,7 @@ def test_any_skin_laid_on_its_side(random, data):
 @given(data=st.data())
 def test_exchanged_sheets_and_exchanged_leads(random, data):
     scene = data.draw(random.across())
-    press, skin = data.draw(random.presses(scene.parts.plan)), scene.skin
+    press, skin = data.draw(random.presses(scene)), scene.skin
     turned_over = scene.model_copy(
         update={
             "skin": skin.model_copy(update={"top": skin.bottom, "bottom": skin.top}),
@@ -100,7 +100,7 @@ def test_reciprocity(random, data):
     sheet = SheetModel(
         scene.parts.skin, scene.press, two_fields(scene.parts.skin, scene.parts.setup), ORDER
     )
-    network = sheet.network(data.draw(random.presses(scene.parts.plan)), FREQUENCY)
+    network = sheet.network(data.draw(random.presses(scene)), FREQUENCY)
     Y = network.conductance + network.dynamic
     rounding = 1e-14 * abs(sheet.system.stiffness).max()
     np.testing.assert_allclose(Y, Y.transpose(0, 2, 1), rtol=1e-12, atol=rounding)

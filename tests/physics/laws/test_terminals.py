@@ -88,7 +88,7 @@ def test_vanishing_contact_resistance_is_an_ideal_foil(assert_same, where, r_c):
 def test_order_and_names_of_foils_do_not_matter(random, frequency_at, data):
     scene = data.draw(random.across())
     shuffled = tuple(data.draw(st.permutations(scene.contacts)))
-    press, frequency = data.draw(random.presses(scene.parts.plan)), frequency_at(scene, U)
+    press, frequency = data.draw(random.presses(scene)), frequency_at(scene, U)
     Z, other = (
         SheetModel(
             each.parts.skin,

@@ -79,7 +79,7 @@ def test_many_foils_and_presses(random, frequency_at, data, rtol):
 
 def assert_kept_anywhere(random, frequency_at, data, rtol):
     scene = data.draw(random.between())
-    press = data.draw(random.presses(scene.parts.plan))
+    press = data.draw(random.presses(scene))
     u = data.draw(random.logarithmic(1e-3, 1e3))
     scene = at(scene, frequency_at(scene, [u / 10, u]))
     answer = Solver(scene.parts, rtol).solve(press)
@@ -90,7 +90,7 @@ def assert_kept_anywhere(random, frequency_at, data, rtol):
 @given(**ASKED)
 def test_smooth_fields(random, frequency_at, data, rtol):
     scene = data.draw(random.between(WHOLE_EDGES, [0.0]).filter(not_singular))
-    press = data.draw(random.presses(scene.parts.plan))
+    press = data.draw(random.presses(scene))
     scene = at(scene, frequency_at(scene, data.draw(random.logarithmic(1e-3, 1e3))))
     answer = Solver(scene.parts, rtol).solve(press)
     assert_kept(answer, over_resolved(scene, press), scene.frequencies, rtol)

@@ -98,10 +98,10 @@ def test_derivatives_by_the_skin_are_differences_of_skins(noisy):
         own = {"loss_tangent": 0.05}.get(name, 0.0)
         two = [own + 2 * step * unit, own]
         high, low = (
-            FullFields(parts_with(scene, {name: value}), 1e5).respond(press, {}, frequency).Z
+            FullFields(parts_with(scene.parts, {name: value}), 1e5).respond(press, {}, frequency).Z
             for value in two
         )
-        between = FullFields(parts_with(scene, {name: own + step * unit}), 1e5)
+        between = FullFields(parts_with(scene.parts, {name: own + step * unit}), 1e5)
         slope = between.respond(press, {}, frequency, {}).by_parameter[name]
         assert_close(slope, (high - low) / (2 * step * unit), 1e-3)
         assert found.by_parameter[name].shape == found.Z.shape

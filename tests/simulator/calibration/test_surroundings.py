@@ -45,7 +45,7 @@ def scene(line):
 @pytest.fixture(scope="module")
 def model(scene):
     """Of the scene with all of them, trained once for all that is asked here."""
-    found = model_of(with_effects(scene, EFFECTS).parts, 1e-4)
+    found = model_of(with_effects(scene.parts, EFFECTS), 1e-4)
     known = found.reduced
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
@@ -207,7 +207,7 @@ def test_what_surrounds_a_skin_is_fitted_where_that_is_asked_for(scene, model, t
 
 
 def test_a_finger_without_a_press_is_not_identified(scene, model, twins):
-    around = with_effects(scene, EFFECTS)
+    around = with_effects(scene.parts, EFFECTS)
     rest = twins["all"].isel(sweep=slice(len(REST)))
     found = calibrate(around, rest, Options(fit=("body", "finger"), fix=("others",)), model=model)
     assert "finger: not identified by the data; prior kept" in found.unclear
@@ -273,4 +273,4 @@ def test_intervals_hold_the_truth(scene, model):
 def test_what_a_scene_cannot_have_is_refused(scene, around, also, told):
     given = scene.with_({"surroundings": around}) if around else scene
     with pytest.raises(InputError, match=told):
-        with_effects(given, (also,))
+        with_effects(given.parts, (also,))

@@ -1,14 +1,17 @@
 """Slow unevenness of the foam among what a calibration fits: on twins whose waves are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from rcskin.simulator.calibration.fitting.fit import fitted_parts
 from rcskin.simulator.calibration.fitting.fit_options import Options
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.cosine_modes.foam_modes import map_of, with_foam_modes
-from rcskin.simulator.models.parameters import FOAM_MODES, parts_with
+from rcskin.simulator.models.parameters import FOAM_MODES
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press, press_on
@@ -109,7 +112,7 @@ def test_foam_that_varies_within_pixels_is_answered_as_a_map_of_it(wide_pixels, 
     scene, rtol = wide_pixels.with_({"pixels": 2, **changed}), 1e-3
     model, solver = (
         Forward(scene.parts, rtol=rtol),
-        Solver(with_foam_modes(scene, TRUE).parts, rtol),
+        Solver(replace(scene.parts, skin=with_foam_modes(scene.parts.skin, TRUE)), rtol),
     )
     for press in every_press(scene.parts.skin, scene.press)[::3]:
         cells, rises = model.cells(press)
@@ -180,8 +183,7 @@ def test_modes_of_the_foam_leave_a_body_behind_the_skin_as_it_is():
     )
     own = {"foam_x": 0.08, "foam_y": -0.06, "body": 1.2}
     found = Forward(scene.parts, rtol=1e-3).respond(np.array([6]), np.array([1.0]), own).Z
-    changed = with_foam_modes(parts_with(scene.parts, own).scene, own)
-    exact = (
-        Solver(changed.parts, 1e-4).solve(press_on(changed.parts.skin, changed.press, "2,3:2.0")).Z
-    )
+    changed = fitted_parts(scene.parts, own)
+    press = press_on(changed.skin, changed.plan.press, "2,3:2.0")
+    exact = Solver(changed, 1e-4).solve(press).Z
     assert relative_difference(found[0], exact).max() < 2e-3

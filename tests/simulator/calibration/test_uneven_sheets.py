@@ -1,5 +1,7 @@
 """Slow unevenness of both sheets among what a calibration fits: on twins whose waves are known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rcskin.benchmarks.accuracy.uneven_calibration import crossed
@@ -33,9 +35,9 @@ def asked(*waves):
 
 
 def twin_of(scene, waves):
-    made = with_sheet_modes(with_foam_modes(scene, waves), waves)
+    made = with_sheet_modes(with_foam_modes(scene.parts.skin, waves), waves)
     return simulate(
-        Solver(made.parts, 2e-4), every_press(scene.parts.skin, scene.press)
+        Solver(replace(scene.parts, skin=made), 2e-4), every_press(scene.parts.skin, scene.press)
     ).assign_attrs(scene=scene_text(scene))
 
 
@@ -147,7 +149,7 @@ def test_one_field_determines_the_sum_of_waves_and_nothing_across_a_line(strip):
 
 
 def test_waves_are_refused_where_they_cannot_be_determined(scene, twin):
-    mapped = with_sheet_modes(scene, SHEETS)
+    mapped = replace(scene.parts, skin=with_sheet_modes(scene.parts.skin, SHEETS)).scene
     with pytest.raises(InputError, match="only to sheets without maps, got `skin.top.map`"):
         calibrate(mapped, twin, asked(*SHEET_MODES))
     with pytest.raises(InputError, match="top_x has no effect in this scene"):
@@ -159,7 +161,7 @@ def test_waves_are_refused_where_they_cannot_be_determined(scene, twin):
 @pytest.mark.usefixtures("linear_intervals", "unpainted")
 def test_the_calibrated_file_has_the_waves_as_maps(run, tmp_path, strip):
     waves = {"top_x": 0.2}
-    made = with_sheet_modes(strip, waves)
+    made = with_sheet_modes(strip.parts.skin, waves)
     write(twin_of(strip, waves), tmp_path / "run.nc")
     (tmp_path / "line.toml").write_text(scene_text(strip))
     options = [part for name in ("top_x", "sheet_resistance") for part in ("--fit", name)]
@@ -170,7 +172,7 @@ def test_the_calibrated_file_has_the_waves_as_maps(run, tmp_path, strip):
     assert "top_x" in out
     calibrated = read_scene(tmp_path / "found" / "calibrated.toml")
     top, bottom = (sheet.map for sheet in (calibrated.skin.top, calibrated.skin.bottom))
-    assert np.array(top.values)[0] == pytest.approx(np.array(made.skin.top.map.values)[0], abs=0.02)
+    assert np.array(top.values)[0] == pytest.approx(np.array(made.top.map.values)[0], abs=0.02)
     assert np.array(bottom.values) == pytest.approx(1.0, abs=1e-9)
     again = ("sweep", tmp_path / "found" / "calibrated.toml", "--press", "none")
     assert run(*again, "-o", tmp_path / "again.nc")[0] == 0

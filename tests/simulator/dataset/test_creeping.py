@@ -102,5 +102,5 @@ def test_cells_creep_as_the_touches_that_they_are_of():
 def test_unsupported_scenes_are_refused_in_one_line(changes, told):
     scene = load_scene("strip-1x5").with_(changes)
     with pytest.raises(InputError) as refused:
-        DatasetPlan(foldable(scene, "a data set", creeps=True).parts, 12, 3, 1e-4)
+        DatasetPlan(foldable(scene.parts, "a data set", creeps=True), 12, 3, 1e-4)
     assert told in str(refused.value) and "\n" not in str(refused.value)

@@ -20,7 +20,7 @@ from rcskin.simulator.measure.skin_faults import (
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import press_on
 from rcskin.simulator.scene.readout.meter import Leads
-from rcskin.simulator.scene.scene_files import load_scene, scene_text
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError, impedance, read
 from rcskin.tests.library.scenes import ALIKE
 
@@ -95,7 +95,7 @@ def test_odds_above_one_are_refused():
 
 def test_a_data_set_without_faults_is_as_before(toy):
     plan = toy.small_plan(sweeps=100)
-    assert "faults" not in scene_text(plan.parts)
+    assert "faults" not in plan.parts.text
     odds = plan.parts.scene.with_({"dataset.session.faults": {"aged_gain": 0.0}})
     own, other = (
         drawn_sessions(each, toy.ToyFamily(each.scene), range(10))

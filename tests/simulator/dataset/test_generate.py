@@ -11,7 +11,7 @@ from rcskin.simulator.dataset.store import finish
 from rcskin.simulator.measure.readout import displayed
 from rcskin.simulator.scene.parts import Meter
 from rcskin.simulator.scene.readout.meter import Readout
-from rcskin.simulator.scene.scene_files import load_scene, scene_text
+from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError, impedance, open_zarr, read
 from rcskin.tests.library.scenes import ALIKE
 
@@ -53,7 +53,7 @@ def test_a_data_set_has_sweeps_scene_and_draws(make, toy):
     np.testing.assert_array_equal(sweeps["session"], np.arange(95) // 10)
     np.testing.assert_array_equal(sweeps["frequency"], plan.parts.setup.frequency)
     assert sweeps["Rs"].dtype == np.float32 and sweeps["Cp"].attrs["units"] == "F"
-    assert sweeps.attrs["scene"] == scene_text(plan.parts)
+    assert sweeps.attrs["scene"] == plan.parts.text
     assert (sweeps.attrs["seed"], sweeps.attrs["rtol"]) == (1, 1e-4)
     assert (sweeps.attrs["audit_bound"], sweeps.attrs["fallbacks"]) == (3e-6, 0)
     (session,) = drawn_sessions(plan, toy.ToyFamily(plan.parts), [4])

@@ -39,7 +39,7 @@ def bench(scene, **asked):
 def test_the_best_single_frequency_of_a_line_lies_between_those_of_equation_6(strip):
     found = bench(strip(session=EVEN | BARE))
     picked = found.picked(Material(50e3, 50e3), [0], [])
-    near, far = equation_6(found.scene.parts.skin, found.scene.parts.setup, 4)[[0, -1]]
+    near, far = equation_6(found.parts.skin, found.parts.setup, 4)[[0, -1]]
     assert min(near, far) < found.frequency[picked.frequencies[0]] < max(near, far)
 
 
@@ -111,18 +111,17 @@ class SampleReadings:
     """Readings like `TouchReadings`, of one known skin, compared with baseline sweeps."""
 
     def __init__(self, on, frequency, against_rest):
-        self.scene, self._on, self._frequency = on.scene, on, frequency
-        readings = len(on.scene.interfaces)
-        self.model = ErrorModel(
-            on.scene.readout, np.ones((readings, len(frequency)), bool), against_rest=against_rest
-        )
+        self.parts, self._on, self._frequency = on.parts, on, frequency
+        readings = len(on.parts.setup.interfaces)
+        read, readout = np.ones((readings, len(frequency)), bool), on.parts.meter.readout
+        self.model = ErrorModel(readout, read, against_rest=against_rest)
 
     def of_batch(self, batch):
         return self.model.whitened(self._on.observed(batch, self._frequency))
 
     def of_presses(self, pressed, factors):
         return self.of_batch(
-            PressBatch.of(pressed.on(self.scene.parts.skin, own) for own in factors.T - 1)
+            PressBatch.of(pressed.on(self.parts.skin, own) for own in factors.T - 1)
         )
 
 

@@ -45,7 +45,7 @@ def test_bounds_of_one_interface_equal_those_of_a_scene_with_it_alone(shared, ag
     one = slopes_of(own, against_rest).bounds(np.array([1e4, 1e5]), [1])
     taken = np.array([[False, False, False], [False, True, True]])
     other = slopes_of(own, against_rest).bounds(taken=taken)
-    by_itself = slopes_of(alone, against_rest).bounds()
+    by_itself = slopes_of(alone.scene, against_rest).bounds()
     for name in ("x", "y", "strength"):
         np.testing.assert_allclose(getattr(one, name), getattr(by_itself, name), rtol=1e-3)
         np.testing.assert_allclose(getattr(one, name), getattr(other, name), rtol=1e-9)
@@ -54,7 +54,7 @@ def test_bounds_of_one_interface_equal_those_of_a_scene_with_it_alone(shared, ag
 def test_information_of_readings_adds_up(shared):
     """Against rest no error is shared: left and right of a mask are what the whole is made of."""
     slopes = slopes_of(shared, 4)
-    taken = np.array(shared.with_(OWN).taken)
+    taken = np.array(shared.with_(OWN).parts.setup.taken)
     per_reading = np.einsum("cifqa,cifqb->cifab", slopes.by, slopes.by)
     expected = slopes.of_information(per_reading[:, taken].sum(axis=1))
     np.testing.assert_allclose(slopes.bounds(taken=taken).strength, expected.strength, rtol=1e-9)

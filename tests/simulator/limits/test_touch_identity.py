@@ -38,7 +38,7 @@ def test_pixels_are_counted_up_to_the_required_accuracy(noisy):
     assert all(each.reaches(0.9) for each in found[:-1]) and not found[-1].reaches(0.9)
     shares = [each.accuracy.share for each in found]
     assert shares == sorted(shares, reverse=True)
-    assert with_pixels(scene, 4).pixels.rows == 1
+    assert with_pixels(scene.parts, 4).skin.pixels.rows == 1
 
 
 def test_pixels_are_counted_in_the_proportion_of_the_scene(noisy):

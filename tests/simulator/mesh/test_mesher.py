@@ -119,7 +119,8 @@ from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Disc
 from rcskin.simulator.scene.scene_files import load_scene
-mesh = domain(load_scene(Path({str(path)!r})), Press((Disc(0.07, 0.07, 0.01, 2.0),)), 0.01)
+skin = load_scene(Path({str(path)!r})).parts.skin
+mesh = domain(skin, Press((Disc(0.07, 0.07, 0.01, 2.0),)), 0.01)
 print(mesh.p.tobytes().hex() + mesh.t.tobytes().hex())
 """
     there = subprocess.run(

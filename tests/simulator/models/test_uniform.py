@@ -111,7 +111,7 @@ def test_a_stretched_scene_needs_to_be_folded_first(make_scene):
     scene = skin_with(make_scene(), stretch=STRETCH)
     with pytest.raises(InputError, match="cannot take `skin.stretch`"):
         require_uniform(scene.parts.skin, "a test")
-    assert folded(scene.parts, "a test").parts.skin == scene.parts.skin.electrical
+    assert folded(scene.parts, "a test").skin == scene.parts.skin.electrical
 
 
 def test_presses_move_with_the_skin(make_scene):

@@ -92,9 +92,9 @@ def test_bad_input_is_reported_in_one_line(refused, tmp_path, monkeypatch, argum
     ],
 )
 def test_a_page_refuses_strain_of_a_foam_with_mechanics(changes, key):
-    scene = uniformly_pressed(load_scene("foam").with_(changes).parts, "a page")
+    parts = uniformly_pressed(load_scene("foam").with_(changes).parts, "a page")
     with pytest.raises(InputError, match=f"cannot take `{key}.*with `skin.foam.mechanics`"):
-        reduced_for_page(scene.parts, 1e-2, 1)
+        reduced_for_page(parts, 1e-2, 1)
 
 
 def test_pixels_pressed_by_depth_are_pressed_evenly_on_a_page(run, tmp_path):

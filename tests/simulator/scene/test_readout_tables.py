@@ -105,9 +105,7 @@ def test_a_readout_by_tables_is_one_of_four_numbers_on_average():
     assert found.magnitude.shape == (sweeps.sizes["frequency"],)
     Z = np.full((3, 1, 2), 1e4 - 1e4j)
     own = flattened(table.readout, Z, np.array([1e3, 1e4]))
-    assert own.parts.skin.uniform and own.magnitude_noise == pytest.approx(
-        5.5e-4 / math.sqrt(3), rel=0.1
-    )
+    assert own.uniform and own.magnitude_noise == pytest.approx(5.5e-4 / math.sqrt(3), rel=0.1)
     assert flattened(flat, Z, np.array([1e3, 1e4])) is flat
 
 

@@ -150,7 +150,7 @@ def test_wide_foils_of_one_sheet_do_not_overlap_unless_they_are_one(make_scene, 
 )
 def test_uses_that_need_two_bare_sheets_refuse_others(changes, key):
     scene = load_scene("sheet-3x3").with_(changes)
-    assert scene.parts.skin.beyond_uniform == [key]
+    assert scene.parts.skin.beyond_sheets == [key]
     for model in ("line", "lumped"):
         with pytest.raises(InputError, match="cannot take `" + key.replace("[", r"\[")):
             Solver(scene.parts, 1e-2, model).solve(Press())

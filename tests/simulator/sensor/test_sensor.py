@@ -82,12 +82,12 @@ def test_a_skin_of_a_batch_is_the_sensor_of_its_number():
 def test_skins_in_one_pass_are_those_of_the_family_one_by_one():
     own = sensor(skins=3, session="drawn", noise=False)
     presses = ["1,1", None, "disc(0.05,0.01,0.004):1.5"]
-    found, scene = own.step(presses, dt=0.02), own._own
+    found, parts = own.step(presses, dt=0.02), own._own
     for skin, press in enumerate(presses):
-        drawn = drawn_skin(scene.parts, 1, skin, own._family.grid, own._family.modes)
+        drawn = drawn_skin(parts, 1, skin, own._family.grid, own._family.modes)
         cells = own._press(press).batch.one(0)
         Z = own._family.skin(drawn.variation).sweep(*cells)
-        exact = scene.parts.setup.behind(drawn.leads).at_meter(Z)
+        exact = parts.setup.behind(drawn.leads).at_meter(Z)
         np.testing.assert_allclose(found.Rs[skin] + 1j * found.X[skin], exact, rtol=1e-12)
 
 

@@ -157,7 +157,7 @@ def test_a_mug_leaves_everything_as_it_is_but_its_place(changed, make_scene):
     bent = Materials(changed(make_scene(), {**keys, "skin.shape": MUG}).parts.skin)
     np.testing.assert_array_equal(bent.conductance("top", X), flat.conductance("top", X))
     np.testing.assert_array_equal(bent.capacitance(X), flat.capacitance(X))
-    assert np.ptp(position(bent.scene.parts.skin, X)[2]) > 0.01
+    assert np.ptp(position(bent.skin, X)[2]) > 0.01
 
 
 @pytest.mark.parametrize("direction", [0.0, 0.4, 2.0])
