@@ -56,6 +56,6 @@ class Silent:
         self.remarks += remarks
 
 
-def document(scene, kind, nonce):
+def document(parts, kind, nonce):
     """A page that says what it is of."""
-    return f'<title>{scene.name}</title><script nonce="{nonce}">"{kind}";</script>'
+    return f'<title>{parts.skin.name}</title><script nonce="{nonce}">"{kind}";</script>'

@@ -29,7 +29,7 @@ SKINS = {"left": Pillow(1), "bottom": Pillow()}
 class Columns:
     """Tells the column from how far C is above C at rest; keeps what it was asked."""
 
-    target, interfaces, scene, uses_baseline = "column", ("left",), CUSHION, True
+    target, interfaces, parts, uses_baseline = "column", ("left",), CUSHION.parts, True
     frequencies = (1e3, 4e3, 16e3)
 
     def __init__(self, uses_baseline=True, frequencies=frequencies):

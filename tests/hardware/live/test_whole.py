@@ -54,14 +54,17 @@ def test_presses_on_the_simulated_strip_are_answered_at_their_columns(model, ser
 def test_a_finger_is_answered_at_its_column_whether_it_presses_or_touches(tmp_path, serve):
     """What a meter reads then is lawful, though Rs rises with frequency: its low terminal is a
     virtual earth, and the finger takes a part of the current."""
-    skin = load_scene(SCENE).with_({"surroundings": {}, "press.finger": 5e-12})
+    scene = load_scene(SCENE).with_({"surroundings": {}, "press.finger": 5e-12})
     presses = [*NOTHING, *(f"1,{j}:{f}" for j in (1, 2, 3) for f in ("1.0", "1.5", "2.0"))]
-    exact = simulate(Solver(skin, 1e-4), [press_on(skin, press) for press in presses])
+    exact = simulate(
+        Solver(scene.parts, 1e-4),
+        [press_on(scene.parts.skin, scene.press, press) for press in presses],
+    )
     random = np.random.default_rng(0)
-    swept = concatenate([read_out(exact, skin.readout, random, k) for k in range(4)])
+    swept = concatenate([read_out(exact, scene.readout, random, k) for k in range(4)])
     path, rest = tmp_path / "fingers.npz", tmp_path / "rest.nc"
     save(path, train(swept, "column", quantities=("dlnZ", "dphase")))
-    with serve(instrument(simulated(skin, seed=7), pace=0)) as ports:
+    with serve(instrument(simulated(scene.parts, seed=7), pace=0)) as ports:
         where = ["--resource", ports.resource, "--model", str(path)]
         told = live(*where, "--sweeps", "1", "--log", str(rest))
         assert labels(told) == ["nothing pressed"]

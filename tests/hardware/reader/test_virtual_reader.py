@@ -56,7 +56,7 @@ def described(tmp_path):
 @contextmanager
 def served(scene, skins, text, **more):
     """The virtual reader of these skins, and its ports."""
-    skin = served_skin.ServedSkin(skins, exact_readout, *scene.pixels.shape, 1e3, scene)
+    skin = served_skin.ServedSkin(skins, exact_readout, *scene.pixels.shape, 1e3, scene.parts)
     line_format = LineFormat.model_validate({**inputs.tables(text), **more})
     device = served_skin.reader(skin, line_format)
     with run_in_thread(device) as ports:

@@ -201,7 +201,7 @@ def test_a_free_running_meter_reads_on(make_instrument):
     ],
 )
 def test_what_differs_from_the_real_meter_is_noted(make_instrument, scene, model, readout, noted):
-    served = ServedSkin({}, exact_readout, 2, 2, 1e3, scene.with_({"readout": readout}))
+    served = ServedSkin({}, exact_readout, 2, 2, 1e3, scene.with_({"readout": readout}).parts)
     found = notes(make_instrument(kind=VIRTUAL_MODELS[model]), served)
     assert (not found) if noted is None else noted in found[0]
 

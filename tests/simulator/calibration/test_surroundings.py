@@ -207,7 +207,7 @@ def test_what_surrounds_a_skin_is_fitted_where_that_is_asked_for(scene, model, t
 
 
 def test_a_finger_without_a_press_is_not_identified(scene, model, twins):
-    around = with_effects(scene.parts, EFFECTS)
+    around = with_effects(scene.parts, EFFECTS).scene
     rest = twins["all"].isel(sweep=slice(len(REST)))
     found = calibrate(around, rest, Options(fit=("body", "finger"), fix=("others",)), model=model)
     assert "finger: not identified by the data; prior kept" in found.unclear
@@ -221,7 +221,7 @@ def test_a_model_of_other_surroundings_is_refused(scene, model, twins):
 
 def test_intervals_hold_the_truth(scene, model):
     """Twins of any body, rim and finger by the same model, read by the meter: 95 % intervals."""
-    random, around = np.random.default_rng(3), model.scene
+    random, around = np.random.default_rng(3), model.parts.scene
     names = (*EFFECTS, "capacitance")
     held = []
     for _ in range(3):
