@@ -26,8 +26,7 @@ from .options import (
 from .record.recording_output import explain_resuming, finish, summary_remarks
 
 if TYPE_CHECKING:
-    from ..simulator.scene.parts import SceneParts, Skin
-    from ..simulator.scene.readings.setup import Setup
+    from ..simulator.scene.parts import SceneParts, Setup, Skin
     from .record.operators import Operator
     from .record.press_order import PressStep
     from .record.recording_journal import RecordingHeader

@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from ...simulator.models.reduced.reduced_model import Reduced
     from ...simulator.models.solver import ModelName
     from ...simulator.press.press import Press
-    from ...simulator.scene.parts import Skin
-    from ...simulator.scene.pixel_grid import Pressing
+    from ...simulator.scene.parts import Pressing, Skin
     from ...simulator.scene.scene import Scene
 
 LOG = logging.getLogger(__name__)

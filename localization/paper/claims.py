@@ -11,9 +11,7 @@ import numpy as np
 from ...simulator.arrays import Integer
 from ...simulator.models.line import HALF_POWER, PAPER_CONSTANT, interrogation_frequency
 from ...simulator.scene.foam.foam import VACUUM_PERMITTIVITY
-from ...simulator.scene.parts import SceneParts, Skin
-from ...simulator.scene.pixel_grid import Pressing
-from ...simulator.scene.readings.setup import Setup
+from ...simulator.scene.parts import Pressing, SceneParts, Setup, Skin
 from ...simulator.scene.readout.meter import Readout
 from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import load_scene

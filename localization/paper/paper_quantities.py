@@ -12,9 +12,7 @@ from ...simulator.models.line import HALF_POWER, Line, interrogation_frequency, 
 from ...simulator.models.solver import Solver
 from ...simulator.press.press import Press
 from ...simulator.press.touch import Touch
-from ...simulator.scene.parts import SceneParts, Skin
-from ...simulator.scene.pixel_grid import Pressing
-from ...simulator.scene.readings.setup import Setup
+from ...simulator.scene.parts import Pressing, SceneParts, Setup, Skin
 from ...simulator.sweeps import parallel_capacitance
 
 STATED_SHEET_RESISTANCE = 50e3

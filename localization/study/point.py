@@ -23,8 +23,7 @@ from ...simulator.measure.symmetry import representative
 from ...simulator.press.pixels import pixels_with_skin
 from ...simulator.press.press import Press, every_press, pressed_factor
 from ...simulator.scene.draws.randomisation import DrawnPress
-from ...simulator.scene.parts import Meter, Plan, SceneParts, Skin
-from ...simulator.scene.pixel_grid import Pressing
+from ...simulator.scene.parts import Meter, Plan, Pressing, SceneParts, Skin
 from ...simulator.sweeps import InputError
 from ..evaluation.evaluation import held_out_accuracies
 from .separation import (

@@ -17,8 +17,7 @@ from ..method_cache import cached_method
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.batch import NOTHING, PressBatch
 from ..scene.draws.draw_distributions import AnyDistribution
-from ..scene.parts import SceneParts
-from ..scene.readings.setup import Setup
+from ..scene.parts import SceneParts, Setup
 from ..sweeps import InputError
 from .bayes import Draws, DrawScores
 from .touch_readings import hypotheses

@@ -8,8 +8,7 @@ import numpy as np
 
 from ..arrays import Complex, Real
 from ..measure.readout import ErrorModel, Unpressed, errors_of, observed_slope
-from ..scene.parts import Meter, Skin
-from ..scene.readings.setup import Setup
+from ..scene.parts import Meter, Setup, Skin
 
 RIDGE = 1e-12
 """Added to the information, scaled to a unit diagonal; smaller information counts as none."""

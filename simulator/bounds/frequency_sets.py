@@ -9,8 +9,7 @@ import numpy as np
 from ..arrays import Integer, Mask, Real
 from ..models.line import interrogation_frequency
 from ..scene.frequency import parse_band
-from ..scene.parts import Skin
-from ..scene.readings.setup import Setup
+from ..scene.parts import Setup, Skin
 from ..sweeps import InputError
 from ..sweeps.units import quantity
 

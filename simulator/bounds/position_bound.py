@@ -22,8 +22,7 @@ from ..models.session_spreads import session_spreads
 from ..press.batch import PressBatch
 from ..press.finger import finger_over
 from ..progress import ProgressCallback, silent, tracked
-from ..scene.parts import SceneParts, Skin
-from ..scene.pixel_grid import Pressing
+from ..scene.parts import Pressing, Skin
 from ..sweeps import InputError
 from .fields import AnyFields, TouchSize
 from .fisher_information import (
@@ -152,17 +151,17 @@ def chosen_touch(
 
 
 def places_on(
-    parts: SceneParts, touch: TouchSize, cells: int, max_places: int | None = None
+    skin: Skin, touch: TouchSize, cells: int, max_places: int | None = None
 ) -> list[Point]:
     """Middles of touches inside the skin: the middles of cells, at most `most` on each side.
 
     Where no cell fits along a side, it is the middle of the skin. Other outlines: see `_on_skin`.
     """
-    skin, grid = parts.skin, parts.divided(cells).skin.pixels.shape
+    grid = skin.grid(cells)
     x = _along(skin.length, grid[1], touch.width, max_places)
     y = _along(skin.width, grid[0], touch.height, max_places)
     places = [(each, other) for other in y for each in x]
-    return places if skin.rectangular else _on_skin(parts.skin, places, touch, grid)
+    return places if skin.rectangular else _on_skin(skin, places, touch, grid)
 
 
 def _on_skin(

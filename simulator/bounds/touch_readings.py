@@ -27,8 +27,7 @@ from ..press.touch import Place, Rectangle, Touch
 from ..press.walls import require_no_walls
 from ..progress import ProgressCallback, silent, tracked
 from ..scene.draws.draw_distributions import AnyDistribution
-from ..scene.parts import Plan, SceneParts, Skin
-from ..scene.pixel_grid import Pressing
+from ..scene.parts import Plan, Pressing, SceneParts, Skin
 from ..sweeps import InputError
 from ..sweeps.free_space import check_memory
 from .touches.pixel_touches import (
@@ -278,7 +277,7 @@ class TouchReadings:
     def _rasterized(self, batch: PressBatch) -> PressBatch:
         """Touches around the middles of pixels, rasterized on cells."""
         assert self._size is not None
-        grid = self.parts.divided(CELLS).skin.pixels.shape
+        grid = self.parts.skin.grid(CELLS)
         return rasterized_with_fingers(self.parts.skin, grid, self._touches, batch, self._size)
 
     @cached_property
@@ -289,7 +288,7 @@ class TouchReadings:
     @cached_property
     def _touches(self) -> PixelTouches:
         assert self._size is not None
-        grid = self.parts.divided(CELLS).skin.pixels.shape
+        grid = self.parts.skin.grid(CELLS)
         skin, press = self.parts.skin, self.parts.plan.press
         return touches_around_pixels(skin, press, grid, self._size, self._factors[1] - 1)
 

@@ -18,8 +18,7 @@ from ..models.reader_parameters import READER
 from ..models.uniform import folded
 from ..notebook_display import SmallChart, Tabular
 from ..progress import ProgressCallback, silent
-from ..scene.parts import Plan, Skin
-from ..scene.readings.setup import Setup
+from ..scene.parts import Plan, Setup, Skin
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .fitting.centered_model import CenteredModel, Model, centered_model, checked_model, model_of

@@ -13,8 +13,7 @@ from ..safe_text import say, terminal
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..scene.parts import Skin
-    from ..scene.pixel_grid import Pressing
+    from ..scene.parts import Pressing, Skin
 
 TRANSFER = (
     "the meter's low terminal is a virtual earth, so that readings are transfer impedances; the "

@@ -14,8 +14,7 @@ from ..models.reduced.indentation.indentation_draws import spreading
 from ..models.solution import reading_difference
 from ..press.batch import PressBatch
 from ..press.press import parse_press
-from ..scene.parts import SceneParts, Skin
-from ..scene.readings.setup import Setup
+from ..scene.parts import SceneParts, Setup, Skin
 from .anywhere.deflections import cell_presses_by_triangles
 from .creeping import at_sweep_end
 from .drawn_presses import Presses, drawn_presses

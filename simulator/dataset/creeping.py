@@ -25,7 +25,7 @@ def in_foam_states(parts: SceneParts, batch: PressBatch, decays: Sequence[Real])
     decays: decay since the press in each state, from `Creep.decay`. Press k in state n has the
     number k len(decays) + n.
     """
-    grid = parts.divided(parts.plan.draws.press.cells).skin.pixels.shape
+    grid = parts.skin.grid(parts.plan.draws.press.cells)
     foam, creep, cells = (
         parts.skin.foam,
         Creep.of(parts.skin.foam),

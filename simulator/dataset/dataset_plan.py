@@ -15,8 +15,7 @@ from ..mesh.pixel_coverage import pixel_coverage
 from ..models.mechanics.deformation import check_plane
 from ..models.reduced.indentation.applicators import deepest
 from ..models.reduced.indentation.indentation_draws import spreading
-from ..scene.parts import Plan, SceneParts, Skin
-from ..scene.readings.setup import Setup
+from ..scene.parts import Plan, SceneParts, Setup, Skin
 from ..scene.scene_files import parse_scene
 from ..sweeps import InputError
 from ..sweeps.inputs import objects

@@ -12,8 +12,7 @@ from ..press.pixels import pixels_with_skin
 from ..press.touch import Touch
 from ..press.walls import require_no_walls
 from ..scene.draws.randomisation import DrawnPress
-from ..scene.parts import Plan, SceneParts, Skin
-from ..scene.pixel_grid import Pressing
+from ..scene.parts import Plan, Pressing, SceneParts, Skin
 from ..scene.surroundings import NO_EARTH
 from ..sweeps import InputError
 from .strengths import FINGER_DECIMALS

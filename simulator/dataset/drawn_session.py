@@ -18,8 +18,7 @@ from ..measure.skin_faults import SkinFault
 from ..measure.skins import DrawnSkin
 from ..measure.streams import AUDIT, METER, PRESSES, stream
 from ..models.parameters import Variation
-from ..scene.parts import Meter, SceneParts
-from ..scene.readings.setup import Setup
+from ..scene.parts import Meter, SceneParts, Setup
 from ..sweeps import ToleranceError
 from .audit import Audit
 from .creeping import in_foam_states

@@ -12,8 +12,7 @@ from ..measure.drawn_faults import drawn_fault
 from ..measure.skin_faults import OPEN, SkinFault, StuckSpot
 from ..models.parameters import Variation
 from ..scene.draws.fault_odds import FaultOdds
-from ..scene.parts import SceneParts, Skin
-from ..scene.readings.setup import Setup
+from ..scene.parts import SceneParts, Setup, Skin
 from .audit import Audit
 from .dataset_plan import DatasetPlan
 from .skin_model import SkinFamily

@@ -127,7 +127,7 @@ def _divided(parts: SceneParts) -> SceneParts:
         parts = parts.for_rods
     if press.cells == 1 and pixels.groups is not None and not press.rasterized:
         return parts
-    divided = parts.on_grid(press.cells * pixels.rows, press.cells * pixels.columns)
+    divided = parts.on_grid(*parts.skin.grid(press.cells))
     return uniformly_pressed(divided, "a data set", creeps=True) if press.rasterized else divided
 
 

@@ -10,8 +10,7 @@ import numpy as np
 
 from ..arrays import Integer, Real
 from ..press.press import PICOFARAD_DECIMALS
-from ..scene.parts import Plan, Skin
-from ..scene.pixel_grid import Pressing
+from ..scene.parts import Plan, Pressing, Skin
 from ..scene.touch_capacitance import per_pixel
 from ..sweeps import UNPRESSED
 

@@ -9,9 +9,7 @@ import numpy as np
 
 from ..arrays import Mask, Real
 from ..measure.symmetry import Pixel, representative
-from ..scene.parts import Skin
-from ..scene.pixel_grid import Pressing
-from ..scene.readings.setup import Setup
+from ..scene.parts import Pressing, Setup, Skin
 from ..scene.skin_region import on_skin
 
 SAMPLES = 24

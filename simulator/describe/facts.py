@@ -16,11 +16,9 @@ from ..press.pixels import pixels_with_skin
 from ..scene.extent import surface
 from ..scene.maps.factor_maps import AnyMap
 from ..scene.maps.tear import Tear
-from ..scene.parts import SceneParts, Skin
-from ..scene.pixel_grid import Pressing
+from ..scene.parts import Pressing, SceneParts, Setup, Skin
 from ..scene.planar import Circle
 from ..scene.readings.contacts import Contact, Interface
-from ..scene.readings.setup import Setup
 from ..scene.scene import Scene
 from ..scene.skin import EARTH, Sheet, SheetsAndFoam
 from ..sweeps.errors import InputError

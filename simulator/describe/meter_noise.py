@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..scene.parts import Meter
-from ..scene.readings.setup import Setup
+from ..scene.parts import Meter, Setup
 from ..scene.readout.meter import Readout
 from .gain_reader import describe_converter
 

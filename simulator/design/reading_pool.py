@@ -5,9 +5,8 @@ from __future__ import annotations
 import itertools
 from collections.abc import Iterator, Sequence
 
-from ..scene.parts import Skin
+from ..scene.parts import Setup, Skin
 from ..scene.readings.contacts import Interface
-from ..scene.readings.setup import Setup
 from ..scene.readings.wiring_checks import conductor_groups
 from ..sweeps import InputError
 

@@ -12,9 +12,8 @@ from ..models.network.network_skin import NetworkSkin
 from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.batch import NOTHING, PressBatch
-from ..scene.parts import Skin
+from ..scene.parts import Setup, Skin
 from ..scene.readings.contacts import Interface
-from ..scene.readings.setup import Setup
 
 
 @dataclass(frozen=True)

@@ -16,9 +16,8 @@ from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.reduced_model import Reduced
 from ..progress import ProgressCallback, silent
 from ..scene.design_goals import Design
-from ..scene.parts import SceneParts, Skin
+from ..scene.parts import SceneParts, Setup, Skin
 from ..scene.readings.contacts import Interface
-from ..scene.readings.setup import Setup
 from .merits.touch_positions import TouchPositions
 from .skin_readout import Material, SkinReadout, material_of
 

@@ -9,8 +9,8 @@ from collections.abc import Mapping
 import torch
 from torch import Tensor
 
+from ..scene.parts import Setup
 from ..scene.readings.readers import own_source
-from ..scene.readings.setup import Setup
 
 
 def at_meter(Z: Tensor, frequency: Tensor, reading: Setup, values: Mapping[str, Tensor]) -> Tensor:

@@ -24,9 +24,7 @@ from ..press.capacitance import touched_cells
 from ..press.parts import parts_of
 from ..press.press import Press, press_on
 from ..requests.argument_types import scene_of, typed
-from ..scene.parts import Skin
-from ..scene.pixel_grid import Pressing
-from ..scene.readings.setup import Setup
+from ..scene.parts import Pressing, Setup, Skin
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .admittance_forms import AdmittanceForms, AllowedPotentials, Terminals

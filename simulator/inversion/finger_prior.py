@@ -13,8 +13,7 @@ import numpy as np
 from ..arrays import Real
 from ..press.finger import finger_capacitance
 from ..press.touch import Touch
-from ..scene.parts import Plan, Skin
-from ..scene.pixel_grid import Pressing
+from ..scene.parts import Plan, Pressing, Skin
 from ..sweeps import InputError
 from .normal_mixture import normal_mixture
 

@@ -23,8 +23,7 @@ from ..models.reduced.forward import Forward
 from ..models.session_spreads import session_spreads
 from ..press.batch import NOTHING
 from ..press.pixels import cell_centres
-from ..scene.parts import Meter, SceneParts
-from ..scene.readings.setup import Setup
+from ..scene.parts import Meter, SceneParts, Setup
 
 STEPS = 5
 """Number of Gauss-Newton steps from the mean skin to an observed one."""

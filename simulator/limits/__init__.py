@@ -136,7 +136,7 @@ def position_bound(
     fields = fields_of(parts, float(parts.setup.frequency[-1]), touch)
     slopes = position_slopes(
         fields,
-        places_on(parts, touch, CELLS_PER_PIXEL, max_places),
+        places_on(parts.skin, touch, CELLS_PER_PIXEL, max_places),
         touch,
         parts.setup.frequency,
         against_rest=against_rest,

@@ -32,7 +32,7 @@ from ..measure.readout import ErrorModel, observed
 from ..models.reduced.indentation.indentation_draws import scene_spreads_presses
 from ..models.response import Response
 from ..progress import ProgressCallback, silent, tracked
-from ..scene.pixel_grid import Pressing
+from ..scene.parts import Pressing
 from ..sweeps import InputError
 
 CRITERIA = ("position", "column", "pixel")

@@ -189,7 +189,7 @@ def criterion_at(
     fields = fields_of(parts, float(candidates[-1]), touch, cells)
     if name != "position":
         return identity_criterion(fields, name, candidates, against_rest, progress, touch), None
-    places = places_on(parts, touch, CELLS_PER_PIXEL)
+    places = places_on(parts.skin, touch, CELLS_PER_PIXEL)
     slopes = position_slopes(
         fields, places, touch, candidates, against_rest=against_rest, progress=progress
     )

@@ -59,10 +59,10 @@ class RandomPresses:
                 f"{parts.skin.name}: limits with position errors support presses by a rod only; "
                 "leave out `press.finger`, or use the limit of whole pixels"
             )
-        skin, pixels = parts.skin, parts.skin.pixels
+        skin = parts.skin
         self.parts, self._presses, self._offset = parts.for_rods, presses, offset
         self._sides, self._extent = np.array(size), np.array([skin.length, skin.width])
-        self.grid = CELLS * pixels.rows, CELLS * pixels.columns
+        self.grid = skin.grid(CELLS)
         require_noise(parts.meter.readout)
         self._against_rest = against_rest
 

@@ -20,8 +20,7 @@ from ..bounds.position_bound import (
 )
 from ..bounds.touches.rasterization_errors import RasterizationErrors
 from ..progress import ProgressCallback, silent
-from ..scene.parts import SceneParts, Skin
-from ..scene.readings.setup import Setup
+from ..scene.parts import SceneParts, Setup, Skin
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.press_text import parse_touches
@@ -123,7 +122,7 @@ def survey_rasterization_errors(
     if not options.by_depth:
         return None
     fields = fields_of(parts, float(parts.setup.frequency[-1]), options.touch)
-    places = places_on(parts, options.touch, CELLS_PER_PIXEL)
+    places = places_on(parts.skin, options.touch, CELLS_PER_PIXEL)
     return errors_of_places(fields, places, options.touch)
 
 
@@ -185,7 +184,7 @@ def _slopes(
     fields = fields_of(parts, float(frequency[-1]), options.touch)
     return position_slopes(
         fields,
-        places_on(parts, options.touch, CELLS_PER_PIXEL),
+        places_on(parts.skin, options.touch, CELLS_PER_PIXEL),
         options.touch,
         frequency,
         against_rest=options.against_rest,

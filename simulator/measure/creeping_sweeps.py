@@ -22,8 +22,7 @@ from ..models.solution import Solution
 from ..models.solver import Solver
 from ..press.foam_creep import Creep
 from ..press.press import Press, check_press
-from ..scene.parts import Meter, SceneParts
-from ..scene.readings.setup import Setup
+from ..scene.parts import Meter, SceneParts, Setup
 from ..sweeps import ToleranceError
 from ..sweeps.units import prefixed
 from .foam_state import FoamState

@@ -11,8 +11,7 @@ from ..arrays import Real
 from ..press.pixels import pixels_with_skin
 from ..press.press import Press, pixel_pressed
 from ..scene.draws.draw_distributions import AnyDistribution, Fixed, Normal
-from ..scene.parts import Plan, Skin
-from ..scene.pixel_grid import Pressing
+from ..scene.parts import Plan, Pressing, Skin
 from ..sweeps import InputError
 
 PRESSES, METER = 0, 1

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arrays import Complex, Mask, Real
-from ..scene.readings.setup import Setup
+from ..scene.parts import Setup
 from ..scene.readout.meter import Readout
 from ..scene.readout.readout_errors import ReadoutErrors
 from ..sweeps import InputError, build
@@ -20,8 +20,7 @@ from ..sweeps.schema import complex_readings, taken_of
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ..scene.parts import Meter
-    from ..scene.readings.setup import Setup
+    from ..scene.parts import Meter, Setup
 
 
 class MeterSession:

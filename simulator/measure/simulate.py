@@ -14,8 +14,7 @@ from ..arrays import Mask, Real
 from ..models.solution import Solution
 from ..models.solver import Solver
 from ..press.press import Press, check_press, label_of, press_on
-from ..scene.parts import Meter, SceneParts
-from ..scene.readings.setup import Setup
+from ..scene.parts import Meter, SceneParts, Setup
 from ..sweeps import InputError, SweepTable, build, concatenate
 from ..sweeps.free_space import check_memory
 from ..sweeps.reading_subset import read_mask, restricted

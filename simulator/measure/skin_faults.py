@@ -12,10 +12,9 @@ import numpy as np
 from ..arrays import Mask, Real
 from ..press.pixels import pixels_with_skin
 from ..scene.maps.tear import Tear
-from ..scene.parts import SceneParts, Skin
+from ..scene.parts import SceneParts, Setup, Skin
 from ..scene.readings.contacts import Interface
 from ..scene.readings.one_conductor import BELOW
-from ..scene.readings.setup import Setup
 from ..sweeps import InputError
 
 OPEN = 1e12

@@ -18,10 +18,8 @@ import numpy as np
 
 from ..arrays import Real
 from ..scene.maps.factor_maps import FactorMap
-from ..scene.parts import Skin
-from ..scene.pixel_grid import Pressing
+from ..scene.parts import Pressing, Setup, Skin
 from ..scene.readings.contacts import Contact, path
-from ..scene.readings.setup import Setup
 from ..scene.readings.wiring_checks import conductor_groups
 from ..scene.skin import Electrode, Sheet, SheetsAndFoam
 from ..scene.skin_region import curves

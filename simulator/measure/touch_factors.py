@@ -6,8 +6,7 @@ import numpy as np
 
 from ..models.mechanics.indentation import deformation
 from ..press.press import parse_press, press_on, strength_of
-from ..scene.parts import Skin
-from ..scene.pixel_grid import Pressing
+from ..scene.parts import Pressing, Skin
 from ..sweeps.press_text import JOINT
 
 FACTOR_RTOL = 1e-3

@@ -7,8 +7,7 @@ from collections.abc import Mapping
 
 from ..press.finger import finger_of
 from ..press.touch import Touch
-from ..scene.parts import Skin
-from ..scene.pixel_grid import Pressing
+from ..scene.parts import Pressing, Skin
 from ..scene.ranges import Finger
 from ..scene.surroundings import Body, Rim, Surroundings
 from ..surroundings.rim import rim_densities

@@ -19,10 +19,8 @@ from ..press.capacitance import lines, tile_map
 from ..press.pixels import pixel_lines
 from ..press.press import Press
 from ..scene.frequency import laplace_variable
-from ..scene.parts import Skin
-from ..scene.pixel_grid import Pressing
+from ..scene.parts import Pressing, Setup, Skin
 from ..scene.readings.contacts import Interface
-from ..scene.readings.setup import Setup
 from ..sweeps import InputError
 from .line_ports import LinePorts, film, segment, tanh_ratio
 from .uniform import require_uniform

@@ -16,9 +16,7 @@ from ..arrays import Complex, Integer, Real
 from ..press.press import Press
 from ..press.touch import Touch
 from ..scene.frequency import laplace_variable, slopes_of_s
-from ..scene.parts import Skin
-from ..scene.pixel_grid import Pressing
-from ..scene.readings.setup import Setup
+from ..scene.parts import Pressing, Setup, Skin
 from ..sweeps import InputError
 from .line import Line
 from .line_ports import tanh_ratio

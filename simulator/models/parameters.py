@@ -14,9 +14,7 @@ from ..press.parts import SOLVED, foam_parts, parts_of
 from ..scene.foam.foam import VACUUM_PERMITTIVITY, Foam
 from ..scene.foam.foam_in_time import IN_TIME
 from ..scene.frequency import Loss
-from ..scene.parts import SceneParts, Skin
-from ..scene.pixel_grid import Pressing
-from ..scene.readings.setup import Setup
+from ..scene.parts import Pressing, SceneParts, Setup, Skin
 from ..scene.readout.meter import Leads
 from ..sweeps import InputError
 from .effects import EFFECTS, NEEDED, effects_of, with_effects

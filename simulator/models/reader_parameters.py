@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 from ..scene.readings.readers import Load, Source, own_source
 
 if TYPE_CHECKING:
+    from ..scene.parts import Setup
     from ..scene.readings.contacts import Interface
-    from ..scene.readings.setup import Setup
 
 SOURCE = "source_scale"
 READER = (SOURCE, "series_resistance", "load_capacitance", "load_conductance")

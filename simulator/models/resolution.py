@@ -9,8 +9,7 @@ from ..mesh.quadrilaterals import Resolution, singular_ends
 from ..press.capacitance import lines, patch, tile_map, touched_box
 from ..press.press import Press
 from ..press.touch import AnyTouch, Touch
-from ..scene.parts import Skin
-from ..scene.pixel_grid import Pressing
+from ..scene.parts import Pressing, Skin
 from ..scene.planar import Lines, distinct
 from ..scene.readings.contacts import Contact
 

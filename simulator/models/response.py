@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Complex
-from ..scene.readings.setup import Setup
+from ..scene.parts import Setup
 
 NONE = np.zeros(0, dtype=np.complex128)
 """Empty array, for no cells and no terms."""

@@ -19,8 +19,7 @@ from ..mesh.quadrilaterals import Resolution, tile_lines
 from ..press.capacitance import capacitance_map, lines, tile_map
 from ..press.press import Press
 from ..scene.frequency import laplace_variable
-from ..scene.parts import Skin
-from ..scene.pixel_grid import Pressing
+from ..scene.parts import Pressing, Skin
 from ..scene.planar import NO_LINES
 from ..sweeps import InputError
 

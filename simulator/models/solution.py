@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import Complex, Mask, Real
 from ..fem.error_estimate import reference_susceptance, relative_difference
 from ..fem.safety_factors import UNIFORM
-from ..scene.readings.setup import Setup
+from ..scene.parts import Setup
 from ..sweeps.reading_quantities import GAIN_ERROR, IMPEDANCE, ReadingKind
 
 

@@ -13,9 +13,7 @@ from ..press.press import Press, check_fingers
 from ..progress import ProgressCallback, silent
 from ..scene.air_nodes import air_factor
 from ..scene.frequency import laplace_variable
-from ..scene.parts import Skin
-from ..scene.pixel_grid import Pressing
-from ..scene.readings.setup import Setup
+from ..scene.parts import Pressing, Setup, Skin
 from .heterogeneous.coefficients import ELECTRODES, PressCoefficients
 from .heterogeneous.discretised import Discretised
 from .heterogeneous.mesh_choice import deformed, meshes

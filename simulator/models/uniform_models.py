@@ -20,9 +20,7 @@ from ..fem.terminals.excitation import impedance_with_error
 from ..mesh.quadrilaterals import Resolution
 from ..method_cache import cached_method
 from ..press.press import Press
-from ..scene.parts import Skin
-from ..scene.pixel_grid import Pressing
-from ..scene.readings.setup import Setup
+from ..scene.parts import Pressing, Setup, Skin
 from ..sweeps import InputError
 from .line import Line
 from .lumped import Lumped, min_truncation_error

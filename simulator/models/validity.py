@@ -13,9 +13,7 @@ import math
 
 from ..scene.extent import perimeter, surface
 from ..scene.foam.foam import ASSUMED_PERMITTIVITY, VACUUM_PERMITTIVITY
-from ..scene.parts import Skin
-from ..scene.pixel_grid import Pressing
-from ..scene.readings.setup import Setup
+from ..scene.parts import Pressing, Setup, Skin
 
 LATERAL_LIMIT, FRINGE_LIMIT = 0.01, 0.1
 PIXEL_LIMIT = 2.0

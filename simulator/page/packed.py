@@ -26,9 +26,7 @@ from ..press.finger import PERSON, touched_area
 from ..press.parts import Parts, parts_of
 from ..press.touch import Touch
 from ..progress import ProgressCallback, silent
-from ..scene.parts import Meter, SceneParts, Skin
-from ..scene.pixel_grid import Pressing
-from ..scene.readings.setup import Setup
+from ..scene.parts import Meter, Pressing, SceneParts, Setup, Skin
 from ..scene.readout.meter import Readout
 from ..sweeps import InputError
 from . import base64_arrays

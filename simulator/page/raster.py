@@ -17,8 +17,7 @@ from ..models.heterogeneous.materials import Materials
 from ..models.reduced.families.family import Family, Triangulation
 from ..models.reduced.families.uniform_family import UniformFamily
 from ..models.reduced.reduced_skin import ReducedSkin
-from ..scene.parts import Skin
-from ..scene.pixel_grid import Pressing
+from ..scene.parts import Pressing, Skin
 from .locating import locate_points
 
 

@@ -12,8 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..arrays import Real
-from ..scene.parts import Skin
-from ..scene.pixel_grid import Pressing
+from ..scene.parts import Pressing, Skin
 from ..scene.planar import NO_LINES, SAME_EDGE, SAME_LINE, Lines, disc_fraction, distinct, shared
 from ..sweeps import InputError
 from .batch import NOTHING, TouchedCells, joined_cells

@@ -7,8 +7,7 @@ from dataclasses import astuple, dataclass, replace
 import numpy as np
 
 from ..scene.form.outline import check_simple
-from ..scene.parts import Skin
-from ..scene.pixel_grid import Pressing
+from ..scene.parts import Pressing, Skin
 from ..scene.planar import SAME_LINE
 from ..scene.surroundings import NO_EARTH
 from ..scene.touch_capacitance import per_pixel

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from ..models.validity import earth_left_out, warnings
-from ..scene.parts import Meter, Skin
-from ..scene.readings.setup import Setup
+from ..scene.parts import Meter, Setup, Skin
 from ..scene.scene import Scene
 from ..scene.scene_files import load_scene
 from .console import note, warn

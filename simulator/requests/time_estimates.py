@@ -10,8 +10,7 @@ from typing import TypeVar
 import numpy as np
 
 from ..progress import duration
-from ..scene.parts import Skin
-from ..scene.readings.setup import Setup
+from ..scene.parts import Setup, Skin
 from .console import note
 
 Item = TypeVar("Item")

@@ -36,6 +36,8 @@ from .surroundings import Surroundings
 if TYPE_CHECKING:
     from .scene import Scene
 
+__all__ = ["Meter", "Plan", "Pressing", "SceneParts", "Setup", "Skin"]
+
 
 @dataclass(frozen=True, eq=False)
 class Skin(SheetsAndFoam, Part):
@@ -109,6 +111,11 @@ class Skin(SheetsAndFoam, Part):
         """Keys that add more than two sheets with foils on their edges."""
         wide = [f"contact[{k + 1}].width" for k, foil in enumerate(self.contacts) if foil.width]
         return [*(["surroundings"] if self.around else []), *wide]
+
+    def grid(self, cells: int) -> tuple[int, int]:
+        """Rows and columns of the grid of cells, so many along each side of a pixel."""
+        rows, columns = self.pixels.shape
+        return cells * rows, cells * columns
 
     def on_grid(self, rows: int, columns: int) -> Skin:
         """The skin with a grid of equal pixels, without the limits of `Pixels` on their number."""
@@ -258,8 +265,7 @@ class SceneParts:
 
     def divided(self, cells: int) -> SceneParts:
         """The parts with each pixel divided into cells along each side; themselves for 1."""
-        rows, columns = self.skin.pixels.shape
-        return self if cells == 1 else self.on_grid(cells * rows, cells * columns)
+        return self if cells == 1 else self.on_grid(*self.skin.grid(cells))
 
     @cached_property
     def scene(self) -> Scene:

@@ -17,8 +17,7 @@ from ..press.capacitance import touched_box, touched_cells
 from ..press.parts import foam_parts
 from ..press.press import Press, check_press, label_of, press_on, pressed_factor
 from ..press.touch import AnyTouch, Depth, Disc, Force, Indentation, Rectangle, Touch
-from ..scene.parts import Skin
-from ..scene.pixel_grid import Pressing
+from ..scene.parts import Pressing, Skin
 from ..sweeps import UNPRESSED, InputError
 from ..sweeps.schema import UNKNOWN_PRESS
 from .cell_spreading import SkinCells

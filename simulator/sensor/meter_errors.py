@@ -10,8 +10,7 @@ import numpy as np
 
 from ..arrays import Complex, Real
 from ..measure.streams import METER, stream
-from ..scene.parts import Meter
-from ..scene.readings.setup import Setup
+from ..scene.parts import Meter, Setup
 from ..sweeps.reading_quantities import KINDS
 
 

@@ -16,8 +16,7 @@ from ..models.heterogeneous.materials import gauged
 from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.batch import PressBatch
-from ..scene.parts import SceneParts, Skin
-from ..scene.readings.setup import Setup
+from ..scene.parts import SceneParts, Setup, Skin
 from ..scene.readout.meter import Leads
 from ..sweeps.free_space import check_memory
 from .skin_stack import SkinStack

@@ -14,8 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..measure.creeping_sweeps import reading_spans
-from ..scene.parts import Meter
-from ..scene.readings.setup import Setup
+from ..scene.parts import Meter, Setup
 
 PER_SECOND = 10**15
 """Ticks of the clock per second: steps of 1 s, 1/60 s or 1/1000 s add up without an error."""

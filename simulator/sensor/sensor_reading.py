@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Mask, Real
-from ..scene.readings.setup import Setup
+from ..scene.parts import Setup
 from ..sweeps.reading_quantities import reading_name
 from .given_press import PressLabel
 from .reading_clock import DueReading

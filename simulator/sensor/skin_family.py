@@ -18,9 +18,7 @@ from ..models.reduced.reduced_model import Reduced
 from ..press.foam_creep import Creep
 from ..scene.draws.draw_distributions import Fixed, Uniform
 from ..scene.draws.randomisation import DrawnPress, Randomisation, Session
-from ..scene.parts import Plan, SceneParts, Skin
-from ..scene.pixel_grid import Pressing
-from ..scene.readings.setup import Setup
+from ..scene.parts import Plan, Pressing, SceneParts, Setup, Skin
 from ..sweeps import InputError
 
 STRONGEST, BY_FOAM = 4.0, 8.0

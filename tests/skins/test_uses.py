@@ -62,7 +62,9 @@ def test_pixels_without_skin_are_no_class_and_no_press(kinds):
 
 def test_the_bound_on_position_is_asked_where_a_touch_is_whole_on_the_skin(kinds):
     scene = kinds["l with a hole"]
-    places = np.array(places_on(scene.parts, chosen_touch(scene.parts.skin, scene.press, 0.02), 4))
+    places = np.array(
+        places_on(scene.parts.skin, chosen_touch(scene.parts.skin, scene.press, 0.02), 4)
+    )
     half = 0.01
     assert len(places)
     beyond = (places > 0.06 - half + 1e-9).all(axis=1)

@@ -7,8 +7,7 @@ import math
 from ...models.heterogeneous.materials import gauged
 from ...models.network.terminals import needs_all_terminals
 from ...models.reduced.indentation.indentation_draws import scene_spreads_presses
-from ...scene.parts import SceneParts, Skin
-from ...scene.pixel_grid import Pressing
+from ...scene.parts import Pressing, SceneParts, Skin
 from ...sweeps import InputError, ToleranceError
 from ..touches.area_rasterizer import TouchSize
 from .full_fields import CELLS_PER_PIXEL, FullFields

@@ -11,8 +11,7 @@ from ...arrays import Real
 from ...models.parameters import of_parts
 from ...models.reduced.indentation.indentation_draws import scene_spreads_presses
 from ...press.parts import SOLVED, Parts, parts_of
-from ...scene.parts import Skin
-from ...scene.pixel_grid import Pressing
+from ...scene.parts import Pressing, Skin
 from .edge_walls import EdgeWalls
 
 

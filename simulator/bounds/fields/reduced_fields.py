@@ -22,8 +22,7 @@ from ...models.reduced.reduced_skin import MAX_SKINS, ReducedSkin
 from ...models.response import Response, at_meter
 from ...progress import silent
 from ...scene.frequency import laplace_variable, slopes_of_s
-from ...scene.parts import SceneParts
-from ...scene.readings.setup import Setup
+from ...scene.parts import SceneParts, Setup
 from ..touches.area_rasterizer import AreaRasterizer, TouchSize
 from .full_fields import CELLS_PER_PIXEL, Maps
 from .full_fields import RTOL as MESH_RTOL
@@ -42,7 +41,7 @@ class ReducedFields:
         """cells: of the model, along each side of a pixel. reading: of the skin's interfaces, by
         default the scene's."""
         self.parts, self.cells, self._reading = parts, cells, reading or parts.setup
-        self.grid = parts.divided(cells).skin.pixels.shape
+        self.grid = parts.skin.grid(cells)
         self._skin = skin
         self._maps = PartMaps(skin.reduced.parts.skin, skin.reduced.parts.plan.press)
 

@@ -27,8 +27,7 @@ from ...models.mechanics.lattice.relaxed_presses import (
 )
 from ...models.mechanics.lattice.skin_lattice import Lattice, lattice_of
 from ...models.reduced.indentation.indentation_draws import scene_spreads_presses
-from ...scene.parts import Skin
-from ...scene.pixel_grid import Pressing
+from ...scene.parts import Pressing, Skin
 from .area_rasterizer import AreaRasterizer, Point, RasterizedTouch, TouchSize
 from .node_sharing import distributed_to_cells
 

@@ -25,8 +25,7 @@ from ...models.reduced.indentation.indentation_draws import scene_spreads_presse
 from ...press.batch import PressBatch
 from ...press.parts import parts_of
 from ...press.rasterized import Footprints, rasterized
-from ...scene.parts import Skin
-from ...scene.pixel_grid import Pressing
+from ...scene.parts import Pressing, Skin
 from ...sweeps import ToleranceError
 from .area_rasterizer import Point
 from .depth_rasterizer import DepthRasterizer, enclosing_window

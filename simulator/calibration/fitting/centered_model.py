@@ -19,8 +19,7 @@ from ...models.reduced.forward import Forward
 from ...models.reduced.forward_training import REACH
 from ...models.response import Response
 from ...progress import ProgressCallback, silent
-from ...scene.parts import SceneParts, Skin
-from ...scene.readings.setup import Setup
+from ...scene.parts import SceneParts, Setup, Skin
 from ...sweeps import InputError
 
 FAR = 30.0

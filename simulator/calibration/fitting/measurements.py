@@ -22,9 +22,7 @@ from ...press.press import (
     strength_of,
 )
 from ...press.touch import Touch, place_of
-from ...scene.parts import SceneParts, Skin
-from ...scene.pixel_grid import Pressing
-from ...scene.readings.setup import Setup
+from ...scene.parts import Pressing, SceneParts, Setup, Skin
 from ...scene.readout.readout_errors import ReadoutErrors
 from ...sweeps import InputError
 from ...sweeps.inputs import objects

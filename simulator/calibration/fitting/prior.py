@@ -14,9 +14,8 @@ from ...models.effects import effects_of
 from ...models.parameters import COSINE_MODES, FACTORS, FOAM_MODES, SHEET_MODES, own_values
 from ...models.reader_parameters import READER, SOURCE, reader_values, smallest_load_capacitance
 from ...models.session_spreads import SessionSpread, session_spreads
-from ...scene.parts import Plan
+from ...scene.parts import Plan, Setup
 from ...scene.ranges import MAX_INDUCTANCE
-from ...scene.readings.setup import Setup
 from ...scene.readout.meter import Readout
 from ...sweeps import InputError
 from .measurements import Measurements

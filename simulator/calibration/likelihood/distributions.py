@@ -8,8 +8,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from ...arrays import Real
-from ...scene.parts import Skin
-from ...scene.readings.setup import Setup
+from ...scene.parts import Setup, Skin
 from ..fitting.fit import Fit
 from ..results.identifiability import Information
 from ..results.sheet_intervals import COMMON, MISMATCH, RATIO, SUM, Product, depend_on_ratio, sheets

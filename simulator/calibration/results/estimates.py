@@ -11,8 +11,7 @@ import numpy as np
 from ...arrays import Real
 from ...models.parameters import COSINE_MODES, FACTORS, VALUES, own_values
 from ...progress import ProgressCallback, silent, tracked
-from ...scene.parts import Skin
-from ...scene.readings.setup import Setup
+from ...scene.parts import Setup, Skin
 from ..fitting.fit import Fit
 from ..likelihood.distributions import Distributions
 from ..likelihood.profile_distribution import CONFIDENCE, cut_normal

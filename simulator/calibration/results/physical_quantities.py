@@ -6,8 +6,7 @@ import math
 from collections.abc import Iterator, Mapping
 
 from ...models.effects import effects_of
-from ...scene.parts import Skin
-from ...scene.readings.setup import Setup
+from ...scene.parts import Setup, Skin
 from ...surroundings.rim import rim_densities
 from .sheet_intervals import Product, sheets
 

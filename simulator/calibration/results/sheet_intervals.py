@@ -16,8 +16,7 @@ import numpy as np
 from ...arrays import Real
 from ...models.heterogeneous.mesh_choice import single_field
 from ...models.parameters import BOTTOM_MODES, TOP_MODES
-from ...scene.parts import Skin
-from ...scene.readings.setup import Setup
+from ...scene.parts import Setup, Skin
 from ..fitting.fit import Fit
 from ..likelihood.profile_distribution import CONFIDENCE, Interval, ProfileDistribution
 from .identifiability import Information

@@ -15,8 +15,7 @@ import numpy as np
 from ...models.reader_parameters import SOURCE
 from ...press.touch import Indentation, Touch, place_of
 from ...progress import ProgressCallback, silent
-from ...scene.parts import Skin
-from ...scene.readings.setup import Setup
+from ...scene.parts import Setup, Skin
 from ...sweeps import InputError, ToleranceError
 from ..fitting.centered_model import CenteredModel, model_of
 from ..fitting.fit import EXPLAINED, Fit, best_of_starts, model_tolerance, solve_from

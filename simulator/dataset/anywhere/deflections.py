@@ -14,8 +14,7 @@ from ...arrays import Integer, Real
 from ...models.reduced.indentation.indentation_draws import spreading
 from ...press.batch import PressBatch
 from ...press.rasterized import Footprints, rasterized
-from ...scene.parts import Plan, Skin
-from ...scene.pixel_grid import Pressing
+from ...scene.parts import Plan, Pressing, Skin
 from ..strengths import written_strength
 
 if TYPE_CHECKING:

@@ -8,8 +8,7 @@ from ...arrays import Integer, Mask, Real
 from ...mesh.pixel_coverage import pixel_coverage
 from ...models.reduced.indentation.indentation_draws import spreading
 from ...press.rasterized import Footprints
-from ...scene.parts import Plan, Skin
-from ...scene.pixel_grid import Pressing
+from ...scene.parts import Plan, Pressing, Skin
 from ...scene.skin_region import covers
 from ..drawn_fingers import DrawnFingers
 from ..strengths import finger_texts, joined_texts

@@ -13,8 +13,7 @@ from ...arrays import Integer, Real
 from ...bounds.touch_readings import Hypothesis
 from ...mesh.pixel_coverage import pixel_coverage
 from ...press.batch import PressBatch
-from ...scene.parts import Skin
-from ...scene.pixel_grid import Pressing
+from ...scene.parts import Pressing, Skin
 from ...sweeps.free_space import check_memory
 from ..skin_readout import SkinReadout
 

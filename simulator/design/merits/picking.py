@@ -15,9 +15,8 @@ from ...measure.readout import errors_of, require_noise
 from ...meters.reading_time import SETTLE, reading_time
 from ...scene.design_goals import Design
 from ...scene.multisine.reader import Multisine
-from ...scene.parts import Meter, SceneParts
+from ...scene.parts import Meter, SceneParts, Setup
 from ...scene.readings.contacts import Interface
-from ...scene.readings.setup import Setup
 from ...sweeps import InputError
 from ..skin_readout import Material, SkinReadout, material_of
 from ..trained_skins import TrainedSkins

@@ -32,13 +32,12 @@ class TouchPositions:
                 f"{parts.skin.name}: a design for positions needs pixels without `groups`"
             )
         parts.skin.require_sheets_alone("a design for positions")
-        rows, columns = (CELLS * count for count in parts.skin.pixels.shape)
-        self.divided = parts.on_grid(rows, columns)
+        self.divided = parts.divided(CELLS)
         self.size: TouchSize = chosen_touch(parts.skin, parts.plan.press)
-        self.places: list[Point] = places_on(parts, self.size, CELLS, ALONG)
+        self.places: list[Point] = places_on(parts.skin, self.size, CELLS, ALONG)
         self.sides = parts.skin.length, parts.skin.width
         self.room = self.sides[0] - self.size.width, self.sides[1] - self.size.height
-        self.cells = AreaRasterizer.of(*self.sides, (rows, columns))
+        self.cells = AreaRasterizer.of(*self.sides, parts.skin.grid(CELLS))
 
     @property
     def merit(self) -> PositionMerit:

@@ -16,10 +16,9 @@ from typing import Literal
 import numpy as np
 
 from ...arrays import Real
-from ...scene.parts import Skin
+from ...scene.parts import Setup, Skin
 from ...scene.readings.contacts import Contact, Interface
 from ...scene.readings.node_gain import driven_terminals
-from ...scene.readings.setup import Setup
 from ...scene.readings.wiring_checks import conductor_groups
 from ...scene.surroundings import Surroundings
 from .excitation import Combination, Excitation, combination, through_virtual_earth

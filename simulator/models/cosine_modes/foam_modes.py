@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from ...scene.maps.factor_maps import Grid
-from ...scene.parts import Skin
-from ...scene.pixel_grid import Pressing
+from ...scene.parts import Pressing, Skin
 from ...sweeps import InputError
 from ..parameters import FOAM_MODES
 from .amplitudes import fitted_map, modes_at

@@ -10,8 +10,7 @@ from ...mesh.quadrilaterals import Resolution
 from ...press.capacitance import patch
 from ...press.press import Press
 from ...press.touch import Rectangle, Touch
-from ...scene.parts import Skin
-from ...scene.pixel_grid import Pressing
+from ...scene.parts import Pressing, Skin
 from ...scene.planar import NO_LINES, Lines
 from ...scene.readings.wiring_checks import strip
 from ..resolution import ResolutionHierarchy, all_lines, depth_of, reached_by_field, strongest

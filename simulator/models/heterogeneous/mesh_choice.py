@@ -10,9 +10,7 @@ from ...fem.system import check_grid_fits
 from ...fem.terminals.circuit import Circuit, one_field, two_fields
 from ...press.press import Press
 from ...progress import ProgressCallback, silent
-from ...scene.parts import Skin
-from ...scene.pixel_grid import Pressing
-from ...scene.readings.setup import Setup
+from ...scene.parts import Pressing, Setup, Skin
 from ...sweeps import ToleranceError
 from .deflection_error import raised_by_deflection
 from .discretised import Discretised

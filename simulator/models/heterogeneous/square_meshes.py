@@ -14,8 +14,7 @@ from ...mesh.quadrilaterals import Resolution, pixel_mesh, tile_lines
 from ...press.capacitance import patch, tile_map
 from ...press.pixels import pixel_lines
 from ...press.press import Press
-from ...scene.parts import Skin
-from ...scene.pixel_grid import Pressing
+from ...scene.parts import Pressing, Skin
 from ...scene.planar import NO_LINES, SAME_EDGE, Lines
 from ...sweeps import ToleranceError
 from ..resolution import ONE_CELL, ResolutionHierarchy

@@ -14,10 +14,8 @@ from typing import TypedDict, TypeVar
 
 from ...arrays import Real
 from ...progress import ProgressCallback, silent
-from ...scene.parts import SceneParts, Skin
-from ...scene.pixel_grid import Pressing
+from ...scene.parts import Pressing, SceneParts, Setup, Skin
 from ...scene.readings.contacts import Contact, Interface
-from ...scene.readings.setup import Setup
 from ...scene.readings.wiring_checks import check_wiring, conductor_groups
 from ...sweeps import InputError
 from ..heterogeneous.mesh_choice import single_field

@@ -13,8 +13,7 @@ from ...press.capacitance import touched_cells
 from ...press.parts import parts_of
 from ...press.press import Press
 from ...press.random_presses import random_presses
-from ...scene.parts import Plan, SceneParts, Skin
-from ...scene.readings.setup import Setup
+from ...scene.parts import Plan, SceneParts, Setup, Skin
 from ...scene.readout.meter import FrequencyGrid
 from ..cosine_modes.sheet_modes import random_amplitudes, variation_with_modes
 from ..parameters import Variation, own_values, variation_of

@@ -9,8 +9,7 @@ from ...mesh.finger_cells import with_fingers_at
 from ...press.batch import PressBatch
 from ...press.finger import finger_over
 from ...press.rasterized import Footprints
-from ...scene.parts import Skin
-from ...scene.pixel_grid import Pressing
+from ...scene.parts import Pressing, Skin
 from .contact_types import PointContacts
 
 

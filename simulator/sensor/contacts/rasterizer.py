@@ -11,8 +11,7 @@ import numpy as np
 from ...arrays import Mask, Real
 from ...models.reduced.indentation.indentation_draws import spreads
 from ...press.batch import NOTHING, PressBatch
-from ...scene.parts import Skin
-from ...scene.pixel_grid import Pressing
+from ...scene.parts import Pressing, Skin
 from ...sweeps import InputError
 from ..cell_spreading import PARTS, CellSpreading
 from .contact_types import STRENGTHS, Contacts, PointContacts, PressureImage

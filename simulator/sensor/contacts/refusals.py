@@ -5,8 +5,7 @@ from __future__ import annotations
 from ...arrays import Mask
 from ...models.mechanics.deformation import check_plane
 from ...press.walls import require_no_walls
-from ...scene.parts import Skin
-from ...scene.pixel_grid import Pressing
+from ...scene.parts import Pressing, Skin
 from ...sweeps import InputError
 from ...sweeps.press_text import MAX_FACTOR, MIN_FACTOR
 from .contact_types import KINDS, Contacts, PointContacts

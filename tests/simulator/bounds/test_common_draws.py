@@ -13,7 +13,7 @@ from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.parameters import nominal
 from rcskin.simulator.models.reduced.cases import pixel_touches
-from rcskin.simulator.scene.readings.setup import Setup
+from rcskin.simulator.scene.parts import Setup
 from rcskin.simulator.sweeps import InputError
 from rcskin.tests.simulator.bounds.every_strength import compared, exact
 
@@ -156,7 +156,7 @@ def test_other_targets_are_refused(scene):
 
 def test_bounds_on_position_are_those_of_the_full_elements(scene):
     touch, highest = chosen_touch(scene.parts.skin, scene.press), float(scene.frequencies[-1])
-    places = places_on(scene.parts, touch, CELLS_PER_PIXEL)[1::5]
+    places = places_on(scene.parts.skin, touch, CELLS_PER_PIXEL)[1::5]
     both = [fields_of(scene.parts, highest, touch), FullFields(scene.parts, highest)]
     assert not isinstance(both[0], FullFields)
     found, truth = (

@@ -16,7 +16,7 @@ def test_exchange_finds_the_best_of_all_choices(noisy_strip, target, repeats):
     fields, f = FullFields(noisy_strip.parts, 1e5), noisy_strip.frequencies
     if target == "position":
         touch = chosen_touch(noisy_strip.parts.skin, noisy_strip.press)
-        places = places_on(noisy_strip.parts, touch, fields.cells)
+        places = places_on(noisy_strip.parts.skin, touch, fields.cells)
         criterion = position_criterion(position_slopes(fields, places, touch, f))
     else:
         criterion = identity_criterion(fields, target, f)

@@ -21,7 +21,7 @@ TRIALS = 150
 def slopes_of(scene, most=4, **options):
     touch = chosen_touch(scene.parts.skin, scene.press)
     fields = FullFields(scene.parts, float(scene.frequencies[-1]))
-    places = places_on(scene.parts, touch, fields.cells, most)
+    places = places_on(scene.parts.skin, touch, fields.cells, most)
     return position_slopes(fields, places, touch, scene.frequencies, **options)
 
 

@@ -11,8 +11,7 @@ from rcskin.simulator.models.network.terminals import reduced_for
 from rcskin.simulator.models.parameters import parts_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.parts import Meter
-from rcskin.simulator.scene.pixel_grid import Pressing
+from rcskin.simulator.scene.parts import Meter, Pressing
 from rcskin.simulator.scene.readout.meter import Readout
 
 METER = Readout(

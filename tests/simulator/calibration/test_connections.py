@@ -34,7 +34,10 @@ def yarn():
 def gains(yarn):
     """Of another yarn, read with noise, shape (press, interface, frequency)."""
     truth = parts_with(yarn.parts, TRUTH).scene
-    read = simulate(Solver(truth.parts, 1e-5), [parse_press(each, 2.0, yarn) for each in PRESSES])
+    read = simulate(
+        Solver(truth.parts, 1e-5),
+        [parse_press(each, 2.0, yarn.parts.skin, yarn.press) for each in PRESSES],
+    )
     noise = NOISE * np.random.default_rng(0).standard_normal(read["gain"].shape)
     return read.assign(gain=(read["gain"].dims, read["gain"].values * (1 + noise)))
 
@@ -102,7 +105,7 @@ def test_keys_that_are_counted_from_the_other_end_are_found(yarn, gains):
     """Of a pad that is read at one end only, ends and keys cannot be told apart."""
     one = yarn.with_({"interface": [_alone(yarn, 0)]})
     mirrored = ("none", "1,11:26pF", "1,7:33pF", "1,2:29pF")
-    presses = [parse_press(each, 2.0, one) for each in mirrored]
+    presses = [parse_press(each, 2.0, one.parts.skin, one.press) for each in mirrored]
     read = simulate(Solver(parts_with(one.parts, TRUTH), 1e-5), presses)
     read["press"] = ("sweep", np.array(PRESSES, dtype=object))
     found = calibrate(one, read, fitted())

@@ -140,7 +140,7 @@ def test_the_command_takes_them(own, shared, read, run, tmp_path, earth_alone):
     names = {path.name for path in (tmp_path / "out").iterdir()}
     assert {"calibrated.toml", "residuals-left.png", "residuals-bottom.png"} <= names
     again = load_scene(str(tmp_path / "out" / "calibrated.toml"))
-    assert again.taken.tolist() == own.parts.setup.taken.tolist()
+    assert again.parts.setup.taken.tolist() == own.parts.setup.taken.tolist()
     for path in (tmp_path / "out").glob("*.json"):
         json.loads(path.read_text(), parse_constant=pytest.fail)
 

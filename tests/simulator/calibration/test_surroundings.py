@@ -50,7 +50,7 @@ def model(scene):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
             "rcskin.simulator.calibration.fitting.centered_model.reduced_for",
-            lambda scene, *given, **more: replace(known, scene=scene),
+            lambda parts, *given, **more: replace(known, parts=parts),
         )
         yield found
 

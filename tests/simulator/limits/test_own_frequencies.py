@@ -33,7 +33,7 @@ def written(tmp_path):
 def slopes_of(scene, against_rest):
     touch = chosen_touch(scene.parts.skin, scene.press)
     fields = fields_of(scene.parts, scene.frequencies[-1], touch)
-    places = places_on(scene.parts, touch, fields.cells, 3)
+    places = places_on(scene.parts.skin, touch, fields.cells, 3)
     return position_slopes(fields, places, touch, scene.frequencies, against_rest=against_rest)
 
 

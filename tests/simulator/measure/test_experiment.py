@@ -12,7 +12,7 @@ from rcskin.simulator.measure.experiment import (
 )
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.draws.draw_distributions import Uniform
-from rcskin.simulator.scene.pixel_grid import Pressing
+from rcskin.simulator.scene.parts import Pressing
 from rcskin.simulator.scene.readout.meter import Experiment
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError

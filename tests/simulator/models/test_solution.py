@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from rcskin.simulator.fem.error_estimate import LOST_SUSCEPTANCE, certified, relative_difference
 from rcskin.simulator.models.solution import ModelResult, SolutionProgress
+from rcskin.simulator.scene.parts import Setup
 from rcskin.simulator.scene.readings.contacts import Interface
-from rcskin.simulator.scene.readings.setup import Setup
 from rcskin.simulator.scene.readout.meter import Leads
 from rcskin.simulator.sweeps import parallel_capacitance
 

@@ -102,7 +102,7 @@ def ratios(scene, press="none"):
     """Of Rs and Cp to those without surroundings, shape (2, frequency)."""
     alone = scene.model_copy(update={"surroundings": None})
     one, other = (
-        Solver(each.parts, 1e-5).solve(parse_press(press, 2.0, each)).Z[0]
+        Solver(each.parts, 1e-5).solve(parse_press(press, 2.0, each.parts.skin, each.press)).Z[0]
         for each in (scene, alone)
     )
     return np.stack([one.real / other.real, (1 / one).imag / (1 / other).imag])

@@ -20,8 +20,7 @@ from ....press.parts import Parts, parts_of
 from ....press.press import Press
 from ....press.touch import Touch
 from ....progress import ProgressCallback, silent
-from ....scene.parts import Plan, Skin
-from ....scene.pixel_grid import Pressing
+from ....scene.parts import Plan, Pressing, Skin
 from ....sweeps import ToleranceError
 from ...heterogeneous.discretised import indicators, marked_cells
 from ...heterogeneous.square_meshes import Squares

@@ -10,8 +10,7 @@ from ....arrays import Mask
 from ....mesh.pixel_coverage import pixel_coverage
 from ....press.parts import parts_of
 from ....press.walls import require_no_walls
-from ....scene.parts import Skin
-from ....scene.pixel_grid import Pressing
+from ....scene.parts import Pressing, Skin
 from ....sweeps import InputError
 from ...heterogeneous.materials import gauged
 from ..cases import Case, Draw
