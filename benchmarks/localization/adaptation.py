@@ -100,7 +100,7 @@ def recorded(trial: Trial, family: Reduced, number: int) -> xr.Dataset:
     parts = [
         read_at_once(
             Mounted(
-                family_parts(trial.parts).scene, family, SEED, number, trial.hand, mounting=each
+                family_scene(trial), family, SEED, number, trial.hand, mounting=each
             ),
             trial.recording(np.random.default_rng([SEED, number, each])),
             each,
@@ -110,7 +110,7 @@ def recorded(trial: Trial, family: Reduced, number: int) -> xr.Dataset:
     return concatenate(parts).assign_attrs(scene=scene_text(trial.believed))
 
 
-def family_parts(trial: Trial) -> Scene:
+def family_scene(trial: Trial) -> Scene:
     """The twins' own."""
     return built(trial.believed)
 
@@ -153,7 +153,7 @@ def main(run: Run) -> None:
         sweeps = simulated(scene, reduced(scene.parts, RTOL), run.sized(TRAINING, FEW_TRAINING))
         target = case.trial.target
         model = train(sweeps, target, case.estimator, quantities=case.quantities).for_any_skin()
-        family = reduced(family_parts(case.trial.parts).parts, RTOL)
+        family = reduced(family_scene(case.trial).parts, RTOL)
         for number in range(run.sized(case.twins, 1)):
             sweeps = recorded(case.trial, family, number)
             table += rows(case, model, sweeps, run.sized(TOUCHES, FEW_TOUCHES))
