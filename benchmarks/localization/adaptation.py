@@ -99,9 +99,7 @@ def recorded(trial: Trial, family: Reduced, number: int) -> xr.Dataset:
     """Two sessions of a twin."""
     parts = [
         read_at_once(
-            Mounted(
-                family_scene(trial), family, SEED, number, trial.hand, mounting=each
-            ),
+            Mounted(family_scene(trial), family, SEED, number, trial.hand, mounting=each),
             trial.recording(np.random.default_rng([SEED, number, each])),
             each,
         )

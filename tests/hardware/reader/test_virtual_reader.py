@@ -148,7 +148,7 @@ def test_a_live_session_reads_lines(described, press_control):
     localizer = Pixels()
     text = COUNTED.replace("rate = 2000", "rate = 1000")
     path = described(text)
-    with served(localizer.parts, SKINS, text) as (_, ports):
+    with served(localizer.parts.scene, SKINS, text) as (_, ports):
         press = press_control(ports)
         frequencies = dict.fromkeys(INTERFACES, localizer.frequencies)
         options = SourceOptions(ports.line_resource, 1.0, 9600, None, path)

@@ -153,7 +153,7 @@ ROUNDING = np.finfo(np.longdouble).eps
 def complex_solves(sheet, press, frequency):
     """As `Sheet.impedance`, with residuals in extended precision: in double the difference of the
     two terms of Y loses up to six digits far above cut-off."""
-    space, s = sheet.space, laplace_variable(frequency, sheet.scene.skin.foam.loss)
+    space, s = sheet.space, laplace_variable(frequency, sheet.skin.foam.loss)
     mass = space.restricted(sheet.mass(press))
     lift = space.lift.astype(np.clongdouble)
     charge = mass.astype(np.clongdouble) @ lift

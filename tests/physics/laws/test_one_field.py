@@ -16,9 +16,12 @@ def test_same_impedance_as_two_fields(random, frequency_at, data):
     scene = data.draw(random.in_pairs())
     press, frequency = data.draw(random.presses(scene)), frequency_at(scene, U)
     one, two = (
-        SheetModel(scene.parts.skin, scene.press, circuit(scene), Resolution(order=3)).impedance(
-            press, frequency
-        )
+        SheetModel(
+            scene.parts.skin,
+            scene.press,
+            circuit(scene.parts.skin, scene.parts.setup),
+            Resolution(order=3),
+        ).impedance(press, frequency)
         for circuit in (one_field, two_fields)
     )
     np.testing.assert_allclose(one, two, rtol=1e-10)

@@ -98,7 +98,7 @@ def test_a_data_set_without_faults_is_as_before(toy):
     assert "faults" not in plan.parts.text
     odds = plan.parts.scene.with_({"dataset.session.faults": {"aged_gain": 0.0}})
     own, other = (
-        drawn_sessions(each, toy.ToyFamily(each.scene), range(10))
+        drawn_sessions(each, toy.ToyFamily(each.parts), range(10))
         for each in (plan, DatasetPlan(odds.parts, 100, 1, plan.rtol))
     )
     for one, same in zip(own, other, strict=True):

@@ -139,6 +139,6 @@ def test_repetitions_that_memory_does_not_bear_are_refused(machine):
     machine(memory=1e9)
     often = load_scene("glove").with_({"experiment.repetitions": 10**6})
     with pytest.raises(InputError, match="sweeps of 20 readings would need"):
-        EvaluationSettings(repeated=True).check(often)
+        EvaluationSettings(repeated=True).check(often.parts)
     with pytest.raises(InputError, match="10000 sweeps of each of 100 x 100 pixels would need"):
         standard_order(100, 100, 10_000)
