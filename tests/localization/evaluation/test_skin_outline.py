@@ -12,7 +12,7 @@ GLOVE = load_scene("glove")
 def lines(scene):
     """What is drawn of a scene, by label, mm."""
     axes = Figure().subplots()
-    draw_skin_outline(axes, scene.parts.skin)
+    draw_skin_outline(axes, scene and scene.parts.skin)
     return {str(line.get_label()): line.get_xydata() for line in axes.lines}
 
 
