@@ -43,7 +43,7 @@ class CommonDraws:
         draws: int = 2000,
         against_rest: int = 0,
     ) -> None:
-        """scene: for its pixels and meter. Other arguments: see `bayes_accuracy`.
+        """parts: for their pixels and meter. Other arguments: see `bayes_accuracy`.
 
         Raises InputError for a target other than column, row, pixel and pair, and for a meter
         without noise.
@@ -51,16 +51,10 @@ class CommonDraws:
         if target not in TARGETS:
             raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")
         require_noise(parts.meter.readout)
-        self._skin, self._meter, self._seed, self._against_rest = (
-            parts.skin,
-            parts.meter,
-            seed,
-            against_rest,
-        )
-        self._among, random = (
-            hypotheses(parts.skin, parts.plan, target),
-            np.random.default_rng(seed),
-        )
+        self._skin, self._meter, self._seed = parts.skin, parts.meter, seed
+        self._against_rest = against_rest
+        self._among = hypotheses(parts.skin, parts.plan, target)
+        random = np.random.default_rng(seed)
         self._draws = Draws(
             self._among, presses or own_presses(parts.skin, parts.plan.press), random, draws, NODES
         )

@@ -26,11 +26,7 @@ def in_foam_states(parts: SceneParts, batch: PressBatch, decays: Sequence[Real])
     number k len(decays) + n.
     """
     grid = parts.skin.grid(parts.plan.draws.press.cells)
-    foam, creep, cells = (
-        parts.skin.foam,
-        Creep.of(parts.skin.foam),
-        foam_parts(parts.skin, grid),
-    )
+    foam, creep, cells = parts.skin.foam, Creep.of(parts.skin.foam), foam_parts(parts.skin, grid)
     on_foam = batch.cells < cells
     factor = _factors(batch.where(on_foam), cells)
     strain = foam.strain_at(factor)

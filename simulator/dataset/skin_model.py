@@ -104,10 +104,8 @@ def _press(parts: SceneParts, random: np.random.Generator, grid: tuple[int, int]
     """A random press of a data set; on creeping foam with the traces of earlier presses."""
     if not parts.skin.foam.in_time:
         return drawn_presses(parts, random, 1, grid).batch.one(0)
-    nodes, presses = (
-        interpolation(parts).nodes,
-        drawn_presses(parts, random, EARLIER_PRESSES + 1, grid),
-    )
+    nodes = interpolation(parts).nodes
+    presses = drawn_presses(parts, random, EARLIER_PRESSES + 1, grid)
     pressed = in_foam_states(parts, presses.batch, nodes)
     return pressed.one(EARLIER_PRESSES * len(nodes) + int(random.integers(len(nodes))))
 

@@ -264,10 +264,7 @@ def _frequencies(setup: Setup) -> str:
 
 def _cut_off(skin: Skin, setup: Setup, interface: Interface) -> str:
     """Cut-off frequency of one interface; it depends on the foils that the interface drives."""
-    f, cut_off = (
-        setup.frequency_at(interface.name),
-        cut_off_frequency(skin, setup, interface),
-    )
+    f, cut_off = setup.frequency_at(interface.name), cut_off_frequency(skin, setup, interface)
     above = int((f > cut_off).sum())
     reach = f"{above} of {len(f)} frequencies lie above it and do not reach the whole skin"
     if above == 0:

@@ -49,10 +49,8 @@ class SceneEvaluator:
             parts, request, spanned, settings.seed, settings.progress, touches
         )
         if touches is None:
-            pair_source, scorer = (
-                PixelPairs(parts, request),
-                AccuracyScorer(parts, request, settings.draws, settings.seed),
-            )
+            pair_source = PixelPairs(parts, request)
+            scorer = AccuracyScorer(parts, request, settings.draws, settings.seed)
         else:
             pair_source, scorer = (
                 PositionPairs(touches, request),

@@ -230,10 +230,8 @@ def counted(
 ) -> Count:
     """The best accuracy with n pixels along the longer side of the grid."""
     divided = with_pixels(parts, n)
-    presses, among = (
-        own_presses(divided.skin, divided.plan.press),
-        hypotheses(divided.skin, divided.plan, target, sampling.size),
-    )
+    presses = own_presses(divided.skin, divided.plan.press)
+    among = hypotheses(divided.skin, divided.plan, target, sampling.size)
     readings = sampling.readings(divided, presses)
     readings.train(progress)
     bound = upper_bound(readings, among, presses)

@@ -50,10 +50,8 @@ def faulty_skin(
     parts: SceneParts, seed: int, session: int, grid: tuple[int, int], modes: int
 ) -> tuple[DrawnSkin, SkinFault | None]:
     """Random skin of a session, with the stuck spot that it may have, and its fault."""
-    skin, fault = (
-        drawn_skin(parts, seed, session, grid, modes),
-        drawn_fault(parts.skin, parts.plan, seed, session),
-    )
+    skin = drawn_skin(parts, seed, session, grid, modes)
+    fault = drawn_fault(parts.skin, parts.plan, seed, session)
     if not isinstance(fault, StuckSpot):
         return skin, fault
     capacitance = skin.variation.capacitance * fault.foam(parts.skin, grid)

@@ -43,12 +43,8 @@ class LineModel:
         across, width = (pixels.rows, skin.width) if along_x else (pixels.columns, skin.length)
         if across != 1:
             raise InputError(f"{skin.name} is no line: it has {across} pixels across")
-        self.skin, self.setup, self._C, self._shares = (
-            skin,
-            setup,
-            c * lengths * width,
-            lengths / lengths.sum(),
-        )
+        self.skin, self.setup, self._C = skin, setup, c * lengths * width
+        self._shares = lengths / lengths.sum()
         self._order = np.arange(len(c))[:: 1 if edge in ("left", "bottom") else -1]
         sheets = np.array(skin.sheet_resistances)
         self._sheets = sheets * lengths.sum() / width

@@ -30,12 +30,8 @@ class SheetModel:
     def __init__(
         self, skin: Skin, pressing: Pressing, circuit: Circuit, resolution: Resolution
     ) -> None:
-        self.skin, self.pressing, self.circuit, self.resolution = (
-            skin,
-            pressing,
-            circuit,
-            resolution,
-        )
+        self.skin, self.pressing, self.circuit = skin, pressing, circuit
+        self.resolution = resolution
         self.system = build_system(skin, circuit, resolution)
         self.space = Galerkin(self.system, circuit, resolution.order)
         self._filled: tuple[Press, csc_matrix] | None = None

@@ -42,10 +42,7 @@ class UniformModels:
     ) -> None:
         """bound_first: True if one R and one C is tried only where it suffices without a press."""
         self.skin, self.setup, self.pressing = skin, setup, pressing
-        self.rtol, self._bound_first = (
-            rtol,
-            bound_first,
-        )
+        self.rtol, self._bound_first = rtol, bound_first
         self._sheets: dict[Resolution, SheetModel] = {}
 
     def line(self, press: Press, progress: SolutionProgress) -> None:

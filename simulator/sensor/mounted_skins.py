@@ -40,7 +40,7 @@ class MountedSkins:
         faults: Sequence[SkinFault] = (),
         connected: Sequence[str] | None = None,
     ) -> None:
-        """scene: with the sessions of which each draws a skin; drawn: False if all are equal.
+        """parts: with the sessions of which each draws a skin; drawn: False if all are equal.
 
         faults: of all skins; the family is that of the skins with them. connected: names of the
         interfaces that the faults leave, by default all.

@@ -51,10 +51,8 @@ def press_errors(
     own: the parts of the family, which draws the touches. Presses that a sensor refuses because
     touches overlap are left out.
     """
-    cells, highest = (
-        SkinCells.of(parts.scene.parts.skin, family.grid),
-        highest_factor(parts.skin, parts.plan),
-    )
+    cells = SkinCells.of(parts.scene.parts.skin, family.grid)
+    highest = highest_factor(parts.skin, parts.plan)
     presses = drawn_presses(own, np.random.default_rng(seed), count, cells.fine)
     texts, batch = presses.text, presses.batch
     some = [k for k in range(count) if batch.one(k).rises.max(initial=0.0) <= highest - 1]

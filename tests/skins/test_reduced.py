@@ -120,10 +120,11 @@ def test_what_does_not_reduce_is_refused_by_its_key(library):
         reduce(
             library.scene("by depth near earth").with_({"surroundings.thickness": True}).parts, RTOL
         )
+    scene = library.scene("near a virtual earth")
     with pytest.raises(InputError, match=r"fitted without `surroundings\.thickness`"):
         check_uniform_foam(
-            library.scene("near a virtual earth").parts.skin,
-            library.scene("near a virtual earth").press,
+            scene.parts.skin,
+            scene.press,
         )
 
 

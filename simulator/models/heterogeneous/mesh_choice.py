@@ -128,10 +128,7 @@ def meshes(
     check_surroundings(skin)
     if pressed is not None and place and place.triangles:
         return DeflectedTriangles(place, place.triangles.for_other_depths(pressed), pressed, rtol)
-    circuit, rectangular = (
-        circuit_of(skin, setup),
-        skin.outline is None and skin.mesh is None,
-    )
+    circuit, rectangular = circuit_of(skin, setup), skin.outline is None and skin.mesh is None
     if pressed is not None:
         first = Triangles(skin, circuit, press, rtol, pressed)
         return DeflectedTriangles(place or PressPlace(), first, pressed, rtol)

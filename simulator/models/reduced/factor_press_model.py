@@ -34,10 +34,8 @@ class FactorPressModel:
         Raises InputError for touches that the model is not trained on.
         """
         _check_trained(press, self.parts.skin, self.parts.plan)
-        skin, (cells, rises) = (
-            self._skin,
-            touched_cells(self.parts.skin, self.parts.plan.press, press),
-        )
+        skin = self._skin
+        (cells, rises) = touched_cells(self.parts.skin, self.parts.plan.press, press)
         if not skin.reduced.on_skin[skin.parts.pixels(cells[None])[0]].all():
             raise InputError(f"press {press}: there is no skin at that place")
         return certified_result(skin, cells, rises, frequency)

@@ -121,10 +121,7 @@ class Forward:
         alone, shape (press, interface, frequency, touch). `allows_batches` must be True. given: see
         `respond`.
         """
-        values, count = (
-            all_values(self.skin, self.setup, given),
-            cells.shape[1],
-        )
+        values, count = all_values(self.skin, self.setup, given), cells.shape[1]
         skin, touched = self._skin(values), self._with_finger(cells, rises, values)
         with one_blas_thread():
             found = sensitivities(skin, *touched, self.setup.frequency)

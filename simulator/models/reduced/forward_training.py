@@ -45,10 +45,8 @@ def training_draw(parts: SceneParts, cells_per_pixel: int, modes: int, varied: b
     sheet's conductance. varied: False if the model needs the scene's own skin only.
     """
     skin, divided = parts.skin, parts.divided(cells_per_pixel).skin
-    on_pixels, own = (
-        pixel_touches(divided, parts.plan, PIXEL_FACTORS),
-        own_values(skin, parts.setup),
-    )
+    on_pixels = pixel_touches(divided, parts.plan, PIXEL_FACTORS)
+    own = own_values(skin, parts.setup)
     fixed = [name for name in dict.fromkeys(parts_of(divided).fixed) if name in own]
 
     def draw(random: np.random.Generator) -> Case:

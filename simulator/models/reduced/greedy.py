@@ -276,10 +276,7 @@ class GreedyBasis:
         terms = [W.T @ (term @ W) for term in self._sheets]
         terms += [family.space.film_energy(W, term) for term in family.film_terms]
         size = sizes(len(family.space.conductance), self.vectors.shape[1], self._most)
-        parts, share = (
-            parts_of(family.skin),
-            TRAINED_SHARE * COMPRESSED_SHARE * self.rtol,
-        )
+        parts, share = parts_of(family.skin), TRAINED_SHARE * COMPRESSED_SHARE * self.rtol
         factors = family.masses.factors(W, size, share, parts)
         fixed = [*family.masses.energies(W, slice(parts.touched, None))]
         if family.far_inside is not None:

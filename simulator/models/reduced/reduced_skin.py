@@ -65,10 +65,8 @@ class ReducedSkin:
         self.weights = weights_under(variation, *given, factors)
         own = nominal(reduced.parts.skin, reduced.modes) if variation is None else variation
         self.loss = own.loss
-        self.unpressed_factors, self.parts = (
-            own.factors(reduced.parts.skin),
-            parts_of(reduced.parts.skin),
-        )
+        self.unpressed_factors = own.factors(reduced.parts.skin)
+        self.parts = parts_of(reduced.parts.skin)
         self.s = laplace_variable(reduced.frequency, own.loss)
         K = self.stiffness
         unpressed = (self.unpressed_factors * self.parts.resting)[

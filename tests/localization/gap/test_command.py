@@ -86,9 +86,10 @@ def test_sweeps_without_noise_or_scene_are_served_by_the_scene_named(
 ):
     monkeypatch.setattr("rcskin.localization.gap.report.html_report.charts_of", lambda *given: [])
     bare = tmp_path / "bare.nc"
+    scene = load_scene("strip-1x3")
     exact = simulate(
         Solver(load_scene("strip-1x3").parts),
-        every_press(load_scene("strip-1x3").parts.skin, load_scene("strip-1x3").press),
+        every_press(scene.parts.skin, scene.press),
     )
     write(exact.isel(frequency=slice(None, None, 2)).assign_attrs(scene=""), bare)
     code, out, _ = gap(bare, files[1], "-o", tmp_path, "--scene", "strip-1x3", "--draws", 1)

@@ -30,11 +30,12 @@ def test_the_stated_sheet_resistance_would_not_separate_the_curves():
 
 def test_position_follows_from_resistance_at_zero_frequency():
     expected = [1.6667, 1.2963, 1.5463, 1.7407, 1.8796, 1.9630]
+    scene = load_scene("strip-1x5")
     resistances = (
         low_frequency_resistances(
-            load_scene("strip-1x5").parts.skin,
-            load_scene("strip-1x5").parts.setup,
-            load_scene("strip-1x5").press,
+            scene.parts.skin,
+            scene.parts.setup,
+            scene.press,
         )
         / 1e6
     )

@@ -47,12 +47,12 @@ def test_line_is_the_product_of_its_segments(make_scene, random, frequency_at, d
 def test_a_uniform_line_may_be_cut_anywhere(make_scene, frequency_at, data):
     """Segments with the same c act as one."""
     frequency = frequency_at(make_scene(), np.geomspace(1e-6, 1e6, 13))
-    whole = Line(make_scene().parts.skin, make_scene().parts.setup, make_scene().press).impedance(
-        Press(), frequency
-    )
+    scene = make_scene()
+    whole = Line(scene.parts.skin, scene.parts.setup, scene.press).impedance(Press(), frequency)
+    made = make_scene(columns=data.draw(st.integers(2, 50)))
     parts = Line(
-        make_scene(columns=data.draw(st.integers(2, 50))).parts.skin,
-        make_scene(columns=data.draw(st.integers(2, 50))).parts.setup,
-        make_scene(columns=data.draw(st.integers(2, 50))).press,
+        made.parts.skin,
+        made.parts.setup,
+        made.press,
     ).impedance(Press(), frequency)
     np.testing.assert_allclose(parts.view(float), whole.view(float), rtol=1e-12)

@@ -207,10 +207,11 @@ def test_places_on_a_cylinder_keep_their_distances(varied):
 
 
 def test_places_on_a_sphere_lie_on_it(skin):
+    scene = skin("a sphere")
     found = fields(
-        skin("a sphere").parts.skin,
-        skin("a sphere").parts.setup,
-        skin("a sphere").press,
+        scene.parts.skin,
+        scene.parts.setup,
+        scene.press,
         Press(),
         [1e3],
         "meter",

@@ -55,10 +55,11 @@ def test_one_field_is_not_offered(make_scene, why, contacts, interface):
 
 
 def test_one_field_is_offered_whatever_the_polarity(make_scene):
+    scene = make_scene(PAIRS, {"meter": ("bottom-left", "top-left")})
     assert (
         one_field(
-            make_scene(PAIRS, {"meter": ("bottom-left", "top-left")}).parts.skin,
-            make_scene(PAIRS, {"meter": ("bottom-left", "top-left")}).parts.setup,
+            scene.parts.skin,
+            scene.parts.setup,
         )
         is not None
     )

@@ -182,8 +182,9 @@ def resistance_across_a_gap(make_scene, sheets, gap, rtol):
 @pytest.mark.parametrize("sheets", [["top"], ["top", "bottom"]], ids=["one sheet", "both"])
 def test_foils_a_small_gap_apart(make_scene, sheets):
     """The gap conducts like ln(1/gap), so 1/(Rs - Rs of the whole foil) grows linearly with it."""
+    scene = make_scene()
     whole = (
-        Line(make_scene().parts.skin, make_scene().parts.setup, make_scene().press)
+        Line(scene.parts.skin, scene.parts.setup, scene.press)
         .impedance(Press(), np.array([1.0]))
         .real.item()
     )

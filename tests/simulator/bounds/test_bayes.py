@@ -83,5 +83,6 @@ def test_noise_that_is_too_small_is_refused(noisy):
 
 @pytest.mark.parametrize("target", ["corner", "pair"])
 def test_targets_that_do_not_apply_are_refused(noisy, target):
+    scene = noisy()
     with pytest.raises(InputError, match="`target`"):
-        hypotheses(noisy().parts.skin, noisy().parts.plan, target)
+        hypotheses(scene.parts.skin, scene.parts.plan, target)

@@ -9,8 +9,9 @@ from rcskin.simulator.sweeps import InputError
 
 def test_equation_6_gives_the_papers_frequencies():
     for n, paper in ((3, [707, 1592, 6367]), (5, [707, 1105, 1965, 4421, 17685])):
+        scene = load_scene("strip-1x5")
         np.testing.assert_allclose(
-            equation_6(load_scene("strip-1x5").parts.skin, load_scene("strip-1x5").parts.setup, n),
+            equation_6(scene.parts.skin, scene.parts.setup, n),
             paper,
             atol=1,
         )

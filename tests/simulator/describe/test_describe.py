@@ -185,10 +185,11 @@ def test_pixels_with_equal_sweeps_have_the_same_impedance(changes):
 
 
 def test_a_skin_without_symmetry_is_described():
+    scene = skin(L_SHAPE)
     told = indistinguishable_pixels(
-        skin(L_SHAPE).parts.skin,
-        skin(L_SHAPE).parts.setup,
-        skin(L_SHAPE).press,
+        scene.parts.skin,
+        scene.parts.setup,
+        scene.press,
         pixels_with_skin(skin(L_SHAPE).parts.skin),
     )
     assert told.startswith("none: every pixel gives a sweep of its own")

@@ -33,10 +33,11 @@ def test_a_skin_fed_all_around_has_two_mirrors(make_scene):
     interfaces = {
         "meter": [[name for name in contacts if name.startswith(s)] for s in ("top", "b")]
     }
+    scene = make_scene(contacts, interfaces, rows=4, columns=3)
     of = representative(
-        make_scene(contacts, interfaces, rows=4, columns=3).parts.skin,
-        make_scene(contacts, interfaces, rows=4, columns=3).parts.setup,
-        make_scene(contacts, interfaces, rows=4, columns=3).press,
+        scene.parts.skin,
+        scene.parts.setup,
+        scene.press,
     )
     assert {of((i, j)) for i in range(1, 5) for j in range(1, 4)} == {
         (1, 1),
@@ -54,6 +55,5 @@ def test_gains_with_low_at_earth_distinguish_both_sheets(make_scene):
     scene = make_scene(pairs, crossed, top=3e4, bottom=3e4, columns=2).with_(body)
     gain = {"interface.1.reader": "gain", "interface.1.series_resistance": 1e6}
     assert representative(scene.parts.skin, scene.parts.setup, scene.press)((1, 2)) == (1, 1)
-    assert representative(
-        scene.with_(gain).parts.skin, scene.with_(gain).parts.setup, scene.with_(gain).press
-    )((1, 2)) == (1, 2)
+    made = scene.with_(gain)
+    assert representative(made.parts.skin, made.parts.setup, made.press)((1, 2)) == (1, 2)

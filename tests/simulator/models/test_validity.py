@@ -31,10 +31,8 @@ def with_foam(make_scene, **foam):
 
 @pytest.mark.parametrize("name", builtin_names())
 def test_the_papers_devices_are_within_the_model(name):
-    assert (
-        warnings(load_scene(name).parts.skin, load_scene(name).parts.setup, load_scene(name).press)
-        == []
-    )
+    scene = load_scene(name)
+    assert warnings(scene.parts.skin, scene.parts.setup, scene.press) == []
 
 
 def test_the_lateral_error_is_the_first_term_of_laplaces_equation():
@@ -60,18 +58,20 @@ def test_each_limit_is_reported(make_scene, scene, message):
 
 def test_a_capacitance_alone_is_of_a_foam_of_assumed_permittivity(make_scene):
     """3.5 mm at 5 nF/m² and a relative permittivity of 2."""
+    made = make_scene(frequencies=[1e5])
     assert (
         warnings(
-            make_scene(frequencies=[1e5]).parts.skin,
-            make_scene(frequencies=[1e5]).parts.setup,
-            make_scene(frequencies=[1e5]).press,
+            made.parts.skin,
+            made.parts.setup,
+            made.press,
         )
         == []
     )
+    scene = make_scene(frequencies=[1e7])
     (warning,) = warnings(
-        make_scene(frequencies=[1e7]).parts.skin,
-        make_scene(frequencies=[1e7]).parts.setup,
-        make_scene(frequencies=[1e7]).press,
+        scene.parts.skin,
+        scene.parts.setup,
+        scene.press,
     )
     assert "the foam, 3.5 mm (relative permittivity 2 assumed)" in warning
 
@@ -98,11 +98,12 @@ def test_an_assumed_thickness_is_reported_where_it_counts(key):
     assert (
         f"`surroundings.{key}` assumes that the foam is 3.6 mm (relative permittivity 2 " in warning
     )
+    made = scene.with_({"skin.foam.thickness": 4e-3})
     assert (
         warnings(
-            scene.with_({"skin.foam.thickness": 4e-3}).parts.skin,
-            scene.with_({"skin.foam.thickness": 4e-3}).parts.setup,
-            scene.with_({"skin.foam.thickness": 4e-3}).press,
+            made.parts.skin,
+            made.parts.setup,
+            made.press,
         )
         == []
     )

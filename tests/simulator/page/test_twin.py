@@ -187,10 +187,11 @@ def test_fields_of_any_skin_are_those_of_the_finite_elements(paged_kind, in_node
     }
     (found,) = in_node(paged.data, [case])
     sheets = {"skin.top.sheet_resistance": 100e3, "skin.bottom.sheet_resistance": 20e3}
+    made = scene.with_(sheets)
     exact = fields(
-        scene.with_(sheets).parts.skin,
-        scene.with_(sheets).parts.setup,
-        scene.with_(sheets).press,
+        made.parts.skin,
+        made.parts.setup,
+        made.press,
         parse_press("1,2:2", 2.0),
         [1e5],
         "meter",

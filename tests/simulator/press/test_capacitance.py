@@ -32,9 +32,10 @@ def test_rows_run_from_the_bottom_edge_and_columns_from_the_left(make_scene):
 
 
 def test_nothing_pressed_is_the_foam_at_rest(make_scene):
+    scene = make_scene(rows=2, columns=2, c=4e-9)
     c = capacitance_map(
-        make_scene(rows=2, columns=2, c=4e-9).parts.skin,
-        make_scene(rows=2, columns=2, c=4e-9).press,
+        scene.parts.skin,
+        scene.press,
         parse_press("none", 2.0),
     )
     np.testing.assert_array_equal(c, np.full((2, 2), 4e-9))
@@ -98,9 +99,10 @@ def test_the_whole_capacitance_is_that_of_the_area(make_scene, text, area):
 
 def test_a_disc_is_round(make_scene):
     """Cells count whole or not at all but along the rim."""
+    scene = make_scene(**SIZE)
     factors = grid_map(
-        make_scene(**SIZE).parts.skin,
-        make_scene(**SIZE).press,
+        scene.parts.skin,
+        scene.press,
         parse_press("disc(0.05,0.04,0.03):2", 2.0),
         160,
         200,
@@ -123,10 +125,11 @@ def test_a_rectangle_on_the_lines_of_pixels_needs_no_others(make_scene):
 
 
 def test_a_map_of_pixels_does_not_hold_other_touches(make_scene):
+    scene = make_scene(**SIZE)
     with pytest.raises(InputError, match="all touches must be whole pixels here"):
         capacitance_map(
-            make_scene(**SIZE).parts.skin,
-            make_scene(**SIZE).press,
+            scene.parts.skin,
+            scene.press,
             parse_press("rect(0.03,0.05,0.05,0.02)", 2.0),
         )
 

@@ -102,9 +102,10 @@ def test_every_pixel_is_pressed_by_the_finger_of_the_scene(fingered):
 
 
 def test_the_text_of_a_press_carries_the_capacitance(fingered):
+    scene = fingered()
     pressed = press_on(
-        fingered().parts.skin,
-        fingered().press,
+        scene.parts.skin,
+        scene.press,
         "2,3:touch:5.3pF+1,1:3+1,2:finger+disc(0.02,0.02,0.01):1pF",
     )
     assert str(pressed) == (
@@ -190,11 +191,12 @@ def test_a_label_of_a_sweep_names_the_press_that_was_made(fingered, text):
         press_on(scene.parts.skin, scene.press, label_of(press, scene.parts.skin, scene.press))
         == press
     )
+    made = fingered()
     assert (
         label_of(
             press_on(fingered().parts.skin, fingered().press, "2,3:2.0"),
-            fingered().parts.skin,
-            fingered().press,
+            made.parts.skin,
+            made.press,
         )
         == "2,3:2.0"
     )

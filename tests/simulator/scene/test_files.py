@@ -51,7 +51,8 @@ def test_defaults(make_scene):
 
 
 def test_presses_are_the_unpressed_skin_and_each_pixel_row_by_row():
-    presses = every_press(load_scene("sheet-3x3").parts.skin, load_scene("sheet-3x3").press)
+    scene = load_scene("sheet-3x3")
+    presses = every_press(scene.parts.skin, scene.press)
     assert [press.pixel for press in presses][:5] == [(0, 0), (1, 1), (1, 2), (1, 3), (2, 1)]
     assert len(presses) == 1 + 9
     assert {touch.factor for press in presses for touch in press.touches} == {2.0}

@@ -120,16 +120,18 @@ def test_crossed_pairs_of_equal_sheets_repeat_readings():
 
 def test_a_reading_the_other_way_round_repeats_and_unlike_sheets_do_not():
     back = '[readings]\nnamed = ["top-left to bottom-left", "bottom-left to top-left"]'
+    scene = read(back, top="20e3")
     assert repeated(
-        read(back, top="20e3").parts.skin,
-        read(back, top="20e3").parts.setup,
-        read(back, top="20e3").press,
+        scene.parts.skin,
+        scene.parts.setup,
+        scene.press,
     ) == [("bottom-left to top-left", "top-left to bottom-left")]
+    made = read('[readings]\nall = ["pairs", "sheets"]', top="20e3")
     assert (
         repeated(
-            read('[readings]\nall = ["pairs", "sheets"]', top="20e3").parts.skin,
-            read('[readings]\nall = ["pairs", "sheets"]', top="20e3").parts.setup,
-            read('[readings]\nall = ["pairs", "sheets"]', top="20e3").press,
+            made.parts.skin,
+            made.parts.setup,
+            made.press,
         )
         == []
     )

@@ -177,10 +177,11 @@ def test_uses_that_need_two_bare_sheets_refuse_others(changes, key):
 )
 def test_crossed_sheets_are_equal_if_their_surroundings_are(changes, exchanged):
     """Pixels (1, 2) and (2, 1) of two equal sheets, one fed at the left, one at the bottom edge."""
+    scene = load_scene("sheet-5x5-crossed").with_(changes)
     of = representative(
-        load_scene("sheet-5x5-crossed").with_(changes).parts.skin,
-        load_scene("sheet-5x5-crossed").with_(changes).parts.setup,
-        load_scene("sheet-5x5-crossed").with_(changes).press,
+        scene.parts.skin,
+        scene.parts.setup,
+        scene.press,
     )
     assert (of((2, 1)) == (1, 2)) == exchanged
 

@@ -32,9 +32,10 @@ def test_ideal_foils_that_touch_are_joined(make_scene, contacts, expected):
 
 def test_joined_foils_are_one_terminal_and_floating_ones_their_own(make_scene):
     contacts = {"bottom-left": {}, "top-left": {}, "top-bottom": {}, "bottom-right": {}}
+    scene = make_scene(contacts, {"meter": ("top-bottom", "bottom-left")})
     circuit = two_fields(
-        make_scene(contacts, {"meter": ("top-bottom", "bottom-left")}).parts.skin,
-        make_scene(contacts, {"meter": ("top-bottom", "bottom-left")}).parts.setup,
+        scene.parts.skin,
+        scene.parts.setup,
     )
     named = [[contact.name for contact in terminal.contacts] for terminal in circuit.terminals]
     assert named == [["bottom-left"], ["top-left", "top-bottom"], ["bottom-right"]]
@@ -43,18 +44,20 @@ def test_joined_foils_are_one_terminal_and_floating_ones_their_own(make_scene):
 
 
 def test_a_sheet_without_foils_gets_a_reference(make_scene):
+    scene = make_scene({"top-left": {}, "top-right": {}})
     circuit = two_fields(
-        make_scene({"top-left": {}, "top-right": {}}).parts.skin,
-        make_scene({"top-left": {}, "top-right": {}}).parts.setup,
+        scene.parts.skin,
+        scene.parts.setup,
     )
     assert [(t.field, len(t.contacts)) for t in circuit.terminals] == [(0, 1), (0, 1), (1, 0)]
 
 
 def test_resistances_of_a_pair_add_up(make_scene):
     pair = {"top-left": {"resistance": 5.0}, "bottom-left": {"resistance": 3.0}}
+    scene = make_scene(pair, top=50e3, bottom=30e3)
     circuit = one_field(
-        make_scene(pair, top=50e3, bottom=30e3).parts.skin,
-        make_scene(pair, top=50e3, bottom=30e3).parts.setup,
+        scene.parts.skin,
+        scene.parts.setup,
     )
     assert circuit.conductance == (1 / 80e3,)
     assert [c.resistance for t in circuit.terminals for c in t.contacts] == [8.0]

@@ -87,10 +87,7 @@ class UniformFamily(Family):
 
     def _parts_in(self, mode: int) -> Iterator[Part]:
         rule, points, values_of_mode = self._mode_at_points(mode)
-        system, c = (
-            self.system,
-            self.skin.foam.unpressed_capacitance_per_area * values_of_mode,
-        )
+        system, c = self.system, self.skin.foam.unpressed_capacitance_per_area * values_of_mode
         values = np.zeros(len(system.pattern.indices))
         for pixel in range(self.skin.pixels.rows * self.skin.pixels.columns):
             own = np.flatnonzero(system.pixels.pixel == pixel)

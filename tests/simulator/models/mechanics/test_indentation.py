@@ -168,9 +168,8 @@ def test_depths_need_mechanics(make_scene):
 def test_every_press_is_as_the_scene_says(foam_scene):
     scene = foam_scene(press={"depth": 2e-3})
     assert list(map(str, every_press(scene.parts.skin, scene.press)))[:2] == ["none", "1,1:0.002m"]
-    assert every_press(
-        foam_scene(press={"force": 3.0}).parts.skin, foam_scene(press={"force": 3.0}).press
-    )[3] == Press(press_of("1,3:3N").touches)
+    made = foam_scene(press={"force": 3.0})
+    assert every_press(made.parts.skin, made.press)[3] == Press(press_of("1,3:3N").touches)
 
 
 def test_a_tolerance_out_of_reach_is_refused_before_meshes_grow(foam_scene, monkeypatch):

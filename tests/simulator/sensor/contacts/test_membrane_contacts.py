@@ -15,7 +15,8 @@ GRID = 12, 12
 
 @pytest.fixture(scope="module")
 def rasterizer():
-    return ContactRasterizer.of(load("foam").parts.skin, load("foam").press, GRID)
+    scene = load("foam")
+    return ContactRasterizer.of(scene.parts.skin, scene.press, GRID)
 
 
 @pytest.fixture(scope="module")
