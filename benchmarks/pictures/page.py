@@ -16,7 +16,7 @@ import numpy as np
 import pandas as pd
 from PIL import Image
 from rcskin.benchmarks.bench import Run, launch, publish
-from rcskin.simulator.models.uniform import folded
+from rcskin.simulator.models.mechanics.force_depths import pressed_by_factors
 from rcskin.simulator.page.document import document
 from rcskin.simulator.page.packed import page_data, reduced_for_page
 from rcskin.simulator.scene.scene import Scene
@@ -71,7 +71,7 @@ class Page:
 
 def made(scene: Scene, folder: Path) -> Page:
     """The page of a scene."""
-    start, plain = time.perf_counter(), folded(scene.parts, "a page")
+    start, plain = time.perf_counter(), pressed_by_factors(scene.parts, "a page")
     text = document(page_data(plain, reduced_for_page(plain.parts, RTOL, CELLS)))
     path = folder / f"{scene.name}.html"
     path.write_text(text, encoding="utf-8")

@@ -47,9 +47,9 @@ def limits(
     from ...simulator.bounds.touch_readings import best_guess, hypotheses
     from ...simulator.limits import bayes_accuracy
     from ...simulator.limits.limit import Limit
-    from ...simulator.models.mechanics.force_depths import foldable
+    from ...simulator.models.mechanics.force_depths import pressed_by_factors
 
-    known = foldable(scene_of(scene).parts, "a limit")
+    known = pressed_by_factors(scene_of(scene).parts, "a limit")
     factors = _factors(known.scene, presses)
     share, error = bayes_accuracy(
         known, target, factors, seed=seed, draws=draws, against_rest=against_rest

@@ -112,11 +112,11 @@ def dataset(
     """
     from ...simulator.dataset.dataset_plan import DatasetPlan
     from ...simulator.dataset.memory_dataset import in_memory
-    from ...simulator.models.mechanics.force_depths import foldable
+    from ...simulator.models.mechanics.force_depths import pressed_by_factors
     from ...simulator.requests.requested_scene import noise_free
 
     plan = DatasetPlan(
-        foldable(scene_of(scene).parts, "a data set", creeps=True), sweeps, seed, rtol
+        pressed_by_factors(scene_of(scene).parts, "a data set", creeps=True), sweeps, seed, rtol
     )
     for text in filter(
         None, (noise_free(plan.parts.setup, plan.parts.meter), plan.one_skin("sweeps={}"))

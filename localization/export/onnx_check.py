@@ -70,12 +70,12 @@ def simulated_sweeps(model: Model, count: int = SWEEPS) -> xr.Dataset:
     """
     from ...simulator.dataset.dataset_plan import DatasetPlan
     from ...simulator.dataset.memory_dataset import in_memory
-    from ...simulator.models.mechanics.force_depths import foldable
+    from ...simulator.models.mechanics.force_depths import pressed_by_factors
 
     parts = model.known_scene.parts
     if tuple(parts.setup.frequency) != model.frequencies:
         parts = parts.read(parts.setup.at(np.array(model.frequencies)))
-    plan = DatasetPlan(foldable(parts, "a comparison", creeps=True), count, 1, RTOL)
+    plan = DatasetPlan(pressed_by_factors(parts, "a comparison", creeps=True), count, 1, RTOL)
     return at_interfaces(in_memory(plan), model.interfaces)
 
 

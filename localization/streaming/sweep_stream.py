@@ -15,7 +15,7 @@ from ...simulator.dataset.dataset_plan import DatasetPlan
 from ...simulator.dataset.memory_dataset import sweeps_of_sessions
 from ...simulator.dataset.skin_model import reduced
 from ...simulator.measure.streams import ORDER, stream
-from ...simulator.models.mechanics.force_depths import foldable
+from ...simulator.models.mechanics.force_depths import pressed_by_factors
 from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import load_scene
 from ...simulator.sweeps import InputError
@@ -71,7 +71,7 @@ class SweepStream(IterableDataset):
                 "table out, or make a data set"
             )
         self.plan = DatasetPlan(
-            foldable(own.parts, "a stream of sweeps", creeps=True), 1, seed, rtol
+            pressed_by_factors(own.parts, "a stream of sweeps", creeps=True), 1, seed, rtol
         )
         self.target, self.batch = target, batch
         self.family = reduced(self.plan.parts, rtol) if family is None else family

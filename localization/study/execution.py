@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from ...simulator.fem.matrices.factors import one_blas_thread
-from ...simulator.models.mechanics.force_depths import foldable
+from ...simulator.models.mechanics.force_depths import pressed_by_factors
 from ...simulator.models.validity import warnings
 from ...simulator.processes import map_in_order, worker_pool
 from ...simulator.progress import ProgressCallback, tracked
@@ -50,7 +50,7 @@ def points_of(
     points = []
     for values in itertools.product(*(axis.values for axis in axes)):
         given = dict(zip((axis.key for axis in axes), values, strict=True))
-        parts = foldable(with_values(table, given).parts, "a study")
+        parts = pressed_by_factors(with_values(table, given).parts, "a study")
         trial.check(parts)
         points.append(parts)
     return points

@@ -132,7 +132,7 @@ def chosen_touch(
 
     Raises InputError where it is larger than the skin or does not change the capacitance.
     """
-    skin, pixels = skin, skin.pixels
+    pixels = skin.pixels
     width, height = skin.length / pixels.columns, skin.width / pixels.rows
     if size is not None:
         if not 0 < size <= min(skin.length, skin.width):

@@ -15,11 +15,11 @@ import numpy as np
 from ..arrays import Complex, Real
 from ..measure.readout import ErrorModel, errors_of, observed, require_noise
 from ..mesh.pixel_coverage import pixel_coverage
+from ..models.mechanics.force_depths import pressed_by_factors
 from ..models.network.terminals import reduced_for
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.indentation.indentation_draws import scene_spreads_presses
 from ..models.reduced.reduced_model import Reduced
-from ..models.uniform import uniformly_pressed
 from ..press.batch import NOTHING, PressBatch, TouchedCells
 from ..press.finger import finger_capacitance
 from ..press.parts import parts_of
@@ -283,7 +283,7 @@ class TouchReadings:
     @cached_property
     def _divided(self) -> SceneParts:
         """The parts with cells as pixels, each with a uniform rise."""
-        return uniformly_pressed(self.parts.divided(CELLS), "a limit")
+        return pressed_by_factors(self.parts.divided(CELLS), "a limit", spread=False)
 
     @cached_property
     def _touches(self) -> PixelTouches:

@@ -12,10 +12,9 @@ from ..models.cosine_modes.amplitudes import FittedModes
 from ..models.cosine_modes.foam_modes import check_uniform_foam
 from ..models.cosine_modes.sheet_modes import check_uniform_sheets
 from ..models.line_slopes import LineModel
-from ..models.mechanics.force_depths import forces_as_depths
+from ..models.mechanics.force_depths import forces_as_depths, pressed_by_factors
 from ..models.parameters import own_values
 from ..models.reader_parameters import READER
-from ..models.uniform import folded
 from ..notebook_display import SmallChart, Tabular
 from ..progress import ProgressCallback, silent
 from ..scene.parts import Plan, Setup, Skin
@@ -137,7 +136,7 @@ def calibrate(
     stated = {"force": scene.press.force, "depth": scene.press.depth}
     also = (*options.also, *(name for name in options.fit if name in READER))
     parts = with_effects(forces_as_depths(scene.parts), also)
-    folded(parts, "a calibration")
+    pressed_by_factors(parts, "a calibration")
 
     def measure(setup: Setup) -> Measurements:
         return measurements_of(parts.read(setup), sweeps, options.band, options.session)

@@ -40,7 +40,7 @@ def dataset(
     again continues. The bytes depend only on the scene, SWEEPS, SEED, RTOL and
     the version; sweep k depends neither on SWEEPS nor on the number of workers.
     """
-    from ..models.mechanics.force_depths import foldable
+    from ..models.mechanics.force_depths import pressed_by_factors
     from ..progress import on_terminal
     from ..requests.console import report_written
     from ..requests.requested_scene import note_if_noise_free, requested_scene
@@ -53,7 +53,9 @@ def dataset(
     from .store import finished_attributes
 
     loaded = requested_scene(scene)
-    plan = DatasetPlan(foldable(loaded.parts, "a data set", creeps=True), sweeps, seed, rtol)
+    plan = DatasetPlan(
+        pressed_by_factors(loaded.parts, "a data set", creeps=True), sweeps, seed, rtol
+    )
     if is_complete(plan, output):
         return say(f"{output}: is complete, nothing was computed; --overwrite makes it anew")
     note_if_noise_free(scene, loaded.parts.setup, loaded.parts.meter)

@@ -177,7 +177,7 @@ def _on(
 
 def _centres(skin: Skin, row: Integer, column: Integer) -> Real:
     """Centres (x, y) in m of pixels counted from 0, shape (2, ...)."""
-    skin, pixels = skin, skin.pixels
+    pixels = skin.pixels
     x = (column + 0.5) * skin.length / pixels.columns
     return np.stack([x, (row + 0.5) * skin.width / pixels.rows])
 
@@ -246,7 +246,7 @@ def with_offset(
     aside: displacement along x and y in standard deviations, shape (2, press, MAX_TOUCHES). Parts
     beyond the skin are cut off, also from the finger.
     """
-    skin, pixels = skin, skin.pixels
+    pixels = skin.pixels
     sides = np.array([skin.length / pixels.columns, skin.width / pixels.rows])
     off = plan.draws.press.offset * sides[:, None, None] * aside
     centres = np.stack([nominal.x, nominal.y]) + off

@@ -12,12 +12,12 @@ import numpy as np
 from ..arrays import Complex, Integer, Real
 from ..measure.creeping_sweeps import OF_NODES, interpolation
 from ..measure.drawn_faults import faulty_skin
+from ..models.mechanics.force_depths import pressed_by_factors
 from ..models.network.terminals import reduced_for
 from ..models.parameters import HALF_WAVES, Variation, nominal
 from ..models.reduced.cases import Case
 from ..models.reduced.model_file import load, save
 from ..models.reduced.reduced_model import Reduced
-from ..models.uniform import uniformly_pressed
 from ..press.batch import PressBatch, TouchedCells
 from ..scene.draws.randomisation import Session
 from ..scene.parts import SceneParts, Skin
@@ -126,7 +126,11 @@ def _divided(parts: SceneParts) -> SceneParts:
     if press.cells == 1 and pixels.groups is not None and not press.rasterized:
         return parts
     divided = parts.on_grid(*parts.skin.grid(press.cells))
-    return uniformly_pressed(divided, "a data set", creeps=True) if press.rasterized else divided
+    return (
+        pressed_by_factors(divided, "a data set", creeps=True, spread=False)
+        if press.rasterized
+        else divided
+    )
 
 
 def _equal_sheets(session: Session) -> bool:

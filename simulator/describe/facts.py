@@ -75,7 +75,7 @@ def _facts(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 def _of_skin(skin: Skin, setup: Setup, pressing: Pressing) -> Iterator[tuple[str, str]]:
-    skin, pixels = skin, skin.pixels
+    pixels = skin.pixels
     yield "skin", _skin(skin)
     yield from _sheets(skin)
     yield "capacitance", _capacitance(skin)
@@ -199,7 +199,7 @@ def _foam(skin: SheetsAndFoam) -> str:
 
 
 def _capacitance(skin: Skin) -> str:
-    skin, pixels = skin, skin.pixels
+    pixels = skin.pixels
     c = skin.foam.unpressed_capacitance_per_area
     pixel = c * skin.length * skin.width / (pixels.rows * pixels.columns)
     whole = f"{prefixed(pixel, 'F')} for each whole pixel, unpressed"
@@ -229,12 +229,11 @@ def _and(names: tuple[str, ...]) -> str:
     return " and ".join(names)
 
 
-def _press(skin: Skin, pressing: Pressing) -> str:
-    press = pressing
+def _press(skin: Skin, press: Pressing) -> str:
     if press.depth is not None:
         return f"{1e3 * press.depth:.4g} mm deep"
     if press.force is not None:
-        return f"by {press.force:.4g} N, {_depths(skin, pressing)}"
+        return f"by {press.force:.4g} N, {_depths(skin, press)}"
     spread = (
         f", its rise varies by {100 * press.factor_spread:.3g} %" if press.factor_spread else ""
     )

@@ -95,7 +95,7 @@ def design(
     Run the same command again to continue an interrupted search.
     """
     from ..bounds.frequency_sets import own_band
-    from ..models.uniform import folded
+    from ..models.mechanics.force_depths import pressed_by_factors
     from ..progress import on_terminal
     from ..requests.requested_scene import requested_scene
     from ..scene.frequency import parse_band
@@ -105,7 +105,7 @@ def design(
     from .search import search
     from .search_journal import SearchJournal
 
-    loaded = folded(requested_scene(scene).parts, "a design")
+    loaded = pressed_by_factors(requested_scene(scene).parts, "a design")
     given = {
         "target": target,
         "want": want,

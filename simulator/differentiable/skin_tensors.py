@@ -54,8 +54,8 @@ class SkinTensors:
 
     def weights(self, reduced: Reduced) -> Tensor:
         """Weights of the terms of K, shape (skin, term), see `weights_of`."""
-        scene, circuit = reduced.parts.scene, reduced.circuit
-        names = [contact.name for contact in scene.contacts]
+        circuit = reduced.circuit
+        names = [contact.name for contact in reduced.parts.skin.contacts]
         used = [names.index(contact.name) for contact in resistive(circuit)]
         return _joined([*self._conductances(reduced), self.films[:, used]])
 
@@ -133,8 +133,8 @@ def _joined(each: list[Tensor]) -> Tensor:
 
 def known_values(reduced: Reduced) -> dict[str, float]:
     """Names and nominal values of the parameters that gradients are computed by."""
-    scene = reduced.parts.scene
-    own = dict.fromkeys(FURTHER_LOSSES, 0.0) | own_values(scene.parts.skin, scene.parts.setup)
+    parts = reduced.parts
+    own = dict.fromkeys(FURTHER_LOSSES, 0.0) | own_values(parts.skin, parts.setup)
     own |= dict.fromkeys(SHEET_MODES, 0.0) if reduced.modes > 1 else {}
     return {name: value for name, value in own.items() if name != "finger"}
 
@@ -164,8 +164,8 @@ def all_tensors(
     that does not fit.
     """
     check_names(reduced, given)
-    scene = reduced.parts.scene
-    axes = {"capacitance": foam_parts(scene.parts.skin), "contact_resistance": len(scene.contacts)}
+    skin = reduced.parts.skin
+    axes = {"capacitance": foam_parts(skin), "contact_resistance": len(skin.contacts)}
     found = {name: like.new_full((1, 1), value) for name, value in known_values(reduced).items()}
     for name, value in given.items():
         tensor = torch.as_tensor(value, dtype=like.dtype, device=like.device)
@@ -184,7 +184,7 @@ def all_tensors(
 
 def skin_of(reduced: Reduced, values: Mapping[str, Tensor]) -> SkinTensors:
     """Skin of these parameters, see `variation_of`. values: from `all_tensors`."""
-    scene, one = reduced.parts.scene, torch.ones_like(next(iter(values.values()))[:1, :1])
+    skin, one = reduced.parts.skin, torch.ones_like(next(iter(values.values()))[:1, :1])
     common, half = torch.exp(-values["sheet_resistance"]), values["sheet_mismatch"] / 2
     sheets, both = [], ((common * torch.exp(-half), TOP_MODES), (common * half.exp(), BOTTOM_MODES))
     for mean, names in both:
@@ -195,8 +195,8 @@ def skin_of(reduced: Reduced, values: Mapping[str, Tensor]) -> SkinTensors:
     return SkinTensors(
         top=top,
         bottom=bottom,
-        films=films.expand(-1, len(scene.contacts)),
-        foam=foam.expand(-1, foam_parts(scene.parts.skin)),
+        films=films.expand(-1, len(skin.contacts)),
+        foam=foam.expand(-1, foam_parts(skin)),
         tangent=values["loss_tangent"],
         exponent=values["phase_exponent"],
         leak=values["leak"],

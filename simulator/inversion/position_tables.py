@@ -30,7 +30,7 @@ QUANTILES = (np.arange(512) + 0.5) / 512
 def cells_per_pixel(skin: Skin, plan: Plan) -> int:
     """Number of cells along each side of a pixel, so that the data set's touches cover enough."""
     side, _ = touch_size(plan)
-    skin, pixels = skin, skin.pixels
+    pixels = skin.pixels
     needed = CELLS_PER_TOUCH / side * max(skin.length / pixels.columns, skin.width / pixels.rows)
     most = MAX_CELLS // max(pixels.rows, pixels.columns)
     return max(1, min(math.ceil(needed - 1e-9), most))
@@ -44,9 +44,9 @@ def position_tables(unknown: UnknownSkin, strengths: Real) -> dict[str, NDArray]
     two are the touch's own width and height. sides (2,): of the skin, m. on_skin: mask of uniform
     cells, shape (y, x), only where the skin is not a rectangle.
     """
-    scene = unknown.forward.parts.scene
-    side, deviation = touch_size(scene.parts.plan)
-    x, y = (_nodes(side, length) for length in (scene.skin.length, scene.skin.width))
+    parts = unknown.forward.parts
+    side, deviation = touch_size(parts.plan)
+    x, y = (_nodes(side, length) for length in (parts.skin.length, parts.skin.width))
     nodes = _strength_nodes(strengths)
     middle = nodes[len(nodes) // 2]
     places = [(u, v) for u in x for v in y]
@@ -76,8 +76,8 @@ def position_tables(unknown: UnknownSkin, strengths: Real) -> dict[str, NDArray]
         "strength_nodes": nodes,
         "values": on_nodes(np.stack(values, axis=1)),
         "skin": on_nodes(np.concatenate([skin, by_size], axis=-1)),
-        "sides": np.array([scene.skin.length, scene.skin.width]),
-        **({} if scene.skin.rectangular else {"on_skin": _on_cells(scene.parts.skin)}),
+        "sides": np.array([parts.skin.length, parts.skin.width]),
+        **({} if parts.skin.rectangular else {"on_skin": _on_cells(parts.skin)}),
     }
 
 

@@ -80,16 +80,15 @@ def _of_mean_skin(parts: SceneParts, target: str, presses: str) -> Tables:
 
 
 def _tables(unknown: UnknownSkin, target: str, presses: str, drift: float) -> Tables:
-    scene = unknown.forward.parts.scene
+    parts = unknown.forward.parts
+    touched = parts.plan.draws.press.touches
     chances = np.zeros(3)
-    chances[: len(scene.dataset.press.touches)] = scene.dataset.press.touches
-    strengths, weights, spread = strength_prior(scene.parts.skin, scene.parts.plan, presses)
-    fingers = finger_prior(scene.parts.skin, scene.parts.plan, presses)
+    chances[: len(touched)] = touched
+    strengths, weights, spread = strength_prior(parts.skin, parts.plan, presses)
+    fingers = finger_prior(parts.skin, parts.plan, presses)
     touches = fingers.pixel_touches(strengths, weights)
     common = {
-        "deviation": errors_of(
-            scene.parts.setup, scene.parts.meter, unpressed=unknown.unpressed
-        ).deviation,
+        "deviation": errors_of(parts.setup, parts.meter, unpressed=unknown.unpressed).deviation,
         "chances": chances,
         "strengths": strengths,
         "weights": np.array([touch.chance for touch in touches]),

@@ -55,7 +55,7 @@ class UnknownSkin:
     """
 
     def __init__(self, forward: Forward) -> None:
-        self.forward, self.values = forward, expected(forward.parts.scene.parts)
+        self.forward, self.values = forward, expected(forward.parts)
         self._mean = self.values
         self._deviations = {
             name: spread.deviation
@@ -116,15 +116,8 @@ class UnknownSkin:
         errors of the session, shape (number,). Parameters enter nonlinearly, cosine modes linearly.
         With hundreds of sweeps the data would be more precise than this linearization.
         """
-        skin, error = (
-            self,
-            _baseline_covariance(
-                self.forward.parts.scene.parts.setup,
-                self.forward.parts.scene.parts.meter,
-                baseline,
-                averaged,
-            ),
-        )
+        parts, skin = self.forward.parts, self
+        error = _baseline_covariance(parts.setup, parts.meter, baseline, averaged)
         for _ in range(STEPS):
             weighed = np.linalg.solve(error, skin._baseline_columns).T
             information = weighed @ skin._baseline_columns + np.eye(len(weighed))
@@ -195,17 +188,15 @@ def _moved(
 
 def _foam_terms(forward: Forward) -> Real:
     """Relative changes of the cells' capacitance, shape (unknown, cell)."""
-    scene, cells = forward.parts.scene, forward.divided.skin.pixels
-    session, pixels = scene.dataset.session, scene.pixels
+    skin, cells = forward.parts.skin, forward.divided.skin.pixels
+    session, pixels = forward.parts.plan.draws.session, skin.pixels
     if session.foam_pattern == "pixel":
         each = session.foam_spread * np.eye(pixels.rows * pixels.columns)
         of_pixels = each[: None if session.foam_spread else 0]
         cell = np.ones((1, forward.cells_per_pixel, forward.cells_per_pixel))
         terms = np.kron(of_pixels.reshape(-1, pixels.rows, pixels.columns), cell)
         return terms.reshape(-1, cells.rows * cells.columns).astype(np.float64)
-    modes = mode_values(
-        scene.parts.skin, cell_centres(scene.parts.skin, cells.shape), len(HALF_WAVES)
-    )[1:]
+    modes = mode_values(skin, cell_centres(skin, cells.shape), len(HALF_WAVES))[1:]
     return (session.foam_spread * modes.reshape(len(HALF_WAVES) - 1, -1)).astype(np.float64)
 
 
@@ -214,11 +205,11 @@ def _sheet_mode_terms(forward: Forward) -> Real:
 
     Where one field describes both sheets, modes of each add, weighted by its share of resistance.
     """
-    scene, reduced = forward.parts.scene, forward.reduced
+    parts, reduced = forward.parts, forward.reduced
     family = family_on(reduced.parts.skin, reduced.circuit, reduced.mesh, len(HALF_WAVES))
-    R = np.array(scene.skin.sheet_resistances)
+    R = np.array(parts.skin.sheet_resistances)
     share = 1.0 if reduced.circuit.fields == 2 else float(np.hypot(*R) / R.sum())
-    unevenness = scene.dataset.session.unevenness
+    unevenness = parts.plan.draws.session.unevenness
     W = reduced.coordinates
     terms = family.sheet_terms
     parts = len(terms) // (reduced.circuit.fields * len(HALF_WAVES))

@@ -89,7 +89,7 @@ def limits(
         )
         from ..bounds.position_bound import chosen_touch
         from ..chart_style import checked_ending
-        from ..models.mechanics.force_depths import foldable
+        from ..models.mechanics.force_depths import pressed_by_factors
         from ..sweeps import checked_folder, made_folder
         from .survey import (
             SurveyOptions,
@@ -103,10 +103,10 @@ def limits(
         from .survey_results import WRITTEN, SurveyResults
         from .touch_identity import Sampling, identity
 
-        folded = foldable(with_finger(requested, finger).parts, "a limit")
+        by_factors = pressed_by_factors(with_finger(requested, finger).parts, "a limit")
         side = None if size is None else 1e-3 * size
-        touch = chosen_touch(folded.skin, folded.plan.press, side, factor)
-        loaded = with_factor(with_interfaces(folded, interface or []), 1 + touch.rise)
+        touch = chosen_touch(by_factors.skin, by_factors.plan.press, side, factor)
+        loaded = with_factor(with_interfaces(by_factors, interface or []), 1 + touch.rise)
         options = SurveyOptions(touch, against_rest, unknown_skin, not loaded.plan.press.by_factor)
         sampling = Sampling(seed, draws, against_rest, side)
         ending = checked_ending(charts)

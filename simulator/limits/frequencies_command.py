@@ -64,15 +64,15 @@ def frequencies(
 
     from ..bounds.frequency_sets import chosen_band, frequencies_among
     from ..bounds.position_bound import chosen_touch
-    from ..models.mechanics.force_depths import foldable
+    from ..models.mechanics.force_depths import pressed_by_factors
     from ..progress import on_terminal
     from ..requests.requested_scene import requested_scene
     from .criteria import checked_criterion
     from .frequency_design import check_design, design
     from .survey import with_interfaces
 
-    folded = foldable(requested_scene(scene).parts, "a limit")
-    loaded = with_interfaces(folded, interface or [])
+    by_factors = pressed_by_factors(requested_scene(scene).parts, "a limit")
+    loaded = with_interfaces(by_factors, interface or [])
     chosen_from = frequencies_among(among, loaded.setup)
     check_design(n, grid if chosen_from is None else len(chosen_from), repeats, grid)
     with on_terminal() as progress:

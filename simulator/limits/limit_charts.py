@@ -109,7 +109,7 @@ def _draw_map(
     axes: Axes, skin: Skin, bounds: PositionBounds, values: Real, norm: Normalize | None
 ) -> None:
     x, y = (np.unique(1e3 * bounds.places[:, axis]) for axis in (0, 1))
-    skin, pixels = skin, skin.pixels
+    pixels = skin.pixels
     cells = skin.length / pixels.columns, skin.width / pixels.rows
     axes.set_facecolor("white")
     edges = _edges(x, 1e3 * cells[0]), _edges(y, 1e3 * cells[1])

@@ -205,7 +205,7 @@ def _nodes(
     patch: float,
 ) -> Real:
     """Nodes along x (axis 0) or y (axis 1)."""
-    skin, length = skin, skin.sides[axis]
+    length = skin.sides[axis]
     widths = dict.fromkeys(resolution.touched[axis], resolution.touch_cell)
     for contact in contacts:
         if axis == (0 if contact.edge in ("left", "right") else 1):

@@ -38,7 +38,7 @@ class LineModel:
         if line.two_ended:
             raise InputError(f"{skin.name} has contacts at both ends: slopes need those at one")
         c, lengths = line.profile(Press())
-        skin, pixels, edge = skin, skin.pixels, skin.contacts[0].edge
+        pixels, edge = skin.pixels, skin.contacts[0].edge
         along_x = edge in ("left", "right")
         across, width = (pixels.rows, skin.width) if along_x else (pixels.columns, skin.length)
         if across != 1:

@@ -131,7 +131,7 @@ def depth_of(skin: Skin, frequency: float) -> float:
 
     Bodies charge the sheets as well: s G^-1 C of both sheets has no eigenvalue above its trace.
     """
-    skin, around = skin, skin.around
+    around = skin.around
     if around is None or not around.body:
         return skin.depth(frequency)
     R = {"top": skin.top.sheet_resistance, "bottom": skin.bottom.sheet_resistance}

@@ -1,4 +1,4 @@
-"""Presses of skins as models take them: moved with a stretch, by factors, and at once."""
+"""What models with uniform sheets take: a press moved with its skin, and no foam that creeps."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from ..press.press import Press
 from ..press.touch import AnyTouch, Rectangle, Touch
-from ..scene.parts import SceneParts, Skin
+from ..scene.parts import Skin
 from ..sweeps import InputError
 
 
@@ -22,32 +22,6 @@ def equivalent_press(skin: Skin, press: Press) -> Press | None:
     if ratios == (1.0, 1.0):
         return press
     return Press(tuple(_moved(touch, *ratios) for touch in press.touches))
-
-
-def folded(parts: SceneParts, what: str, creeps: bool = False) -> SceneParts:
-    """Equivalent parts for a feature `what` that presses by factors.
-
-    Positions in m are those of the stretched skin if it is uniform. If a tension spreads presses by
-    depth, the parts stay as they are; without tension a depth becomes the factor that it causes.
-    creeps: True if the feature takes factors of foam that creeps. Raises InputError if the feature
-    cannot take the way in which pixels are pressed, and what `require_static` raises.
-    """
-    mechanics, pressed = parts.skin.foam.mechanics, uniformly_pressed(parts, what, creeps)
-    spread = not parts.plan.press.by_factor and mechanics is not None and mechanics.tension
-    return parts if spread else pressed
-
-
-def uniformly_pressed(parts: SceneParts, what: str, creeps: bool = False) -> SceneParts:
-    """Parts as `folded` returns them, but without the spread by a tension next to applicators."""
-    skin, press = parts.skin, parts.plan.press
-    if not (creeps and press.by_factor):
-        require_static(skin, f"{what} by `press.depth`" if creeps else what)
-    if press.force is not None:
-        raise InputError(
-            f"{skin.name}: {what} cannot take `press.force`: it needs `press.depth` or "
-            "`press.capacitance_factor`"
-        )
-    return parts.evened if press.by_factor else parts.evened.pressed_by(press.as_factor(skin))
 
 
 def require_static(skin: Skin, what: str) -> None:

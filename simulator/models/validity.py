@@ -114,7 +114,7 @@ def _fringe(skin: Skin) -> str | None:
 
 
 def _pixels(skin: Skin) -> str | None:
-    skin, pixels, d = skin, skin.pixels, skin.foam.thickness_or_assumed
+    pixels, d = skin.pixels, skin.foam.thickness_or_assumed
     pixel = min(skin.length / pixels.columns, skin.width / pixels.rows)
     if pixel >= PIXEL_LIMIT * d:
         return None

@@ -29,7 +29,7 @@ def page(
     touch; sliders change the sheets and the foam. `rcskin view -o OUT.png`
     draws a single press in space instead.
     """
-    from ..models.uniform import uniformly_pressed
+    from ..models.mechanics.force_depths import pressed_by_factors
     from ..progress import Overall, on_terminal
     from ..requests.console import note, report_written
     from ..requests.requested_scene import note_if_noise_free, requested_scene
@@ -44,7 +44,7 @@ def page(
             f"{scene}: a page shows impedances, and the readings of this scene are gains; use "
             "rcskin sweep or rcskin view"
         )
-    pressed = uniformly_pressed(requested.parts, "a page")
+    pressed = pressed_by_factors(requested.parts, "a page", spread=False)
     skin, setup = pressed.skin, pressed.setup
     note_if_noise_free(scene, setup, pressed.meter)
     with on_terminal() as bars:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..models.uniform import uniformly_pressed
+from ..models.mechanics.force_depths import pressed_by_factors
 from ..progress import on_terminal
 from ..scene.parts import SceneParts
 from ..sweeps import InputError
@@ -19,7 +19,7 @@ def linked_page(parts: SceneParts, kind: str, nonce: str) -> str:
     """
     if parts.setup.own:
         raise InputError(f"{parts.skin.name}: the page takes no `frequencies` of interfaces")
-    pressed = uniformly_pressed(parts, "a page")
+    pressed = pressed_by_factors(parts, "a page", spread=False)
     with on_terminal() as progress:
         reduced = reduced_for_page(pressed, RTOL, CELLS, progress)
     return document(page_data(pressed, reduced), PageLink(kind, nonce))

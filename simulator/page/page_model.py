@@ -114,11 +114,11 @@ def _gauge_data(skin: ReducedSkin) -> dict[str, Any]:
     piezoresistance: that of each field's sheet.
     """
     reduced = skin.reduced
-    scene, fields = reduced.parts.scene, reduced.circuit.fields
-    terms = reduced.stiffness[: fields * foam_parts(scene.parts.skin)]
+    own, fields = reduced.parts.skin, reduced.circuit.fields
+    terms = reduced.stiffness[: fields * foam_parts(own)]
     factors = [_factor(skin.turn.T @ term @ skin.turn) for term in terms]
     return {
-        "piezoresistance": [scene.skin.sheet(name).piezoresistance for name in ELECTRODES[:fields]],
+        "piezoresistance": [own.sheet(name).piezoresistance for name in ELECTRODES[:fields]],
         "ranks": [len(each) for each in factors],
         "factors": exact_array(np.concatenate(factors)),
     }

@@ -76,7 +76,7 @@ def touched_area(skin: Skin, place: Place) -> float:
     SAMPLES_PER_SIDE² sample points in the box around the place give the share on the skin; a mesh
     in space counts as seen along z.
     """
-    skin, groups = skin, skin.pixels.groups
+    groups = skin.pixels.groups
     stretched = np.prod(skin.stretch.ratios) if skin.stretch else 1.0
     if isinstance(place, Touch) and groups is not None and skin.mesh is not None:
         return float(stretched * skin.mesh.surface.area(groups[place.row - 1][place.column - 1]))

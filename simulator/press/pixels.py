@@ -26,7 +26,7 @@ def cell_centres(skin: Skin, grid: tuple[int, int]) -> Real:
 
 def pixels_with_skin(skin: Skin) -> list[tuple[int, int]]:
     """(row, column) from 1 of each pixel that contains skin, row by row."""
-    skin, groups = skin, skin.pixels.groups
+    groups = skin.pixels.groups
     every = [(row + 1, column + 1) for row, column in np.ndindex(*skin.pixels.shape)]
     if groups is not None or (skin.outline is None and skin.mesh is None):
         return every

@@ -51,7 +51,7 @@ def press_errors(
     own: the parts of the family, which draws the touches. Presses that a sensor refuses because
     touches overlap are left out.
     """
-    cells = SkinCells.of(parts.scene.parts.skin, family.grid)
+    cells = SkinCells.of(parts.skin, family.grid)
     highest = highest_factor(parts.skin, parts.plan)
     presses = drawn_presses(own, np.random.default_rng(seed), count, cells.fine)
     texts, batch = presses.text, presses.batch

@@ -137,7 +137,7 @@ def _with_lower_rank(parts: SceneParts, model: Reduced, rtol: float) -> Reduced:
     cases = []
     for session in range(RANK_SKINS):
         skin = drawn_skin(parts, 0, session, model.grid, model.modes)
-        presses = drawn_presses(parts.scene.parts, random, PRESSES_ON_SKIN, model.grid).batch
+        presses = drawn_presses(parts, random, PRESSES_ON_SKIN, model.grid).batch
         cases += [Case(skin.variation, *press) for press in presses.each()]
     looser = replace(model, rtol=RANK_SHARE / COMPRESSED_SHARE * rtol)
     return replace(compressed(looser, cases), rtol=model.rtol, built=model.built)

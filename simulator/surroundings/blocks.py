@@ -56,7 +56,7 @@ def shape_of(skin: Skin, key: str) -> Shape:
 
     key: the key that needs it. Raises InputError for a mesh that is not flat.
     """
-    skin, foam = skin, skin.foam
+    foam = skin.foam
     thickness = foam.thickness_or_assumed
     if skin.mesh is not None and len(skin.mesh.surface.p) == 3:
         raise InputError(f"{skin.name}: `{key}` needs a flat skin; `skin.mesh` lies in space")

@@ -13,9 +13,9 @@ from rcskin.simulator.limits import bayes_accuracy
 from rcskin.simulator.measure.experiment import planned_presses
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.measure.specimen import Specimen
+from rcskin.simulator.models.mechanics.force_depths import pressed_by_factors
 from rcskin.simulator.models.parameters import Variation
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.uniform import folded
 from rcskin.simulator.press.press import every_press, parse_press, press_on
 from rcskin.simulator.press.touch import Depth
 from rcskin.simulator.scene.frequency import Loss
@@ -129,13 +129,12 @@ def test_limits_and_studies_press_by_depth(scene, coarse):
     [
         ({"dataset.press.depth": 2.6e-3}, r"`dataset.press.depth` must be <= 0.00241 m"),
         ({"dataset.press.factor": 9.0}, "`dataset.press.factor` must be from 1 to 4"),
-        ({"press.depth": None, "press.force": 1.0}, "cannot take `press.force`"),
         ({"press.depth": None, "dataset.press.depth": 1e-3}, "`dataset.press.depth` needs"),
     ],
 )
 def test_data_sets_refuse_in_one_line_what_they_cannot_press(scene, changed, reason):
     with pytest.raises(InputError, match=reason):
-        DatasetPlan(folded(scene.with_(changed).parts, "a data set"), 10, 1, RTOL)
+        DatasetPlan(pressed_by_factors(scene.with_(changed).parts, "a data set"), 10, 1, RTOL)
 
 
 def test_the_virtual_meter_reads_one_press_at_all_frequencies(scene):

@@ -94,11 +94,8 @@ def _expected(
     return each.mean(axis=1), slopes
 
 
-def _presses(
-    skin: Skin, pressing: Pressing, among: Sequence[Hypothesis], signs: Real
-) -> PressBatch:
+def _presses(skin: Skin, press: Pressing, among: Sequence[Hypothesis], signs: Real) -> PressBatch:
     """All combinations of hypotheses and signs of strength."""
-    press = pressing
     rises = (press.capacitance_factor - 1) * (1 + press.factor_spread * signs)
     return PressBatch.of(each.on(skin, rise) for each in among for rise in rises)
 

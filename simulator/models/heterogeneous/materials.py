@@ -41,7 +41,7 @@ def position(skin: Skin, x: Real) -> Real:
 
 def tangents(skin: Skin, x: Real) -> Real:
     """Derivative of `position` by x, shape (3, 2, ...)."""
-    skin, ratios = skin, _ratios(skin, x)
+    ratios = _ratios(skin, x)
     if skin.shape is None:
         flat = np.eye(3, 2).reshape((3, 2) + (1,) * (np.ndim(x) - 1))
         return np.broadcast_to(flat * ratios, (3, 2, *np.shape(x)[1:]))

@@ -25,11 +25,11 @@ def curves_chart(reduced: Reduced) -> SmallChart:
 
 
 def _draw(figure: Figure, reduced: Reduced) -> None:
-    scene = reduced.parts.scene
-    f, pixels = scene.frequencies, pixels_with_skin(scene.parts.skin)
+    setup = reduced.parts.setup
+    f, pixels = setup.frequency, pixels_with_skin(reduced.parts.skin)
     chosen = dict.fromkeys([pixels[0], pixels[len(pixels) // 2], pixels[-1]])
     presses = [UNPRESSED, *("{},{}".format(*pixel) for pixel in chosen)]
-    kind = GAIN if scene.parts.setup.gain else IMPEDANCE
+    kind = GAIN if setup.gain else IMPEDANCE
     quantities = [each for each in kind.quantities if each.name in DRAWN]
     panels = figure.subplots(1, len(quantities))
     for press, colour in zip(presses, (UNPRESSED_COLOUR, *COLOURS), strict=False):

@@ -8,7 +8,7 @@ from rcskin.simulator.dataset.memory_dataset import in_memory
 from rcskin.simulator.measure.creeping_sweeps import reading_moments
 from rcskin.simulator.measure.foam_state import FoamState
 from rcskin.simulator.measure.simulate import simulate
-from rcskin.simulator.models.mechanics.force_depths import foldable
+from rcskin.simulator.models.mechanics.force_depths import pressed_by_factors
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.capacitance import touched_cells
@@ -102,5 +102,5 @@ def test_cells_creep_as_the_touches_that_they_are_of():
 def test_unsupported_scenes_are_refused_in_one_line(changes, told):
     scene = load_scene("strip-1x5").with_(changes)
     with pytest.raises(InputError) as refused:
-        DatasetPlan(foldable(scene.parts, "a data set", creeps=True), 12, 3, 1e-4)
+        DatasetPlan(pressed_by_factors(scene.parts, "a data set", creeps=True), 12, 3, 1e-4)
     assert told in str(refused.value) and "\n" not in str(refused.value)

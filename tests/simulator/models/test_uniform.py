@@ -1,11 +1,8 @@
-"""What is folded into a plain scene, where presses go, and what stays as it is."""
+"""What is evened into a plain skin, where presses go, and what stays as it is."""
 
 import pytest
-from rcskin.simulator.models.uniform import (
-    equivalent_press,
-    folded,
-    require_uniform,
-)
+from rcskin.simulator.models.mechanics.force_depths import pressed_by_factors
+from rcskin.simulator.models.uniform import equivalent_press, require_uniform
 from rcskin.simulator.press.press import Press, check_press, parse_press
 from rcskin.simulator.press.touch import Rectangle, Touch
 from rcskin.simulator.scene.foam.foam import VACUUM_PERMITTIVITY
@@ -111,7 +108,7 @@ def test_a_stretched_scene_needs_to_be_folded_first(make_scene):
     scene = skin_with(make_scene(), stretch=STRETCH)
     with pytest.raises(InputError, match="cannot take `skin.stretch`"):
         require_uniform(scene.parts.skin, "a test")
-    assert folded(scene.parts, "a test").skin == scene.parts.skin.electrical
+    assert pressed_by_factors(scene.parts, "a test").skin == scene.parts.skin.electrical
 
 
 def test_presses_move_with_the_skin(make_scene):

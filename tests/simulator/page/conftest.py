@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from rcskin.simulator.models.mechanics.force_depths import pressed_by_factors
 from rcskin.simulator.models.reduced.reduced_model import Reduced
-from rcskin.simulator.models.uniform import uniformly_pressed
 from rcskin.simulator.page.document import SITE
 from rcskin.simulator.page.packed import page_data, reduced_for_page
 from rcskin.simulator.scene.scene import Scene
@@ -73,7 +73,7 @@ class Paged:
 
 
 def paged(scene, rtol=1e-3, cells=2):
-    parts = uniformly_pressed(scene.parts, "a page")
+    parts = pressed_by_factors(scene.parts, "a page", spread=False)
     reduced = reduced_for_page(parts, rtol, cells)
     return Paged(parts.scene, reduced, page_data(parts, reduced, points=300))
 

@@ -7,8 +7,8 @@ import tomllib
 import numpy as np
 import pytest
 from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.models.mechanics.force_depths import pressed_by_factors
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.uniform import uniformly_pressed
 from rcskin.simulator.page.document import document
 from rcskin.simulator.page.packed import reduced_for_page
 from rcskin.simulator.press.press import parse_press
@@ -92,7 +92,7 @@ def test_bad_input_is_reported_in_one_line(refused, tmp_path, monkeypatch, argum
     ],
 )
 def test_a_page_refuses_strain_of_a_foam_with_mechanics(changes, key):
-    parts = uniformly_pressed(load_scene("foam").with_(changes).parts, "a page")
+    parts = pressed_by_factors(load_scene("foam").with_(changes).parts, "a page", spread=False)
     with pytest.raises(InputError, match=f"cannot take `{key}.*with `skin.foam.mechanics`"):
         reduced_for_page(parts, 1e-2, 1)
 

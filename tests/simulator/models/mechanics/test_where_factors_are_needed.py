@@ -5,8 +5,8 @@ import pytest
 from rcskin.simulator.inversion.touch_templates import strength_prior
 from rcskin.simulator.measure.experiment import own_presses, planned_presses
 from rcskin.simulator.measure.simulate import resimulated, simulate
+from rcskin.simulator.models.mechanics.force_depths import pressed_by_factors
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.uniform import folded
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.sweeps import InputError, impedance
 
@@ -42,7 +42,7 @@ def test_a_depth_is_counted_by_the_factor_under_its_applicator(foam_scene):
 
 def test_without_a_tension_a_depth_is_its_factor(foam_scene):
     scene = foam_scene(tension=0.0, press={"depth": 1e-3})
-    factors = folded(scene.parts, "a test")
+    factors = pressed_by_factors(scene.parts, "a test")
     assert factors.plan.press.capacitance_factor == scene.press.factor(scene.parts.skin)
     assert factors.plan.press.by_factor
 
