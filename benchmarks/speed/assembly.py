@@ -12,14 +12,15 @@ import pandas as pd
 from numpy.typing import NDArray
 from rcskin.benchmarks.bench import Run, best_time, launch, publish
 from rcskin.simulator.chart_style import COLOURS, chart
-from rcskin.simulator.fem.matrices.assembly import (
+from rcskin.simulator.fem.assembly import (
+    Pattern,
     element_pairs,
     fill_readable,
     groups,
+    pattern_of_pairs,
     quadrilateral,
 )
-from rcskin.simulator.fem.matrices.kernels import fill
-from rcskin.simulator.fem.matrices.pattern import Pattern, pattern_of_pairs
+from rcskin.simulator.fem.kernels import fill
 from rcskin.simulator.mesh.quadrilaterals import Resolution, pixel_mesh
 from rcskin.simulator.scene.scene_files import load_scene
 from skfem import BilinearForm

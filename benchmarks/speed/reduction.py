@@ -15,7 +15,7 @@ from rcskin.benchmarks.bench import Run, launch, machine
 from rcskin.benchmarks.speed.reduction_parts import growth, targets, ways
 from rcskin.benchmarks.speed.reduction_parts.cases import RTOL
 from rcskin.benchmarks.speed.reduction_parts.chart import draw
-from rcskin.simulator.fem.matrices.factors import one_blas_thread
+from rcskin.simulator.fem.factors import one_blas_thread
 from rcskin.simulator.sweeps import whole_file
 
 NAME = "reduction"

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from ...simulator.fem.matrices.factors import one_blas_thread
+from ...simulator.fem.factors import one_blas_thread
 from ...simulator.models.mechanics.force_depths import pressed_by_factors
 from ...simulator.models.validity import warnings
 from ...simulator.processes import map_in_order, worker_pool

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from ..arrays import Complex, Real
-from ..fem.matrices.factors import one_blas_thread
+from ..fem.factors import one_blas_thread
 from ..models.effects import EFFECTS
 from ..models.parameters import own_values
 from ..progress import ProgressCallback, silent

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..arrays import Complex
 from ..bounds.touches.rasterization_errors import error_against_solver
-from ..fem.safety_factors import SAMPLED
+from ..fem.error_estimate import SAMPLED
 from ..measure.creeping_sweeps import reading_moments
 from ..measure.foam_state import FoamState
 from ..measure.streams import CELLS, stream

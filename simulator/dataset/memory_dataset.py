@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from ..fem.matrices.factors import one_blas_thread
+from ..fem.factors import one_blas_thread
 from ..measure.simulate import BYTES_FOR_READING
 from ..sweeps import build
 from ..sweeps.free_space import check_count

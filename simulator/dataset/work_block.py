@@ -10,7 +10,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..fem.matrices.factors import one_blas_thread
+from ..fem.factors import one_blas_thread
 from ..sweeps import inputs, kept_file
 from ..sweeps.digests import sealed_json, unsealed_json
 from . import store

@@ -15,7 +15,7 @@ from torch.autograd.function import once_differentiable
 
 
 class AllowedPotentials(NamedTuple):
-    """Terminal potentials that an excitation allows, see `terminal_network.allowed_potentials`.
+    """Terminal potentials that an excitation allows, see `terminals.allowed_potentials`.
 
     columns: V, shape (N, 1 + floating); the first one is driven. common: those without direct
     current.

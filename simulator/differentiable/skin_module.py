@@ -11,7 +11,7 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from ..fem.terminals.terminal_network import allowed_potentials
+from ..fem.terminals import allowed_potentials
 from ..models.cosine_modes.sheet_modes import MAX_AMPLITUDE
 from ..models.heterogeneous.materials import gauged
 from ..models.parameters import SHEET_MODES

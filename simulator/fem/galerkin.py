@@ -20,21 +20,20 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU
 
 from ..arrays import Complex, Real
-from .lanczos.lanczos import Pencil, Pencils, Steps
-from .matrices.factors import Factors, factorised, without_zeros
-from .matrices.low_rank import Bordered, LowRankMass, Mass
+from .circuit import Circuit
+from .factors import Bordered, Factors, LowRankMass, Mass, factorised, without_zeros
+from .lanczos import Pencil, Pencils, Steps
 from .system import Films, System
-from .terminals.circuit import Circuit
-from .terminals.excitation import Excitation
-from .terminals.excited_terminals import (
+from .terminals import (
+    Excitation,
     ExcitedTerminals,
+    Network,
     Unshifted,
     excited_terminals,
     potentials,
     shifted,
     unshifted_pencils,
 )
-from .terminals.terminal_network import Network
 
 
 class Galerkin:

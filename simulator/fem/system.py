@@ -16,9 +16,8 @@ from ..mesh.quadrilaterals import PixelMesh, Resolution, pixel_mesh
 from ..scene.parts import Skin
 from ..scene.readings.contacts import Contact
 from ..sweeps.free_space import check_memory
-from .matrices.assembly import Group, add_terms, edge_masses, fill, groups
-from .matrices.pattern import Pattern
-from .terminals.circuit import Circuit, Terminal
+from .assembly import Group, Pattern, add_terms, edge_masses, fill, groups
+from .circuit import Circuit, Terminal
 from .unknowns import Unknowns, number_unknowns, quadrilateral_trial
 
 BYTES_FOR_UNKNOWN = 5e3

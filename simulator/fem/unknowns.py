@@ -16,10 +16,8 @@ from skfem.assembly import Dofs
 
 from ..arrays import Integer, Real
 from ..scene.readings.contacts import Contact
-from .matrices.assembly import element_pairs, quadrilateral
-from .matrices.dropped import DROPPED
-from .matrices.pattern import Pattern, pattern_of_pairs
-from .terminals.circuit import Circuit, Terminal
+from .assembly import DROPPED, Pattern, element_pairs, pattern_of_pairs, quadrilateral
+from .circuit import Circuit, Terminal
 
 TRIANGLES = (ElementTriP1, ElementTriP2, ElementTriP3, ElementTriP4)
 

@@ -10,9 +10,8 @@ from skfem import MeshTri
 
 from ..arrays import Integer, Mask, Real
 from ..scene.planar import Circle, inside
-from .arcs import NO_ARCS, Arcs, areas_beside_chords, mapped
+from .arcs import NO_ARCS, Arcs, areas_beside_chords, edges_of, mapped
 from .drawing import Drawing
-from .edge_numbering import edges_of
 
 Points = Real
 NO_EDGES = np.zeros((2, 0), dtype=np.int64)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Complex, Real
-from ..fem.terminals.circuit import Circuit, one_field
+from ..fem.circuit import Circuit, one_field
 from ..press.capacitance import lines, tile_map
 from ..press.pixels import pixel_lines
 from ..press.press import Press

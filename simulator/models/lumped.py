@@ -12,8 +12,7 @@ import numpy as np
 
 from ..arrays import Complex, Integer, Real
 from ..fem.galerkin import Galerkin
-from ..fem.terminals.excitation import Excitation
-from ..fem.terminals.terminal_network import allowed_potentials
+from ..fem.terminals import Excitation, allowed_potentials
 from ..press.press import Press
 from ..scene.frequency import laplace_variable
 from ..scene.parts import Skin

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..fem.terminals.circuit import Circuit
+from ..fem.circuit import Circuit
 from ..mesh.quadrilaterals import Resolution, singular_ends
 from ..press.capacitance import lines, patch, tile_map, touched_box
 from ..press.press import Press

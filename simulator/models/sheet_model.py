@@ -8,13 +8,13 @@ import numpy as np
 from scipy.sparse import csc_matrix
 
 from ..arrays import Complex, Real
+from ..fem.circuit import Circuit
 from ..fem.error_estimate import Swept
+from ..fem.factors import one_blas_thread
 from ..fem.galerkin import Galerkin
-from ..fem.lanczos.interface_sweep import swept
-from ..fem.matrices.factors import one_blas_thread
+from ..fem.sweep import swept
 from ..fem.system import build_system
-from ..fem.terminals.circuit import Circuit
-from ..fem.terminals.terminal_network import Network
+from ..fem.terminals import Network
 from ..mesh.quadrilaterals import Resolution, tile_lines
 from ..press.capacitance import capacitance_map, lines, tile_map
 from ..press.press import Press

@@ -9,8 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import Complex, Mask, Real
-from ..fem.error_estimate import reference_susceptance, relative_difference
-from ..fem.safety_factors import UNIFORM
+from ..fem.error_estimate import UNIFORM, reference_susceptance, relative_difference
 from ..scene.parts import Setup
 from ..sweeps.reading_quantities import GAIN_ERROR, IMPEDANCE, ReadingKind
 

@@ -13,10 +13,9 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import Real
-from ..fem.error_estimate import ROUNDING, relative_difference
-from ..fem.safety_factors import UNIFORM
-from ..fem.terminals.circuit import Circuit, one_field, two_fields
-from ..fem.terminals.excitation import impedance_with_error
+from ..fem.circuit import Circuit, one_field, two_fields
+from ..fem.error_estimate import ROUNDING, UNIFORM, relative_difference
+from ..fem.terminals import impedance_with_error
 from ..mesh.quadrilaterals import Resolution
 from ..method_cache import cached_method
 from ..press.press import Press

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Mask, Real
-from ..fem.lanczos.lanczos import MAX_LANCZOS_STEPS, MIN_LANCZOS_STEPS
-from ..fem.terminals.terminal_network import allowed_potentials
+from ..fem.lanczos import MAX_LANCZOS_STEPS, MIN_LANCZOS_STEPS
+from ..fem.terminals import allowed_potentials
 from ..models.heterogeneous.coefficients import ELECTRODES
 from ..models.heterogeneous.materials import gauged
 from ..models.parameters import foam_parts

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Integer, Mask, Real
+from ..mesh.arcs import edges_of
 from ..mesh.domain import Domain
-from ..mesh.edge_numbering import edges_of
 from ..mesh.pixel_coverage import pixel_coverage
 from ..models.reduced.families.family import Family, Triangulation
 from ..scene.parts import Skin

@@ -10,8 +10,8 @@ from scipy.sparse import csr_matrix
 from skfem import CellBasis
 
 from ..arrays import Mask, Real
-from ..fem.matrices.assembly import quadrilateral
-from ..fem.matrices.quadrature import rule_at
+from ..fem.assembly import quadrilateral
+from ..fem.quadrature import rule_at
 from ..models.heterogeneous.elements import triangles
 from ..models.heterogeneous.materials import Materials
 from ..models.reduced.families.family import Family, Triangulation

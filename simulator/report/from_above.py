@@ -8,7 +8,7 @@ import numpy as np
 
 from ..arrays import Real
 from ..chart_style import FOIL_COLOURS, foil_offset
-from ..mesh.edge_numbering import edges_of
+from ..mesh.arcs import edges_of
 from ..mesh.skin_mesh import domain
 from ..press.press import Press
 from ..scene.parts import Skin

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compiled import compiled
-from ..fem.lanczos.lanczos import MAX_LANCZOS_STEPS
-from ..fem.matrices.kernels import continued_fractions
+from ..fem.kernels import continued_fractions
+from ..fem.lanczos import MAX_LANCZOS_STEPS
 from ..models.reduced.dense import DenseExcitation, UnpressedMass
 from ..models.reduced.kernel import farthest_of, lanczos_steps, work_vectors
 from ..press.batch import PressBatch

@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 
 from ..arrays import Mask
+from ..mesh.arcs import edges_of
 from ..mesh.domain import Domain
-from ..mesh.edge_numbering import edges_of
-from ..mesh.refining.refinement import refined
+from ..mesh.refinement import refined
 from ..mesh.skin_mesh import domain
 from ..press.press import Press
 from ..scene.foam.foam import VACUUM_PERMITTIVITY, Foam

@@ -4,8 +4,8 @@ import importlib
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.matrices.assembly import quadrilateral
-from rcskin.simulator.fem.terminals.circuit import two_fields
+from rcskin.simulator.fem.assembly import quadrilateral
+from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.mesh.quadrilaterals import pixel_mesh, tile_lines
 from rcskin.simulator.press.capacitance import tile_map
 from rcskin.simulator.scene.frequency import laplace_variable

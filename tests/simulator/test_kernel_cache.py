@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 import rcskin
-from rcskin.simulator.fem.matrices import kernels
-from rcskin.simulator.fem.matrices.assembly import fill, fill_readable
+from rcskin.simulator.fem import kernels
+from rcskin.simulator.fem.assembly import fill, fill_readable
 
 PACKAGE = Path(rcskin.__file__).parent
 PARTS = ("__init__.py", "__main__.py", "py.typed", "simulator", "localization", "hardware")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from rcskin.simulator.fem.matrices.assembly import quadrilateral
+from rcskin.simulator.fem.assembly import quadrilateral
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu
 from skfem import Basis, BilinearForm, MeshQuad

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from rcskin.simulator.fem.matrices.assembly import element_pairs, fill, quadrilateral
-from rcskin.simulator.fem.matrices.pattern import pattern_of_pairs
-from rcskin.simulator.fem.matrices.quadrature import (
+from rcskin.simulator.fem.assembly import element_pairs, fill, pattern_of_pairs, quadrilateral
+from rcskin.simulator.fem.quadrature import (
     CellGeometry,
     Rule,
     gauss_rule,
@@ -22,7 +21,7 @@ from rcskin.simulator.fem.matrices.quadrature import (
     surface,
 )
 from rcskin.simulator.fem.unknowns import quadrilateral_trial
-from rcskin.simulator.mesh.rings import rectangles
+from rcskin.simulator.mesh.quadrilaterals import rectangles
 from scipy.sparse.linalg import splu
 from scipy.special import ive, kve
 from skfem import MeshQuad

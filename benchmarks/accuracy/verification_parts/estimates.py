@@ -17,8 +17,8 @@ from rcskin.benchmarks.accuracy.random_scenes import random_press, random_scene
 from rcskin.benchmarks.accuracy.verification_parts.report import Check, Section, below
 from rcskin.benchmarks.bench import Run
 from rcskin.simulator.chart_style import COLOURS, UNPRESSED_COLOUR, chart
+from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.fem.terminals.circuit import one_field, two_fields
 from rcskin.simulator.mesh.quadrilaterals import pixel_mesh
 from rcskin.simulator.models.resolution import ResolutionHierarchy
 from rcskin.simulator.models.sheet_model import SheetModel

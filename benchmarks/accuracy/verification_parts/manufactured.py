@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from rcskin.benchmarks.accuracy.verification_parts.chosen import Problem, capacitance
-from rcskin.simulator.fem.matrices.assembly import element_pairs, fill, quadrilateral
-from rcskin.simulator.fem.matrices.pattern import pattern_of_pairs
-from rcskin.simulator.fem.matrices.quadrature import (
+from rcskin.simulator.fem.assembly import element_pairs, fill, pattern_of_pairs, quadrilateral
+from rcskin.simulator.fem.quadrature import (
     gauss_rule,
     interpolated,
     mass_terms,
@@ -22,7 +21,7 @@ from rcskin.simulator.fem.matrices.quadrature import (
     triangle_rule,
 )
 from rcskin.simulator.fem.unknowns import TRIANGLES, quadrilateral_trial, triangle_trial
-from rcskin.simulator.mesh.rings import QuadrilateralCells, rectangles, ringed
+from rcskin.simulator.mesh.quadrilaterals import QuadrilateralCells, rectangles, ringed
 from rcskin.simulator.models.heterogeneous.elements import flat_triangles
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu

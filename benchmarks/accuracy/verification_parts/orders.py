@@ -20,7 +20,7 @@ from rcskin.benchmarks.accuracy.verification_parts.formulas import (
 from rcskin.benchmarks.accuracy.verification_parts.report import Check, Section, slopes
 from rcskin.benchmarks.bench import Run
 from rcskin.simulator.chart_style import COLOURS, chart
-from rcskin.simulator.fem.terminals.circuit import one_field, two_fields
+from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.press.press import Press, parse_press

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from rcskin.benchmarks.accuracy.verification_parts.formulas import uniform
 from rcskin.benchmarks.accuracy.verification_parts.report import Check, Section
 from rcskin.benchmarks.bench import Run
-from rcskin.simulator.fem.matrices.assembly import quadrilateral
+from rcskin.simulator.fem.assembly import quadrilateral
 from rcskin.simulator.models.validity import straight_share
 from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import splu

@@ -17,11 +17,10 @@ from scipy.sparse import csc_matrix
 
 from ...arrays import Complex, Real
 from ...fem.error_estimate import ROUNDING
+from ...fem.factors import LowRankMass, Mass, one_blas_thread
 from ...fem.galerkin import Galerkin
-from ...fem.lanczos.lanczos import Pencil, potentials, respond
-from ...fem.matrices.factors import one_blas_thread
-from ...fem.matrices.low_rank import LowRankMass, Mass
-from ...fem.terminals.excitation import Combination, Excitation, combination
+from ...fem.lanczos import Pencil, potentials, respond
+from ...fem.terminals import Combination, Excitation, combination
 from ...models.heterogeneous.materials import gauge_slopes, gauged
 from ...models.heterogeneous.mesh_choice import circuit_of
 from ...models.parameters import by_sheets

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from ...arrays import Complex, Real
-from ...fem.terminals.excitation import Combination
+from ...fem.terminals import Combination
 from ...models.network.network_skin import wiring_of
 from ...models.reduced.dense import added, between_terminals, mass_of, own_axes
 from ...models.reduced.reduced_skin import ReducedSkin

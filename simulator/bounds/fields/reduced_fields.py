@@ -10,8 +10,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...arrays import Complex, Real
-from ...fem.matrices.factors import one_blas_thread
-from ...fem.terminals.circuit import two_fields
+from ...fem.circuit import two_fields
+from ...fem.factors import one_blas_thread
 from ...method_cache import cached_method
 from ...models.network.terminals import chain, read
 from ...models.parameters import by_sheets

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Complex
-from ...fem.safety_factors import SAMPLED
+from ...fem.error_estimate import SAMPLED
 from ...models.mechanics.lattice.relaxed_presses import LatticeApplicators
 from ...models.mechanics.lattice.skin_lattice import Lattice
 from ...models.mechanics.lattice.traced_deformation import as_press, traced

@@ -14,7 +14,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ...arrays import Real
-from ...fem.matrices.factors import one_blas_thread
+from ...fem.factors import one_blas_thread
 from ...models.cosine_modes.foam_modes import with_foam_modes
 from ...models.cosine_modes.sheet_modes import with_sheet_modes
 from ...models.parameters import parts_with

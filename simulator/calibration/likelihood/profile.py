@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from ...arrays import Real
-from ...fem.matrices.factors import one_blas_thread
+from ...fem.factors import one_blas_thread
 from ..fitting.fit import INSIDE, Fit
 from .profile_distribution import Interval, ProfileDistribution
 

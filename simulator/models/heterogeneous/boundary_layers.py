@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from ...fem.terminals.circuit import Circuit, paired
+from ...fem.circuit import Circuit, paired
 from ...mesh.quadrilaterals import Resolution
 from ...press.capacitance import patch
 from ...press.press import Press

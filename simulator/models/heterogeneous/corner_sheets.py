@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...fem.matrices.quadrature import rule_at
-from ...fem.terminals.circuit import Circuit
+from ...fem.circuit import Circuit
+from ...fem.quadrature import rule_at
 from ...fem.unknowns import TRIANGLES
+from ...mesh.corner_exponents import SheetAtCorners, stretched
 from ...mesh.domain import Domain
-from ...mesh.refining.exponents import SheetAtCorners
-from ...mesh.refining.wedges import stretched
 from ...scene.readings.contacts import Contact
 from .coefficients import ELECTRODES, PressCoefficients
 from .elements import on_triangles

@@ -14,8 +14,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...arrays import Mask, Real
-from ...mesh.refining.wedges import around, between
-from ...mesh.rings import RATIO
+from ...mesh.corner_exponents import around, between
+from ...mesh.quadrilaterals import RATIO
 from ...press.capacitance import Patch, patch
 from ...press.press import Press
 from ...scene.parts import Skin

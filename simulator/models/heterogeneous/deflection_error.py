@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...arrays import Real
-from ...fem.matrices.quadrature import CellGeometry, Rule
+from ...fem.quadrature import CellGeometry, Rule
 from .coefficients import PressCoefficients
 from .elements import Elements
 

@@ -12,23 +12,23 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Integer, Real
+from ...fem.circuit import Circuit
 from ...fem.error_estimate import (
     KRYLOV_SHARE,
     ROUNDING,
+    VARIED,
     Swept,
     both,
     frequencies_around,
 )
+from ...fem.factors import one_blas_thread
 from ...fem.galerkin import Galerkin
-from ...fem.lanczos.interface_sweep import swept_with_air
-from ...fem.lanczos.lanczos import CachedSteps
-from ...fem.matrices.factors import one_blas_thread
-from ...fem.matrices.quadrature import interpolated
-from ...fem.safety_factors import VARIED
-from ...fem.terminals.circuit import Circuit
-from ...fem.terminals.excitation import Excitation
+from ...fem.lanczos import CachedSteps
+from ...fem.quadrature import interpolated
+from ...fem.sweep import swept_with_air
+from ...fem.terminals import Excitation
 from ...fem.unknowns import on_cells
-from ...mesh.refining.graded import fewest
+from ...mesh.refinement import fewest
 from ...scene.frequency import Loss
 from ..solution import ModelResult
 from .coefficients import PressCoefficients
@@ -63,7 +63,7 @@ class SolvedLevel:
     def swept(
         self, excitations: Sequence[Excitation], frequency: Real, loss: Loss, rtol: float
     ) -> Swept:
-        """Forms of excitations at frequencies in Hz, see `interface_sweep.swept`."""
+        """Forms of excitations at frequencies in Hz, see `lanczos.swept`."""
         system = self.system
         given = excitations, frequency, loss, system.any_air, rtol
         return swept_with_air(self.space, system.mass_with, *given, self.kept)

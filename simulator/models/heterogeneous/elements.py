@@ -12,8 +12,8 @@ from skfem import Element, MeshTri
 from skfem.mesh import Mesh2D
 
 from ...arrays import Integer, Real
-from ...fem.matrices.assembly import quadrilateral
-from ...fem.matrices.quadrature import (
+from ...fem.assembly import quadrilateral
+from ...fem.quadrature import (
     CellGeometry,
     Rule,
     divided,

@@ -13,7 +13,7 @@ import math
 import numpy as np
 
 from ...arrays import Complex, Real
-from ...fem.safety_factors import (
+from ...fem.error_estimate import (
     FIRST_MESH,
     MAX_FACTOR,
     MAX_FACTOR_BY_ORDERS,

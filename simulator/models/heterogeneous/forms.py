@@ -8,10 +8,9 @@ from collections.abc import Callable, Iterable
 import numpy as np
 
 from ...arrays import Integer, Mask, Real
-from ...fem.matrices.assembly import add_terms
-from ...fem.matrices.dropped import DROPPED
-from ...fem.matrices.factors import one_blas_thread
-from ...fem.matrices.quadrature import Terms, mass_terms, stiffness_terms
+from ...fem.assembly import DROPPED, add_terms
+from ...fem.factors import one_blas_thread
+from ...fem.quadrature import Terms, mass_terms, stiffness_terms
 from ...fem.unknowns import Unknowns
 from .elements import Elements
 

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.sparse import csc_matrix
 
 from ...arrays import Real
-from ...fem.matrices.dropped import DROPPED
+from ...fem.assembly import DROPPED
 from ...fem.unknowns import Unknowns
 from ...surroundings.surroundings_matrix import surroundings_matrix
 from .elements import Elements

@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Protocol
 
 from ...arrays import Real
+from ...fem.circuit import Circuit, one_field, two_fields
 from ...fem.system import check_grid_fits
-from ...fem.terminals.circuit import Circuit, one_field, two_fields
 from ...press.press import Press
 from ...progress import ProgressCallback, silent
 from ...scene.parts import Pressing, Setup, Skin

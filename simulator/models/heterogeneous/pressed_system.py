@@ -11,9 +11,9 @@ import numpy as np
 from scipy.sparse import csc_matrix
 
 from ...arrays import Real
-from ...fem.matrices.low_rank import LowRankMass, Mass
+from ...fem.circuit import Circuit, Terminal
+from ...fem.factors import LowRankMass, Mass
 from ...fem.system import System, films
-from ...fem.terminals.circuit import Circuit, Terminal
 from ...fem.unknowns import Unknowns, number_unknowns
 from ...scene.readings.contacts import Contact
 from .coefficients import PressCoefficients

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Integer, Real
-from ...fem.matrices.quadrature import interpolated, rule_at
+from ...fem.quadrature import interpolated, rule_at
 from ...scene.parts import Skin
 from .discretised import Discretised
 from .materials import position

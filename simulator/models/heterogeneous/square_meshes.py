@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from ...arrays import Real
+from ...fem.circuit import Circuit
 from ...fem.galerkin import Galerkin
-from ...fem.terminals.circuit import Circuit
 from ...mesh.quadrilaterals import Resolution, pixel_mesh, tile_lines
 from ...press.capacitance import patch, tile_map
 from ...press.pixels import pixel_lines

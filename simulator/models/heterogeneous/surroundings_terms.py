@@ -20,7 +20,7 @@ from functools import partial
 import numpy as np
 
 from ...arrays import Integer, Mask, Real
-from ...fem.terminals.circuit import Circuit
+from ...fem.circuit import Circuit
 from ...fem.unknowns import Unknowns
 from ...press.walls import step_capacitance
 from ...scene.parts import Skin

@@ -9,12 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...arrays import Real
+from ...fem.circuit import Circuit
 from ...fem.galerkin import Galerkin
-from ...fem.terminals.circuit import Circuit
+from ...mesh.corner_exponents import corner_exponents
 from ...mesh.domain import Domain
-from ...mesh.refining.exponents import corner_exponents
-from ...mesh.refining.graded import corner_parts, graded
-from ...mesh.refining.inverted_triangles import finer
+from ...mesh.refinement import corner_parts, finer, graded
 from ...mesh.skin_mesh import domain
 from ...press.press import Press
 from ...press.touch import Disc

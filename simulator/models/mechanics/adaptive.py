@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import Integer, Real
-from ...fem.safety_factors import DEFLECTION
+from ...fem.error_estimate import DEFLECTION
 from ...press.press import Press
 from ...press.touch import Depth
 from ...progress import ProgressCallback, silent

@@ -12,7 +12,7 @@ from skfem import MeshTri
 from ...arrays import Integer, Mask, Real
 from ...mesh.domain import Domain
 from ...mesh.drawing import polygon_of, polygonal, shape_of
-from ...mesh.refining.refinement import refined
+from ...mesh.refinement import refined
 from ...mesh.skin_mesh import domain
 from ...press.press import Press
 from ...press.touch import Disc, Place, Touch

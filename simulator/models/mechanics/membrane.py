@@ -22,7 +22,7 @@ from skfem.models.poisson import laplace
 from skfem.quadrature import get_quadrature
 
 from ...arrays import Integer, Real
-from ...fem.matrices.pattern import pattern_of_pairs
+from ...fem.assembly import pattern_of_pairs
 from ...scene.foam.foam_mechanics import Elastic
 
 ELEMENT = ElementTriP4()

@@ -8,8 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from ...arrays import Complex, Integer, Real
-from ...fem.terminals.excitation import Combination, Excitation, combination
-from ...fem.terminals.terminal_network import allowed_potentials
+from ...fem.terminals import Combination, Excitation, allowed_potentials, combination
 from ...press.batch import PressBatch
 from ...scene.frequency import laplace_variable
 from ...scene.readings.contacts import Interface

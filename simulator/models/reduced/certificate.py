@@ -14,11 +14,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Complex, Real
+from ...fem.circuit import Circuit
 from ...fem.error_estimate import certified
+from ...fem.factors import Mass
 from ...fem.galerkin import Galerkin
-from ...fem.matrices.low_rank import Mass
-from ...fem.terminals.circuit import Circuit
-from ...fem.terminals.excitation import Combination
+from ...fem.terminals import Combination
 from ...sweeps import InputError
 from .families.family import Weights
 

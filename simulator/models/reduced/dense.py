@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from ...arrays import Complex, Integer, Real
-from ...fem.terminals.excited_terminals import ExcitedTerminals
+from ...fem.terminals import ExcitedTerminals
 
 
 class UnpressedMass(NamedTuple):

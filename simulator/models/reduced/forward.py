@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 
 from ...arrays import Complex, Integer, Real
-from ...fem.matrices.factors import one_blas_thread
+from ...fem.factors import one_blas_thread
 from ...press.batch import PressBatch, TouchedCells
 from ...press.capacitance import touched_cells
 from ...press.parts import Parts, parts_of

@@ -19,9 +19,9 @@ from scipy.linalg import block_diag
 from scipy.sparse import csc_matrix
 
 from ...arrays import Real
+from ...fem.factors import one_blas_thread, without_zeros
 from ...fem.galerkin import Galerkin
-from ...fem.lanczos.lanczos import potentials_of_all
-from ...fem.matrices.factors import one_blas_thread, without_zeros
+from ...fem.lanczos import potentials_of_all
 from ...fem.system import check_grid_fits
 from ...press.parts import parts_of
 from ...progress import ProgressCallback, silent

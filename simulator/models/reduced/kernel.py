@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from ...arrays import Complex
 from ...compiled import compiled
 from ...fem.error_estimate import LOST_SUSCEPTANCE
-from ...fem.lanczos.lanczos import MAX_LANCZOS_STEPS, MIN_LANCZOS_STEPS
-from ...fem.matrices.kernels import continued_fractions, next_convergent
-from ...fem.terminals.excitation import Combination
+from ...fem.kernels import continued_fractions, next_convergent
+from ...fem.lanczos import MAX_LANCZOS_STEPS, MIN_LANCZOS_STEPS
+from ...fem.terminals import Combination
 from ...press.batch import PressBatch
 from .dense import DenseExcitation, UnpressedMass
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Complex, Integer, Real
 from ...compiled import compiled
-from ...fem.lanczos.lanczos import MAX_LANCZOS_STEPS
+from ...fem.lanczos import MAX_LANCZOS_STEPS
 from .dense import DenseExcitation, UnpressedMass, aligned
 from .kernel import farthest_of, lanczos_steps, work_vectors
 

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from ...arrays import Integer, Mask, Real
-from ...fem.terminals.circuit import Circuit
+from ...fem.circuit import Circuit
 from ...scene.parts import SceneParts
 from .families.family import Family, Mesh
 from .families.family_meshes import family_on

@@ -10,8 +10,8 @@ import numpy as np
 
 from ...arrays import Complex, Integer, Real
 from ...fem.error_estimate import reference_susceptance
-from ...fem.matrices.factors import one_blas_thread
-from ...fem.terminals.excited_terminals import excited_terminals
+from ...fem.factors import one_blas_thread
+from ...fem.terminals import excited_terminals
 from ...method_cache import cached_method
 from ...press.batch import NOTHING, PressBatch
 from ...press.parts import parts_of

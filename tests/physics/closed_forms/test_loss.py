@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.fem.terminals.circuit import one_field, two_fields
+from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.lumped import Lumped

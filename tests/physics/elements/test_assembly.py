@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.fem.matrices.assembly import add_terms, fill_readable, quadrilateral
-from rcskin.simulator.fem.matrices.dropped import DROPPED
-from rcskin.simulator.fem.matrices.kernels import fill
+from rcskin.simulator.fem.assembly import DROPPED, add_terms, fill_readable, quadrilateral
+from rcskin.simulator.fem.circuit import one_field, two_fields
+from rcskin.simulator.fem.kernels import fill
 from rcskin.simulator.fem.system import build_system
-from rcskin.simulator.fem.terminals.circuit import one_field, two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution, pixel_mesh
 from rcskin.simulator.press.capacitance import capacitance_map
 from skfem import BilinearForm

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.terminals.circuit import one_field, two_fields
+from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.sheet_model import SheetModel

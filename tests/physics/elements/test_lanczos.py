@@ -6,21 +6,16 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.fem.error_estimate import lost_digits, relative_difference
-from rcskin.simulator.fem.lanczos.lanczos import (
-    Pencil,
-    coefficients,
-    last_change_readable,
-    respond,
-)
-from rcskin.simulator.fem.matrices.kernels import (
+from rcskin.simulator.fem.kernels import (
     continued_fraction,
     continued_fractions,
     last_change,
     next_convergent,
 )
-from rcskin.simulator.fem.terminals.circuit import one_field, two_fields
-from rcskin.simulator.fem.terminals.terminal_network import Network
+from rcskin.simulator.fem.lanczos import Pencil, coefficients, last_change_readable, respond
+from rcskin.simulator.fem.terminals import Network
 from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.sheet_model import SheetModel

@@ -2,14 +2,14 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.matrices.assembly import element_pairs, fill, groups, quadrilateral
-from rcskin.simulator.fem.matrices.pattern import pattern_of_pairs
-from rcskin.simulator.fem.matrices.quadrature import (
-    gauss_rule,
-    mass_terms,
-    stiffness_terms,
-    surface,
+from rcskin.simulator.fem.assembly import (
+    element_pairs,
+    fill,
+    groups,
+    pattern_of_pairs,
+    quadrilateral,
 )
+from rcskin.simulator.fem.quadrature import gauss_rule, mass_terms, stiffness_terms, surface
 from skfem import MeshQuad
 from skfem.assembly import Dofs
 

@@ -6,7 +6,7 @@ Solved so, a low frequency or a high contrast of sheets costs digits: hence the 
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.fem.terminals.circuit import one_field, two_fields
+from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.sheet_model import SheetModel
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.fem.galerkin import Galerkin
-from rcskin.simulator.fem.terminals.circuit import two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution, pixel_mesh
 from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.models.heterogeneous.coefficients import ELECTRODES, PressCoefficients

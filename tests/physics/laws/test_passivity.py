@@ -3,7 +3,7 @@
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.fem.terminals.circuit import two_fields
+from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.sweeps import UNPRESSED, build, violations

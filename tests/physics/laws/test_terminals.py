@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.fem.terminals.circuit import two_fields
+from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.press.press import parse_press

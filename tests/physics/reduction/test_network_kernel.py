@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.terminals.excitation import Combination, through_virtual_earth
+from rcskin.simulator.fem.terminals import Combination, through_virtual_earth
 from rcskin.simulator.models.network.admittance_kernel import admittances, impedances
 from rcskin.simulator.models.network.network_skin import wiring_of
 from rcskin.simulator.models.network.woodbury_kernel import SIDE_BY_SIDE, unpressed_network

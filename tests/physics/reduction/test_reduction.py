@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.fem.lanczos.lanczos import Pencil, potentials, respond
+from rcskin.simulator.fem.lanczos import Pencil, potentials, respond
 from rcskin.simulator.models.parameters import HALF_WAVES, Variation, mode_values, nominal
 from rcskin.simulator.models.reduced.cases import Case, pixel_touches
 from rcskin.simulator.models.reduced.dense import mass_of, widened

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import TouchSize, fields_of
 from rcskin.simulator.dataset.skin_model import reduced
+from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.fem.lanczos.interface_sweep import swept
-from rcskin.simulator.fem.terminals.circuit import two_fields
+from rcskin.simulator.fem.sweep import swept
 from rcskin.simulator.models.heterogeneous.mesh_choice import meshes
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press, press_on

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.fem.terminals.circuit import one_field, two_fields
 from rcskin.simulator.models.resolution import ResolutionHierarchy
 from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.models.solver import Solver

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from rcskin.simulator.fem.terminals.circuit import one_field, two_fields
+from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.mesh.quadrilaterals import Resolution, singular_ends
 from rcskin.simulator.models.line import Line

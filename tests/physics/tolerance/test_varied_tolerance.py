@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.lanczos.interface_sweep import swept
+from rcskin.simulator.fem.sweep import swept
 from rcskin.simulator.models.heterogeneous.mesh_choice import circuit_of
 from rcskin.simulator.models.heterogeneous.square_meshes import Squares
 from rcskin.simulator.models.heterogeneous.triangle_meshes import Triangles

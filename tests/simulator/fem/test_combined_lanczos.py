@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.lanczos.lanczos import potentials, potentials_of_all
-from rcskin.simulator.fem.matrices.factors import MIN_RIGHT_HAND_SIDES
-from rcskin.simulator.fem.terminals.circuit import two_fields
+from rcskin.simulator.fem.circuit import two_fields
+from rcskin.simulator.fem.factors import MIN_RIGHT_HAND_SIDES
+from rcskin.simulator.fem.lanczos import potentials, potentials_of_all
 from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.press.press import parse_press

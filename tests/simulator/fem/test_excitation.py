@@ -3,8 +3,13 @@
 import numpy as np
 import pytest
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.fem.terminals.excitation import Excitation, combination, through_virtual_earth
-from rcskin.simulator.fem.terminals.terminal_network import Network, allowed_potentials
+from rcskin.simulator.fem.terminals import (
+    Excitation,
+    Network,
+    allowed_potentials,
+    combination,
+    through_virtual_earth,
+)
 
 FIELD = (0, 0, 1, 1, 2)
 """Two foils on each sheet and a conductor beside them."""

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.fem.matrices import pattern
-from rcskin.simulator.fem.matrices.dropped import DROPPED
-from rcskin.simulator.fem.matrices.kernels import block, compressed
-from rcskin.simulator.fem.matrices.pattern import (
+from rcskin.simulator.fem import assembly
+from rcskin.simulator.fem.assembly import (
+    DROPPED,
     block_readable,
     compressed_readable,
     pattern_of_pairs,
 )
+from rcskin.simulator.fem.kernels import block, compressed
 
 
 @st.composite
@@ -35,7 +35,7 @@ def test_a_table_of_keys_finds_what_sorting_them_does(pairs):
     found = []
     for most in (0, 10**6):
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(pattern, "TABLE", most)
+            patch.setattr(assembly, "TABLE", most)
             found.append(compressed_readable(*pairs))
     for sorted_, looked_up in zip(*found, strict=True):
         np.testing.assert_array_equal(looked_up, sorted_)

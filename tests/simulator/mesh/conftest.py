@@ -5,8 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rcskin.simulator.mesh.arcs import arc_length
-from rcskin.simulator.mesh.edge_numbering import edge_numbers, edges_of
+from rcskin.simulator.mesh.arcs import arc_length, edge_numbers, edges_of
 from rcskin.simulator.scene.planar import distance
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.simulator.mesh.arcs import arc_length, mapped, on_arcs
 from rcskin.simulator.mesh.arrangement import WIDEST, chords
-from rcskin.simulator.mesh.refining.inverted_triangles import finer
+from rcskin.simulator.mesh.refinement import finer
 from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.press.touch import Disc

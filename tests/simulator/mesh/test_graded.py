@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.simulator.mesh.refining.exponents import SheetAtCorners, corner_exponents
-from rcskin.simulator.mesh.refining.graded import fewest, graded
+from rcskin.simulator.mesh.corner_exponents import SheetAtCorners, corner_exponents
+from rcskin.simulator.mesh.refinement import fewest, graded
 from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.scene.scene_files import load_scene

@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 import tomli_w
-from rcskin.simulator.mesh.refining.refinement import refined
+from rcskin.simulator.mesh.refinement import refined
 from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.press.pixels import pixels_with_skin
 from rcskin.simulator.press.press import Press, parse_press

@@ -6,11 +6,8 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from rcskin.simulator.mesh.edge_numbering import edge_numbers, edges_of
-from rcskin.simulator.mesh.mesher import meshed
-from rcskin.simulator.mesh.mesher.dividing import divided
-from rcskin.simulator.mesh.mesher.sizing import GROWTH, Sizing
-from rcskin.simulator.mesh.mesher.triangulation import triangulated
+from rcskin.simulator.mesh.arcs import edge_numbers, edges_of
+from rcskin.simulator.mesh.mesher import GROWTH, Sizing, divided, meshed, triangulated
 from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Disc

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.fem.matrices.assembly import groups
-from rcskin.simulator.mesh.quadrilaterals import Resolution, pixel_mesh, tile_lines
-from rcskin.simulator.mesh.rings import RATIO
+from rcskin.simulator.fem.assembly import groups
+from rcskin.simulator.mesh.quadrilaterals import RATIO, Resolution, pixel_mesh, tile_lines
 from rcskin.simulator.scene.planar import distinct
 
 RESOLUTIONS = st.builds(

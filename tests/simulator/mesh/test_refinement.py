@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rcskin.simulator.mesh.arcs import NO_ARCS
-from rcskin.simulator.mesh.refining.refinement import refined
+from rcskin.simulator.mesh.refinement import refined
 from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.planar import inside

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.mesh.refining.wedges import MIN_EXPONENT, around, between, stretched
+from rcskin.simulator.mesh.corner_exponents import MIN_EXPONENT, around, between, stretched
 
 ANGLES = (0.7, np.pi / 2, 2.0, 3 * np.pi / 2, 6.0)
 RATIOS = (0.02, 0.5, 3.0, 161.4476)

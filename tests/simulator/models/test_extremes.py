@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.fem.matrices.factors import factorised
+from rcskin.simulator.fem.factors import factorised
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, every_press
 from rcskin.simulator.scene.keys.key_paths import at, keys

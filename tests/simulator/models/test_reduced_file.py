@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.terminals.circuit import two_fields
+from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.reduced.model_file import load, save

@@ -4,7 +4,7 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.terminals.circuit import two_fields
+from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.scene.readings.wiring_checks import conductor_groups
 from rcskin.simulator.scene.scene_files import builtin_names, load_scene
 

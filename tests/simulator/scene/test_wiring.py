@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from pydantic import ValidationError
-from rcskin.simulator.fem.terminals.circuit import one_field, two_fields
+from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.mesh.quadrilaterals import singular_ends
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press

@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.fem.matrices.factors import factorised
-from rcskin.simulator.fem.matrices.low_rank import Bordered, LowRankMass
+from rcskin.simulator.fem.factors import Bordered, LowRankMass, factorised
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.press.touch import Touch

@@ -18,14 +18,13 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix
 
 from ....arrays import Complex, Real
+from ....fem.circuit import Circuit
 from ....fem.error_estimate import Swept
+from ....fem.factors import LowRankMass, Mass, without_zeros
 from ....fem.galerkin import Galerkin
-from ....fem.lanczos.interface_sweep import swept_with_air
-from ....fem.matrices.factors import without_zeros
-from ....fem.matrices.low_rank import LowRankMass, Mass
+from ....fem.sweep import swept_with_air
 from ....fem.system import Films, System
-from ....fem.terminals.circuit import Circuit
-from ....fem.terminals.excitation import Excitation, impedance_with_error
+from ....fem.terminals import Excitation, impedance_with_error
 from ....mesh.domain import Domain
 from ....mesh.quadrilaterals import Resolution
 from ....press.parts import parts_of

@@ -10,11 +10,11 @@ from typing import TypeVar
 import numpy as np
 
 from ....arrays import Integer, Mask, Real
-from ....fem.terminals.circuit import Circuit
+from ....fem.circuit import Circuit
 from ....mesh.domain import Domain
 from ....mesh.pixel_coverage import pixel_coverage
 from ....mesh.quadrilaterals import Resolution
-from ....mesh.refining.inverted_triangles import finer
+from ....mesh.refinement import finer
 from ....press.batch import NOTHING
 from ....press.parts import Parts, parts_of
 from ....press.press import Press

@@ -11,8 +11,7 @@ import numpy as np
 from scipy.sparse import csc_matrix
 
 from ....arrays import Integer, Mask, Real
-from ....fem.error_estimate import both
-from ....fem.safety_factors import SINGULAR
+from ....fem.error_estimate import SINGULAR, both
 from ....fem.system import Films, films
 from ....mesh.domain import Domain
 from ....mesh.quadrilaterals import PixelMesh, Resolution, pixel_mesh

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix
 
 from ....arrays import Integer, Real
-from ....fem.matrices.dropped import DROPPED
+from ....fem.assembly import DROPPED
 from ....fem.system import System
 from ....press.parts import Parts
 

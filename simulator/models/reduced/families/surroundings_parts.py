@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from ....arrays import Integer, Mask, Real
-from ....fem.terminals.circuit import Circuit
+from ....fem.circuit import Circuit
 from ....fem.unknowns import Unknowns
 from ....press.parts import Parts
 from ....surroundings.rim import rim_densities

@@ -9,16 +9,9 @@ import numpy as np
 from scipy.sparse import csc_matrix
 
 from ....arrays import Real
+from ....fem.assembly import EXTRA_ORDER, add_terms, fill, quadrilateral
 from ....fem.galerkin import Galerkin
-from ....fem.matrices.assembly import EXTRA_ORDER, add_terms, fill, quadrilateral
-from ....fem.matrices.quadrature import (
-    CellGeometry,
-    Rule,
-    gauss_rule,
-    mass_terms,
-    stiffness_terms,
-    surface,
-)
+from ....fem.quadrature import CellGeometry, Rule, gauss_rule, mass_terms, stiffness_terms, surface
 from ....fem.system import Films, PixelSystem, build_system, conducting, pixel_films
 from ....mesh.quadrilaterals import Resolution
 from ...parameters import mode_values

@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from ....arrays import Integer, Real
-from ....fem.terminals.circuit import Circuit
+from ....fem.circuit import Circuit
 from ....mesh.domain import Domain
-from ....mesh.refining.inverted_triangles import finer
+from ....mesh.refinement import finer
 from ....press.press import Press
 from ....progress import ProgressCallback, silent
 from ....scene.parts import Skin

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_matrix
 
 from ....arrays import Integer, Real
-from ....fem.terminals.circuit import Circuit
+from ....fem.circuit import Circuit
 from ....method_cache import cached_method
 from ....press.parts import Parts, parts_of
 from ....press.press import Press

@@ -4,8 +4,15 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from rcskin.simulator.fem.error_estimate import WINDOW, frequencies_around, relative_difference
-from rcskin.simulator.fem.safety_factors import FIRST_MESH, MIN_FACTOR, PREDICTED, VARIED
+from rcskin.simulator.fem.error_estimate import (
+    FIRST_MESH,
+    MIN_FACTOR,
+    PREDICTED,
+    VARIED,
+    WINDOW,
+    frequencies_around,
+    relative_difference,
+)
 from rcskin.simulator.models.heterogeneous.error_history import (
     ErrorHistory,
     at_corners,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.fem.galerkin import Galerkin
-from rcskin.simulator.fem.lanczos.interface_sweep import swept
+from rcskin.simulator.fem.sweep import swept
 from rcskin.simulator.models.heterogeneous.deflection_error import raised_by_deflection
 from rcskin.simulator.models.heterogeneous.mesh_choice import circuit_of
 from rcskin.simulator.models.heterogeneous.pressed_system import pressed_system

@@ -15,13 +15,13 @@ from typing import Literal
 
 import numpy as np
 
-from ...arrays import Real
-from ...scene.parts import Setup, Skin
-from ...scene.readings.contacts import Contact, Interface
-from ...scene.readings.node_gain import driven_terminals
-from ...scene.readings.wiring_checks import conductor_groups
-from ...scene.surroundings import Surroundings
-from .excitation import Combination, Excitation, combination, through_virtual_earth
+from ..arrays import Real
+from ..scene.parts import Setup, Skin
+from ..scene.readings.contacts import Contact, Interface
+from ..scene.readings.node_gain import driven_terminals
+from ..scene.readings.wiring_checks import conductor_groups
+from ..scene.surroundings import Surroundings
+from .terminals import Combination, Excitation, combination, through_virtual_earth
 
 SAME = 1e-12
 Low = Literal["floating", "virtual earth", "earth"] | None

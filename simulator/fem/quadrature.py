@@ -20,8 +20,8 @@ from skfem.assembly import Basis
 from skfem.quadrature import get_quadrature
 from skfem.refdom import RefQuad, RefTri
 
-from ...arrays import Integer, Real
-from ...mesh.rings import QuadrilateralCells
+from ..arrays import Integer, Real
+from ..mesh.quadrilaterals import QuadrilateralCells
 
 ROUNDING = 1e-14
 """Fraction of the largest integral below which integrals are set to 0, so that factors stay sparse.

@@ -8,9 +8,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...compiled import compiled
-from ..error_estimate import LOST_SUSCEPTANCE
-from .dropped import DROPPED
+from ..compiled import compiled
+from .assembly import DROPPED
+from .error_estimate import LOST_SUSCEPTANCE
 
 
 @compiled()

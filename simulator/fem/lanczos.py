@@ -4,20 +4,26 @@ With A = K + sigma M, the driven potentials g of s = sigma (A g = 0 inside) and 
 Y(s) = Y(sigma) + t g'Mg - t² (Mg)'(A + t M)^-1 (Mg), and the last product is
 b_0² e1'(I + t T)^-1 e1 = b_0² / (1 + t a_1 - t² b_1² / (1 + t a_2 - ...)): Galerkin's method in the
 real space that Lanczos' method spans, so all poles are real and negative at any step.
+
+Excitations of one interface are solved to the accuracy that their sum needs: the error is measured
+at the interface, so an excitation that contributes little there takes few steps.
 """
 
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...arrays import Complex, Integer, Real
-from ..error_estimate import LOST_SUSCEPTANCE, lost_digits
-from ..matrices.lazy_kernel import LazyKernel
-from ..terminals.excitation import Excitation
+from ..arrays import Complex, Integer, Real
+from .error_estimate import LOST_SUSCEPTANCE, Swept, lost_digits, rounded
+from .lazy_kernel import LazyKernel
+
+if TYPE_CHECKING:
+    from .terminals import Combination, Excitation
 
 MAX_LANCZOS_STEPS = 60
 MIN_LANCZOS_STEPS = 3
@@ -213,7 +219,7 @@ class CachedSteps:
     accurate."""
 
     def __init__(self) -> None:
-        self.steps = dict[Excitation, tuple[Steps, float]]()
+        self.steps: dict[Excitation, tuple[Steps, float]] = {}
 
     def of(self, excitation: Excitation, s: Real) -> Steps | None:
         """Steps of an excitation, or None unless they are accurate at all s."""
@@ -263,3 +269,55 @@ def coefficients(pencil: Pencil) -> Iterator[tuple[float, float, Real]]:
         diagonal = float(q @ product)
         yield squared, diagonal, q
         residual = product - diagonal * w - beta * w_before
+
+
+def respond_together(
+    pencils: Sequence[Pencil],
+    combined: Combination,
+    s: Complex,
+    rtol: float,
+    kept: Sequence[Steps] | None = None,
+) -> Swept:
+    """Forms in S at each s in rad/s, shape (pencil, s), and the relative error of Rs and Cp of the
+    interface, shape (s,), as in `lanczos.respond`.
+
+    combined: of one interface. kept: the steps are added to these.
+    """
+    steps = kept or [Steps() for _ in pencils]
+    found = [_Fraction(pencil, own, s) for pencil, own in zip(pencils, steps, strict=True)]
+    at_once = now = np.stack([each.form() for each in found])
+    before = change = np.full(len(s), np.inf)
+    for step in itertools.count(1):
+        if not any([each.advance() for each in found]):
+            before = change = np.zeros(len(s))
+            break
+        last, now = now, np.stack([each.form() for each in found])
+        if step < MIN_LANCZOS_STEPS:
+            continue
+        before, change = change, combined.relative_change(last, now).max(axis=(0, 1))
+        if step == MAX_LANCZOS_STEPS or max(before.max(), change.max()) <= rtol:
+            break
+    delayed = np.abs(combined.weights) @ np.abs(at_once - now)
+    return now, np.maximum(before, change) + rounded(combined.admittance(now), delayed)[0]
+
+
+class _Fraction:
+    """Continued fraction of one pencil, extended step by step; see `lanczos`."""
+
+    def __init__(self, pencil: Pencil, steps: Steps, s: Complex) -> None:
+        self._t, self._steps, self._going = s - pencil.shift, steps, coefficients(pencil)
+        self._at_once = pencil.admittance + self._t * pencil.capacitance
+
+    def advance(self) -> bool:
+        """Take one more step; False if the Krylov space is exhausted."""
+        step = next(self._going, None)
+        if step is not None:
+            self._steps.add(*step)
+        return step is not None
+
+    def form(self) -> Complex:
+        """Q in S after the steps so far, shape (s,)."""
+        t, value = self._t, np.zeros_like(self._t)
+        for squared, diagonal in reversed(self._steps.coefficients):
+            value = squared / (1 + t * diagonal - t**2 * value)
+        return self._at_once - t**2 * value

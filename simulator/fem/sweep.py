@@ -6,16 +6,15 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ...arrays import Complex, Real
-from ...scene.air_nodes import LOSSLESS_FOAM, AirNodes, air_factor, air_nodes
-from ...scene.frequency import Loss, laplace_variable
-from ...sweeps import ToleranceError
-from ..error_estimate import Swept
-from ..galerkin import Galerkin
-from ..matrices.low_rank import Mass
-from ..terminals.excitation import Combination, Excitation, combination
-from .combined_lanczos import respond_together
-from .lanczos import MAX_LANCZOS_STEPS, CachedSteps, Steps, respond
+from ..arrays import Complex, Real
+from ..scene.air_nodes import LOSSLESS_FOAM, AirNodes, air_factor, air_nodes
+from ..scene.frequency import Loss, laplace_variable
+from ..sweeps import ToleranceError
+from .error_estimate import Swept
+from .factors import Mass
+from .galerkin import Galerkin
+from .lanczos import MAX_LANCZOS_STEPS, CachedSteps, Steps, respond, respond_together
+from .terminals import Combination, Excitation, combination
 
 REACH = 10.0
 KEPT_NUMBERS = 2_000_000
@@ -32,7 +31,7 @@ def swept(
 ) -> Swept:
     """Forms of excitations at each s in rad/s, and relative errors of the interfaces.
 
-    The excitations combine to interfaces as in `excitation.combination`. mass: M in F.
+    The excitations combine to interfaces as in `terminals.combination`. mass: M in F.
     """
     fits = MAX_LANCZOS_STEPS * space.inner * len(excitations) <= KEPT_NUMBERS
     own, combined = kept if fits else None, combination(excitations)

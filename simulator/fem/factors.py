@@ -1,8 +1,12 @@
-"""Sparse factors that solve many right-hand sides in one pass."""
+"""Sparse factors that solve many right-hand sides in one pass, and masses with a low-rank part.
+
+Charges by distant potentials are a dense matrix of low rank beside the sparse one.
+"""
 
 from __future__ import annotations
 
 from contextlib import AbstractContextManager
+from dataclasses import dataclass
 from functools import cache, cached_property
 from typing import Any
 
@@ -12,8 +16,8 @@ from scipy.sparse import csc_matrix
 from scipy.sparse.linalg import SuperLU, splu
 from threadpoolctl import ThreadpoolController
 
-from ...arrays import Real
-from ...sweeps import ToleranceError
+from ..arrays import Real
+from ..sweeps import ToleranceError
 
 MIN_RIGHT_HAND_SIDES = 3
 """Number of right-hand sides from which on one pass pays."""
@@ -83,3 +87,42 @@ def one_blas_thread() -> AbstractContextManager:
 @cache
 def _blas() -> ThreadpoolController:
     return ThreadpoolController()
+
+
+@dataclass(frozen=True)
+class LowRankMass:
+    """M = near + F F', in F.
+
+    near: sparse, shape (unknown, unknown). far: F, shape (unknown, rank), real or complex.
+    """
+
+    near: csc_matrix
+    far: NDArray
+
+    def dot(self, v: NDArray) -> NDArray:
+        """Return M v."""
+        return self.near @ v + self.far @ (self.far.T @ v)
+
+    __matmul__ = dot
+
+
+Mass = csc_matrix | LowRankMass
+
+
+class Bordered:
+    """Factors of A + s F F' from those of a sparse A.
+
+    Source: M. A. Woodbury, Inverting Modified Matrices, 1950.
+    """
+
+    def __init__(self, sparse: SuperLU, far: Real, s: complex) -> None:
+        """far: F, shape (unknown, rank)."""
+        self.shape = sparse.shape
+        self._sparse, self._far = sparse, far
+        self._followed = s * sparse.solve(far.astype(type(s)))
+        self._own = np.eye(far.shape[1]) + far.T @ self._followed
+
+    def solve(self, y: NDArray) -> NDArray:
+        """Return (A + s F F')^-1 y."""
+        x = self._sparse.solve(y)
+        return x - self._followed @ np.linalg.solve(self._own, self._far.T @ x)

@@ -1,1 +1,0 @@
-"""Sweeps from few real solves by Lanczos' method."""

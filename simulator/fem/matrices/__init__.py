@@ -1,1 +1,0 @@
-"""Matrices of elements: quadrature, assembly in a fixed pattern, and factors."""

@@ -1,1 +1,0 @@
-"""Terminals of a skin: circuit, excitations, and the network between terminals."""

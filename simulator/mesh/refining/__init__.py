@@ -1,1 +1,0 @@
-"""Local refinement of meshes."""
