@@ -17,8 +17,8 @@ import numpy as np
 from ..arrays import Complex, Integer, Mask, Real
 from ..measure.readout import ErrorModel
 from ..mesh.pixel_coverage import pixel_coverage
-from ..models.response import Response
 from ..models.session_spreads import session_spreads
+from ..models.solution import Response
 from ..press.batch import PressBatch
 from ..press.finger import finger_over
 from ..progress import ProgressCallback, silent, tracked

@@ -1,8 +1,8 @@
 """Differences of two impedances in Rs and Cp, and the error estimates that follow from them.
 
 The error of an element solution is estimated as SAFETY * k * D. D is the difference from elements
-of one order more, in Rs and in Cp (`error_history.smoothed`), and k is the ratio of the error to D.
-k is 1 where the field is smooth; `error_history` estimates it where it is singular. The safety
+of one order more, in Rs and in Cp (`discretised.smoothed`), and k is the ratio of the error to D.
+k is 1 where the field is smooth; `ErrorHistory` estimates it where it is singular. The safety
 factors stand here with their evidence.
 """
 

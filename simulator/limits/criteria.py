@@ -30,7 +30,7 @@ from ..bounds.touches.depth_rasterizer import rasterizer_for
 from ..bounds.touches.pixel_touches import middles
 from ..measure.readout import ErrorModel, observed
 from ..models.reduced.indentation.indentation_draws import scene_spreads_presses
-from ..models.response import Response
+from ..models.solution import Response
 from ..progress import ProgressCallback, silent, tracked
 from ..scene.parts import Pressing
 from ..sweeps import InputError

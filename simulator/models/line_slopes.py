@@ -21,7 +21,7 @@ from ..sweeps import InputError
 from .line import Line
 from .line_ports import tanh_ratio
 from .parameters import all_values, by_sheets, loss_of, own_values, reading_of
-from .response import Response, at_meter
+from .solution import Response, at_meter
 
 SMALL = 1e-2
 TAYLOR = (248 / 2835, -51 / 315, 4 / 15, -1 / 3)

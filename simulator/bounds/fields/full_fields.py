@@ -26,7 +26,7 @@ from ...models.heterogeneous.mesh_choice import circuit_of
 from ...models.parameters import by_sheets
 from ...models.reduced.families.family import Weights, weights_under
 from ...models.reduced.families.family_meshes import unreduced
-from ...models.response import Response, at_meter
+from ...models.solution import Response, at_meter
 from ...scene.air_nodes import LOSSLESS_FOAM, air_nodes
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.parts import SceneParts

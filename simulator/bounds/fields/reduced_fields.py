@@ -19,7 +19,7 @@ from ...models.reduced.cases import Case
 from ...models.reduced.families.family_meshes import unreduced
 from ...models.reduced.greedy import GreedyBasis
 from ...models.reduced.reduced_skin import MAX_SKINS, ReducedSkin
-from ...models.response import Response, at_meter
+from ...models.solution import Response, at_meter
 from ...progress import silent
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.parts import SceneParts, Setup

@@ -17,7 +17,7 @@ from ...models.network.terminals import reduced_for
 from ...models.parameters import FACTORS, own_values, parts_with
 from ...models.reduced.forward import Forward
 from ...models.reduced.forward_training import REACH
-from ...models.response import Response
+from ...models.solution import Response
 from ...progress import ProgressCallback, silent
 from ...scene.parts import SceneParts, Setup, Skin
 from ...sweeps import InputError

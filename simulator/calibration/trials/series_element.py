@@ -11,7 +11,7 @@ import numpy as np
 from ...arrays import Complex, Integer, Real
 from ...models.line_ports import tanh_ratio
 from ...models.line_slopes import tanh_ratio_slope
-from ...models.response import Response
+from ...models.solution import Response
 from ...scene.frequency import LOSSLESS, Loss, laplace_variable
 from ..fitting.centered_model import CenteredModel
 

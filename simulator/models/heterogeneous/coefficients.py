@@ -1,4 +1,9 @@
-"""Coefficients of a pressed skin at the points of one mesh: conductance and capacitance."""
+"""Coefficients of a pressed skin at the points of one mesh: conductance and capacitance.
+
+They can be raised by their own error, for the error of Rs and Cp that it causes. At real s the
+admittance rises with capacitance and with conductance anywhere. So no contributions cancel if all
+coefficients are raised by their possible error.
+"""
 
 from __future__ import annotations
 
@@ -10,12 +15,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Mask, Real
+from ...fem.quadrature import CellGeometry, Rule
 from ...mesh.domain import Domain
 from ...mesh.drawing import sharp_touches
 from ...press.press import Press
 from ...press.touch import Place, Touch
 from ...scene.skin import Electrode
 from ...sweeps import InputError
+from .elements import Elements
 from .materials import Materials, gauged, strain_of
 
 if TYPE_CHECKING:
@@ -148,3 +155,81 @@ def covering(press: Press, mesh: Domain, columns: int) -> Iterator[tuple[Place, 
     pixels = [touch for touch in press.touches if isinstance(touch, Touch)]
     covered = [mesh.pixel == (each.row - 1) * columns + each.column - 1 for each in pixels]
     return zip([*pixels, *sharp_touches(press)], [*covered, *mesh.covered], strict=True)
+
+
+NEGLIGIBLE = 1e-2
+"""Share of the tolerance below which the error of a coefficient is ignored."""
+TWICE = 2.0
+"""Error of a rule over its difference from the rule on cells of a quarter of the size."""
+
+
+@dataclass(frozen=True)
+class Raised(PressCoefficients):
+    """Coefficients with the largest deflection for capacitance, and the smallest for conductance.
+
+    share: relative rise of capacitance, and of conductance of piezoresistive sheets, shape (cell,).
+    """
+
+    least: Deformation | None = None
+    share: Real | None = None
+
+    def capacitance(self, x: Real) -> Real:
+        """Raised capacitance; see `PressCoefficients`."""
+        return super().capacitance(x) * self._raise
+
+    def conductance(self, field: int, x: Real) -> Real:
+        """Raised conductance; see `PressCoefficients`."""
+        S = super().conductance(field, x)
+        return S * self._raise if self.gauged else S
+
+    def strain(self, x: Real) -> Real:
+        """Smallest strain; see `PressCoefficients`."""
+        return PressCoefficients(self.materials, self.factors, self.least, self.fields).strain(x)
+
+    @property
+    def _raise(self) -> Real | float:
+        return 1.0 if self.share is None else 1 + self.share[:, None]
+
+
+def raised_by_deflection(known: PressCoefficients) -> Raised | None:
+    """Coefficients raised by the error of mechanics; None if it has none."""
+    pressed = known.pressed
+    if pressed is None or pressed.uncertainty is None:
+        return None
+    return Raised(
+        known.materials,
+        known.factors,
+        pressed.deeper(1.0),
+        known.fields,
+        known.fingers,
+        least=pressed.deeper(-1),
+    )
+
+
+def raised_by_rule(known: PressCoefficients, missed: Real) -> Raised:
+    """Coefficients raised by the quadrature error of each cell, shape (cell,)."""
+    return Raised(
+        known.materials,
+        known.factors,
+        known.pressed,
+        known.fields,
+        known.fingers,
+        least=known.pressed,
+        share=missed,
+    )
+
+
+def missed(elements: Elements, known: PressCoefficients) -> Real:
+    """Relative quadrature error of each cell's capacitance, shape (cell,), from a finer rule.
+
+    Only where mechanics spreads a press: other coefficients vary slowly within cells.
+    """
+    if known.pressed is None:
+        return np.zeros(elements.cells)
+    own = _integrated(elements.rule, elements.surface, known)
+    return TWICE * np.abs(own / _integrated(*elements.divided, known) - 1)
+
+
+def _integrated(rule: Rule, at: CellGeometry, known: PressCoefficients) -> Real:
+    """Capacitance of each cell in F by a rule, shape (cell,). at: geometry at its points."""
+    return (known.capacitance(at.x) * at.area) @ rule.weights

@@ -12,12 +12,12 @@ from ...press.press import Press
 from ...progress import ProgressCallback, silent
 from ...scene.parts import Pressing, Setup, Skin
 from ...sweeps import ToleranceError
-from .deflection_error import raised_by_deflection
+from .coefficients import raised_by_deflection
 from .discretised import Discretised
 from .materials import Materials
 from .press_cache import PressPlace
+from .pressed_system import check_surroundings
 from .square_meshes import Squares
-from .surroundings_terms import check_surroundings
 from .triangle_meshes import Triangles
 
 if TYPE_CHECKING:

@@ -21,9 +21,8 @@ from ..resolution import ONE_CELL, ResolutionHierarchy
 from .boundary_layers import jumping, layered, with_foil_sides
 from .coefficients import PressCoefficients
 from .corners import ringed_corners
-from .discretised import Discretised, SolvedLevel
+from .discretised import Discretised, ErrorHistory, SolvedLevel
 from .elements import squares
-from .error_history import ErrorHistory
 from .materials import Materials
 from .pressed_system import pressed_system
 

@@ -22,10 +22,9 @@ from ...sweeps import ToleranceError
 from ..resolution import depth_of
 from ..time_estimate import cells_needed, check_within_reach
 from .coefficients import PressCoefficients, covering, sharp_factors
-from .corner_sheets import crossed, sheets
-from .discretised import Discretised, SolvedLevel, indicators
+from .corners import crossed, sheets
+from .discretised import Discretised, ErrorHistory, SolvedLevel, at_corners, indicators
 from .elements import triangles
-from .error_history import ErrorHistory, at_corners
 from .materials import Materials
 from .pressed_system import pressed_system
 

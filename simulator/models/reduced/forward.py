@@ -31,7 +31,7 @@ from ..parameters import (
     own_values,
     reading_of,
 )
-from ..response import Response, at_meter
+from ..solution import Response, at_meter
 from .cases import touched
 from .cosine_modes.model_with_modes import FoamModeTerms
 from .forward_training import training_band, training_draw, uniform_variation

@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.mesh.corner_exponents import WHOLE, corner_exponents
 from rcskin.simulator.mesh.quadrilaterals import Resolution, pixel_mesh
-from rcskin.simulator.models.heterogeneous.corner_sheets import sheets
-from rcskin.simulator.models.heterogeneous.corners import power_at, ringed_corners
+from rcskin.simulator.models.heterogeneous.corners import power_at, ringed_corners, sheets
 from rcskin.simulator.models.heterogeneous.materials import Materials
 from rcskin.simulator.models.heterogeneous.mesh_choice import circuit_of
 from rcskin.simulator.models.heterogeneous.triangle_meshes import Triangles

@@ -19,9 +19,14 @@ from ....press.parts import foam_parts, parts_of
 from ....press.pixels import pixel_lines
 from ...heterogeneous.coefficients import PressCoefficients
 from ...heterogeneous.elements import Elements, squares, triangles
-from ...heterogeneous.forms import add_foam, add_sheet
 from ...heterogeneous.materials import Materials, gauged
-from ...heterogeneous.pressed_system import PressedSystem, film_of, pressed_system
+from ...heterogeneous.pressed_system import (
+    PressedSystem,
+    add_foam,
+    add_sheet,
+    film_of,
+    pressed_system,
+)
 from ...parameters import mode_values
 from .family import Checking, Family, Mesh, Triangulation, Weights, resistive
 from .masses import Masses, Part, taken

@@ -17,13 +17,7 @@ from ....press.parts import Parts
 from ....surroundings.rim import rim_densities
 from ...heterogeneous.coefficients import ELECTRODES, PressCoefficients
 from ...heterogeneous.elements import Elements
-from ...heterogeneous.surroundings_terms import (
-    add_body,
-    add_finger,
-    add_rim,
-    add_thickness,
-    add_wall,
-)
+from ...heterogeneous.pressed_system import add_body, add_finger, add_rim, add_thickness, add_wall
 from .masses import Part
 
 Cells = Sequence[Mask]

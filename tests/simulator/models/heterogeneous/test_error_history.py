@@ -13,7 +13,7 @@ from rcskin.simulator.fem.error_estimate import (
     frequencies_around,
     relative_difference,
 )
-from rcskin.simulator.models.heterogeneous.error_history import (
+from rcskin.simulator.models.heterogeneous.discretised import (
     ErrorHistory,
     at_corners,
     by_orders,
