@@ -42,7 +42,7 @@ class Cells:
 
     def capacitance(self, scene: Scene, press: Press) -> NDArray[np.float64]:
         """c in F/m² in the middle of every cell, shape (across, along)."""
-        pixels = capacitance_map(scene.parts.skin, scene.press, press)
+        pixels = capacitance_map(scene.parts.skin, press)
         row, column = (
             ((np.arange(cells) + 0.5) / cells * count).astype(int)
             for cells, count in zip((self.across, self.along), pixels.shape, strict=True)

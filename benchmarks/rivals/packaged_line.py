@@ -25,7 +25,7 @@ def impedance(scene: Scene, press: Press, frequencies: NDArray) -> NDArray:
     def line(c: float) -> DistributedCircuit:
         return DistributedCircuit(band, R=R, C=c * skin.width, L=0.0, G=0.0)
 
-    media = [line(c) for c in capacitance_map(scene.parts.skin, scene.press, press)[0]]
+    media = [line(c) for c in capacitance_map(scene.parts.skin, press)[0]]
     parts = [medium.line(pixel, "m") for medium in media]
     whole = reduce(lambda first, second: first**second, [*parts, media[-1].open()])
     return np.asarray(whole.z[:, 0, 0])

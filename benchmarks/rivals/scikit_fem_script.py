@@ -122,7 +122,7 @@ def lines(
 
 def at_points(scene: Scene, press: Press, basis: Basis) -> NDArray:
     """c in F/m² at every point of integration, shape (element, point)."""
-    c = capacitance_map(scene.parts.skin, scene.press, press)
+    c = capacitance_map(scene.parts.skin, press)
     x, y = basis.global_coordinates()
     return c[
         (y / scene.skin.width * scene.pixels.rows).astype(int),

@@ -74,7 +74,6 @@ def plain_path() -> pd.DataFrame:
     def varied() -> None:
         mesh = Squares(
             scene.parts.skin,
-            scene.press,
             circuit_of(scene.parts.skin, scene.parts.setup),
             press,
             rtol,

@@ -19,8 +19,7 @@ from ..models.reduced.cases import strongest_finger
 from ..models.reduced.forward import Forward
 from ..models.reduced.forward_training import PIXEL_FACTORS, REACH
 from ..models.reduced.indentation.indentation_draws import spreading
-from ..models.reduced.reduced_model import Reduced
-from ..press.capacitance import touched_cells
+from ..models.reduced.reduced_model import Reduced, pressed_cells
 from ..press.parts import parts_of
 from ..press.press import Press, press_on
 from ..requests.argument_types import scene_of, typed
@@ -184,9 +183,7 @@ class SkinModule(nn.Module):
                 if isinstance(press, str)
                 else press
             )
-            np.add.at(
-                row, *touched_cells(self.reduced.parts.skin, self.reduced.parts.plan.press, own)
-            )
+            np.add.at(row, *pressed_cells(self.reduced.parts, own))
         return self._on_device(torch.as_tensor(found))
 
     def error(

@@ -60,7 +60,7 @@ class FoamState:
         if not self.skin.foam.in_time:
             return self.press
         touches = [self._now(spot, decay) for spot in self.spots]
-        return Press(tuple(sorted((each for each in touches if each is not None), key=order)))
+        return self.press.of(sorted((each for each in touches if each is not None), key=order))
 
     def then(self, press: Press, seconds: float) -> FoamState:
         """State `seconds` later, when the press changes.

@@ -53,7 +53,7 @@ def domain(
         creases = [*creases, *around_pixels(skin, press)]
     if skin.mesh is not None:
         return imported(drawing_of(skin, press, creases, between))
-    sharp, edges = Press(tuple(sharp_touches(press))), tuple(map(_fixed, creases))
+    sharp, edges = press.of(sharp_touches(press)), tuple(map(_fixed, creases))
     return _drawn(skin, sharp, size, edges, between)  # pyright: ignore[reportArgumentType]
 
 

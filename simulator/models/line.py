@@ -19,7 +19,7 @@ from ..press.capacitance import lines, tile_map
 from ..press.pixels import pixel_lines
 from ..press.press import Press
 from ..scene.frequency import laplace_variable
-from ..scene.parts import Pressing, Setup, Skin
+from ..scene.parts import Setup, Skin
 from ..scene.readings.contacts import Interface
 from ..sweeps import InputError
 from .line_ports import LinePorts, film, segment, tanh_ratio
@@ -29,7 +29,7 @@ from .uniform import require_uniform
 class Line:
     """A scene that is a line; its impedance is exact to rounding."""
 
-    def __init__(self, skin: Skin, setup: Setup, pressing: Pressing) -> None:
+    def __init__(self, skin: Skin, setup: Setup) -> None:
         """Raises InputError, with the reason, if the scene is no line."""
         require_uniform(skin, "the line")
         circuit = one_field(skin, setup)
@@ -40,7 +40,7 @@ class Line:
             raise InputError(
                 f"{skin.name} is no line: it is not fed along one whole edge, or two opposite ones"
             )
-        self.skin, self.pressing, self._contact = skin, pressing, contacts[0]
+        self.skin, self._contact = skin, contacts[0]
         self._circuit = circuit
         along_x = self._contact.edge in ("left", "right")
         self._length, self._width = (
@@ -107,7 +107,7 @@ class Line:
             np.sort([*pixel_lines(self.skin, axis), *of_touches])
             for axis, of_touches in enumerate(lines(self.skin, press))
         )
-        along, c = x, tile_map(self.skin, self.pressing, press, x, y)
+        along, c = x, tile_map(self.skin, press, x, y)
         if self._contact.edge in ("bottom", "top"):
             along, c = y, c.T
         if not (c == c[:1]).all():

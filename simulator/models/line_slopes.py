@@ -16,7 +16,7 @@ from ..arrays import Complex, Integer, Real
 from ..press.press import Press
 from ..press.touch import Touch
 from ..scene.frequency import laplace_variable, slopes_of_s
-from ..scene.parts import Pressing, Setup, Skin
+from ..scene.parts import Setup, Skin
 from ..sweeps import InputError
 from .line import Line
 from .line_ports import tanh_ratio
@@ -32,9 +32,9 @@ class LineModel:
     """A scene that is a line of pixels, as a function of parameters and presses, exact
     everywhere."""
 
-    def __init__(self, skin: Skin, setup: Setup, pressing: Pressing) -> None:
+    def __init__(self, skin: Skin, setup: Setup) -> None:
         """Raises InputError, with the reason, if the scene is no line or has pixels across it."""
-        line = Line(skin, setup, pressing)
+        line = Line(skin, setup)
         if line.two_ended:
             raise InputError(f"{skin.name} has contacts at both ends: slopes need those at one")
         c, lengths = line.profile(Press())

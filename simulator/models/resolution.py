@@ -9,7 +9,7 @@ from ..mesh.quadrilaterals import Resolution, singular_ends
 from ..press.capacitance import lines, patch, tile_map, touched_box
 from ..press.press import Press
 from ..press.touch import AnyTouch, Touch
-from ..scene.parts import Pressing, Skin
+from ..scene.parts import Skin
 from ..scene.planar import Lines, distinct
 from ..scene.readings.contacts import Contact
 
@@ -38,15 +38,13 @@ class ResolutionHierarchy:
     an exponential over p/4 of that depth.
     """
 
-    def __init__(
-        self, skin: Skin, pressing: Pressing, circuit: Circuit, own: float | None = None
-    ) -> None:
+    def __init__(self, skin: Skin, circuit: Circuit, own: float | None = None) -> None:
         """own: tolerance of one press that shares no mesh with others.
 
         Its cells are as wide as this tolerance allows. Their width does not depend on the order, so
         that the next order reduces the error.
         """
-        self.skin, self.pressing, self.circuit = skin, pressing, circuit
+        self.skin, self.circuit = skin, circuit
         contacts = circuit.contacts
         self.singular = bool(singular_ends(contacts, skin))
         self.levels = SINGULAR if self.singular else SMOOTH
@@ -69,7 +67,7 @@ class ResolutionHierarchy:
         The order is one more than the level's: one for the answer, and one to estimate its error.
         """
         order, cells = self.levels[level]
-        factor = strongest(press, self.skin, self.pressing)
+        factor = strongest(press, self.skin)
         depth = depth_of(self.skin, frequency)
         reached = self._reached(press, depth)
         layer = depth / math.sqrt(factor if reached.touches else 1.0) * self.followed(order)
@@ -117,12 +115,10 @@ class ResolutionHierarchy:
 
     def _reached(self, press: Press, depth: float) -> Press:
         """Touches near enough to a foil for the field to return from them."""
-        return Press(
-            tuple(
-                touch
-                for touch in press.touches
-                if touch.factor > 1 and reached_by_field(touch, self.skin, depth)
-            )
+        return press.of(
+            touch
+            for touch in press.touches
+            if touch.factor > 1 and reached_by_field(touch, self.skin, depth)
         )
 
 
@@ -152,12 +148,12 @@ def all_lines(press: Press, skin: Skin) -> Lines:
     return tuple(sorted(x)), tuple(sorted(y))
 
 
-def strongest(press: Press, skin: Skin, pressing: Pressing) -> float:
+def strongest(press: Press, skin: Skin) -> float:
     """Largest factor anywhere; where touches overlap, their product."""
     if all(isinstance(touch, Touch) for touch in press.touches):
         return max((touch.factor for touch in press.touches), default=1.0)
     x, y = (distinct(each) for each in all_lines(press, skin))
-    return float(tile_map(skin, pressing, press, x, y).max())
+    return float(tile_map(skin, press, x, y).max())
 
 
 def _distance(touch: AnyTouch, skin: Skin) -> float:

@@ -19,7 +19,7 @@ from ..mesh.quadrilaterals import Resolution, tile_lines
 from ..press.capacitance import capacitance_map, lines, tile_map
 from ..press.press import Press
 from ..scene.frequency import laplace_variable
-from ..scene.parts import Pressing, Skin
+from ..scene.parts import Skin
 from ..scene.planar import NO_LINES
 from ..sweeps import InputError
 
@@ -27,10 +27,8 @@ from ..sweeps import InputError
 class SheetModel:
     """A scene discretised once, solved for any press and frequency."""
 
-    def __init__(
-        self, skin: Skin, pressing: Pressing, circuit: Circuit, resolution: Resolution
-    ) -> None:
-        self.skin, self.pressing, self.circuit = skin, pressing, circuit
+    def __init__(self, skin: Skin, circuit: Circuit, resolution: Resolution) -> None:
+        self.skin, self.circuit = skin, circuit
         self.resolution = resolution
         self.system = build_system(skin, circuit, resolution)
         self.space = Galerkin(self.system, circuit, resolution.order)
@@ -91,14 +89,12 @@ class SheetModel:
     def _capacitance(self, press: Press) -> Real:
         """c in F/m² between the lines of the mesh, shape (row, column)."""
         if self.resolution.lines == NO_LINES:
-            return capacitance_map(self.skin, self.pressing, press)
+            return capacitance_map(self.skin, press)
         for own, of_touches in zip(self.resolution.lines, lines(self.skin, press), strict=True):
             if not set(of_touches) <= set(own):
                 raise InputError(f"press {press} has edges that the mesh does not conform to")
         x, y = (tile_lines(self.skin, axis, self.resolution) for axis in (0, 1))
-        return self.skin.foam.unpressed_capacitance_per_area * tile_map(
-            self.skin, self.pressing, press, x, y
-        )
+        return self.skin.foam.unpressed_capacitance_per_area * tile_map(self.skin, press, x, y)
 
     def moments(self, press: Press, count: int) -> Real:
         """Taylor coefficients of the network's Y(s), shape (count + 1, N, N)."""

@@ -13,7 +13,7 @@ from ..press.press import Press, check_fingers
 from ..progress import ProgressCallback, silent
 from ..scene.air_nodes import air_factor
 from ..scene.frequency import laplace_variable
-from ..scene.parts import Pressing, Setup, Skin
+from ..scene.parts import Setup, Skin
 from .heterogeneous.coefficients import ELECTRODES, PressCoefficients
 from .heterogeneous.discretised import Discretised
 from .heterogeneous.mesh_choice import deformed, meshes
@@ -52,7 +52,6 @@ class SolutionFields:
 def fields(
     skin: Skin,
     setup: Setup,
-    pressing: Pressing,
     press: Press,
     frequencies: Sequence[float],
     interface: str,
@@ -68,7 +67,7 @@ def fields(
     check_fingers(press, skin)
     frequency = np.array(sorted(frequencies), dtype=np.float64)
     excitation = setup.names.index(setup.checked_name(interface))
-    discretised, Z = _resolved(skin, setup, pressing, press, frequency, rtol, progress)
+    discretised, Z = _resolved(skin, setup, press, frequency, rtol, progress)
     sampler = Sampler(skin, discretised)
     loss, found = skin.foam.loss, []
     s, air = laplace_variable(frequency, loss).tolist(), air_factor(frequency, loss).tolist()
@@ -107,7 +106,6 @@ def _deflection(skin: Skin, press: Press, coefficients: PressCoefficients, x: Re
 def _resolved(
     skin: Skin,
     setup: Setup,
-    pressing: Pressing,
     press: Press,
     frequency: Real,
     rtol: float,
@@ -117,7 +115,7 @@ def _resolved(
     touched = deformed(skin, press, rtol, progress)
     solving, remaining = f"solving, frequencies: {frequency.size}", RemainingTime(rtol)
     progress(solving)
-    finer = meshes(skin, setup, pressing, *touched, rtol)
+    finer = meshes(skin, setup, *touched, rtol)
     while True:
         discretised = finer.finer(frequency)
         result = discretised.result(frequency, rtol)

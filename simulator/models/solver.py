@@ -68,7 +68,6 @@ class Solver:
         self._models = UniformModels(
             self.skin.electrical,
             self.setup,
-            parts.plan.press,
             rtol,
             bound_first=model == "auto",
         )
@@ -176,9 +175,7 @@ class Solver:
             require_plain_press(press)
         if self.model == "reduced":
             self._reduced_first(press, pressed, progress)
-        finer = meshes(
-            self.skin, self.setup, self.parts.plan.press, press, pressed, self.rtol, place
-        )
+        finer = meshes(self.skin, self.setup, press, pressed, self.rtol, place)
         while not progress.done:
             try:
                 discretised = finer.finer(progress.frequency)

@@ -21,7 +21,7 @@ def equivalent_press(skin: Skin, press: Press) -> Press | None:
     ratios = skin.stretch.ratios if skin.stretch else (1.0, 1.0)
     if ratios == (1.0, 1.0):
         return press
-    return Press(tuple(_moved(touch, *ratios) for touch in press.touches))
+    return press.of(_moved(touch, *ratios) for touch in press.touches)
 
 
 def require_static(skin: Skin, what: str) -> None:

@@ -19,7 +19,7 @@ from ..fem.terminals import impedance_with_error
 from ..mesh.quadrilaterals import Resolution
 from ..method_cache import cached_method
 from ..press.press import Press
-from ..scene.parts import Pressing, Setup, Skin
+from ..scene.parts import Setup, Skin
 from ..sweeps import InputError
 from .line import Line
 from .lumped import Lumped, min_truncation_error
@@ -36,11 +36,9 @@ LUMPED = "one R and one C"
 class UniformModels:
     """Models of a uniform scene without training; each offers its result to a solution."""
 
-    def __init__(
-        self, skin: Skin, setup: Setup, pressing: Pressing, rtol: float, bound_first: bool
-    ) -> None:
+    def __init__(self, skin: Skin, setup: Setup, rtol: float, bound_first: bool) -> None:
         """bound_first: True if one R and one C is tried only where it suffices without a press."""
-        self.skin, self.setup, self.pressing = skin, setup, pressing
+        self.skin, self.setup = skin, setup
         self.rtol, self._bound_first = rtol, bound_first
         self._sheets: dict[Resolution, SheetModel] = {}
 
@@ -55,7 +53,7 @@ class UniformModels:
     def _exact_line(self) -> Line | str:
         """Exact line model of the scene, or the reason why there is none."""
         try:
-            return Line(self.skin, self.setup, self.pressing)
+            return Line(self.skin, self.setup)
         except InputError as no_line:
             return str(no_line)
 
@@ -119,9 +117,7 @@ class UniformModels:
         if resolution not in self._sheets:
             if len(self._sheets) == SHEETS_KEPT:
                 del self._sheets[next(iter(self._sheets))]
-            self._sheets[resolution] = SheetModel(
-                self.skin, self.pressing, self._circuit, resolution
-            )
+            self._sheets[resolution] = SheetModel(self.skin, self._circuit, resolution)
         return self._sheets[resolution]
 
     @cached_property
@@ -130,7 +126,7 @@ class UniformModels:
 
     @cached_property
     def _hierarchy(self) -> ResolutionHierarchy:
-        return ResolutionHierarchy(self.skin, self.pressing, self._circuit)
+        return ResolutionHierarchy(self.skin, self._circuit)
 
     @cached_property
     def _first_level(self) -> int:

@@ -12,7 +12,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..arrays import Real
-from ..scene.parts import Pressing, Skin
+from ..scene.parts import Skin
 from ..scene.planar import NO_LINES, SAME_EDGE, SAME_LINE, Lines, disc_fraction, distinct, shared
 from ..sweeps import InputError
 from .batch import NOTHING, TouchedCells, joined_cells
@@ -45,15 +45,15 @@ class Patch:
         return mean_factor(self.share(x, y), self.factor)
 
 
-def capacitance_map(skin: Skin, pressing: Pressing, press: Press) -> Real:
+def capacitance_map(skin: Skin, press: Press) -> Real:
     """c in F/m², shape (row, column): the unpressed foam, times each touch's factor.
 
     Raises InputError for a touch that is not whole pixels; `grid_map` then gives the pixels' means.
     """
     require_plain(press)
     c = np.full((skin.pixels.rows, skin.pixels.columns), skin.foam.unpressed_capacitance_per_area)
-    if pressing.adds:
-        return c * tile_map(skin, pressing, press, pixel_lines(skin, 0), pixel_lines(skin, 1))
+    if press.adds:
+        return c * tile_map(skin, press, pixel_lines(skin, 0), pixel_lines(skin, 1))
     for touch in press.touches:
         if isinstance(touch, Touch):
             c[touch.row - 1, touch.column - 1] *= touch.factor
@@ -64,7 +64,7 @@ def capacitance_map(skin: Skin, pressing: Pressing, press: Press) -> Real:
     return c
 
 
-def grid_map(skin: Skin, pressing: Pressing, press: Press, rows: int, columns: int) -> Real:
+def grid_map(skin: Skin, press: Press, rows: int, columns: int) -> Real:
     """c over its unpressed value, on a uniform grid over the skin, shape (row, column).
 
     Each touch enters a cell as 1 + (factor - 1) times the fraction of its area that it covers, a
@@ -75,15 +75,15 @@ def grid_map(skin: Skin, pressing: Pressing, press: Press, rows: int, columns: i
     for touch in press.touches:
         if isinstance(touch, Disc):
             covered = disc_fraction(touch.x, touch.y, touch.radius, x, y)
-            total = _with_touch(pressing, total, mean_factor(covered, touch.factor))
+            total = _with_touch(press, total, mean_factor(covered, touch.factor))
         else:
-            total = _with_touch(pressing, total, patch(skin, touch).factors(x, y))
+            total = _with_touch(press, total, patch(skin, touch).factors(x, y))
     return total
 
 
-def _with_touch(pressing: Pressing, total: Real, factors: Real) -> Real:
+def _with_touch(press: Press, total: Real, factors: Real) -> Real:
     """c with one more touch: factors multiply, capacitances to earth add."""
-    return total + (factors - 1) if pressing.adds else total * factors
+    return total + (factors - 1) if press.adds else total * factors
 
 
 @lru_cache
@@ -94,9 +94,7 @@ def _uniform_lines(length: float, cells: int) -> Real:
     return lines
 
 
-def touched_cells(
-    skin: Skin, pressing: Pressing, press: Press, grid: tuple[int, int] | None = None
-) -> TouchedCells:
+def touched_cells(skin: Skin, press: Press, grid: tuple[int, int] | None = None) -> TouchedCells:
     """Cells of a uniform grid, by default the pixels, where a press raises c; as `grid_map`.
 
     Fingers follow, numbered as in `Parts`. Raises InputError for a finger if the scene has no
@@ -106,13 +104,13 @@ def touched_cells(
     shape = grid or skin.pixels.shape
     _check_walls(skin, press, shape)
     raised = (
-        _under_applicators(skin, pressing, press)
+        _under_applicators(skin, press)
         if press.indented
-        else _cells_under_factors(skin, pressing, press, shape)
+        else _cells_under_factors(skin, press, shape)
     )
     if not press.fingers:
         return raised
-    return joined_cells(raised, fingers(skin, pressing, press, shape))
+    return joined_cells(raised, fingers(skin, press, shape))
 
 
 def _check_walls(skin: Skin, press: Press, grid: tuple[int, int]) -> None:
@@ -125,59 +123,57 @@ def _check_walls(skin: Skin, press: Press, grid: tuple[int, int]) -> None:
             require_no_walls(skin, f"press {touch} on pixels")
 
 
-def fingers(
-    skin: Skin, pressing: Pressing, press: Press, grid: tuple[int, int] | None = None
-) -> TouchedCells:
+def fingers(skin: Skin, press: Press, grid: tuple[int, int] | None = None) -> TouchedCells:
     """Fingers of a press on such a grid, numbered as in `Parts`, F."""
     shape = grid or skin.pixels.shape
-    each = [_finger(skin, pressing, touch, shape) for touch in press.touches if touch.finger]
+    each = [_finger(skin, touch, shape) for touch in press.touches if touch.finger]
     return joined_cells(NOTHING, *each)
 
 
-def _cells_under_factors(
-    skin: Skin, pressing: Pressing, press: Press, grid: tuple[int, int]
-) -> TouchedCells:
-    rises = grid_map(skin, pressing, press, *grid).ravel() - 1
+def _cells_under_factors(skin: Skin, press: Press, grid: tuple[int, int]) -> TouchedCells:
+    rises = grid_map(skin, press, *grid).ravel() - 1
     cells = np.flatnonzero(rises)
     return TouchedCells(cells, rises[cells])
 
 
-def _finger(skin: Skin, pressing: Pressing, touch: AnyTouch, grid: tuple[int, int]) -> TouchedCells:
+def _finger(skin: Skin, touch: AnyTouch, grid: tuple[int, int]) -> TouchedCells:
     """Finger of one touch, spread uniformly over the area that it covers."""
     cells, covered = _cells_under_factors(
-        skin, pressing, Press((replace(place_of(touch), factor=2.0),)), grid
+        skin, Press((replace(place_of(touch), factor=2.0),)), grid
     )
     share = touch.finger * covered / covered.sum()
     return TouchedCells(parts_of(skin, grid).finger(cells), share)
 
 
-def _under_applicators(skin: Skin, pressing: Pressing, press: Press) -> TouchedCells:
+def _under_applicators(skin: Skin, press: Press) -> TouchedCells:
     """Pixels, and the rise of c under their applicators.
 
-    Raises InputError for other touches, or if a scene is pressed by factors and a tension spreads
-    presses.
+    Raises InputError for other touches.
     """
-    mechanics = skin.foam.mechanics
-    spreads = mechanics is not None and bool(mechanics.tension)
     places = [each.place for each in press.indented if isinstance(each.place, Touch)]
-    if len(places) < len(press.touches) or (spreads and pressing.by_factor):
-        raise InputError(
-            f"press {press}: needs a capacitance factor here; a depth is possible only for whole "
-            "pixels of a scene with `press.depth`"
-        )
+    if len(places) < len(press.touches):
+        raise needs_factors(press)
     cells = [(each.row - 1) * skin.pixels.columns + each.column - 1 for each in places]
     rises = [pressed_factor(skin, each) - 1 for each in press.indented]
     return TouchedCells(np.array(cells, dtype=np.int64), np.array(rises))
 
 
-def tile_map(skin: Skin, pressing: Pressing, press: Press, x: Real, y: Real) -> Real:
+def needs_factors(press: Press) -> InputError:
+    """Error for a depth or a force where only a factor can be rasterized."""
+    return InputError(
+        f"press {press}: needs a capacitance factor here; a depth is possible only for whole "
+        "pixels of a scene with `press.depth`"
+    )
+
+
+def tile_map(skin: Skin, press: Press, x: Real, y: Real) -> Real:
     """c over its unpressed value between lines in m, shape (row, column): exact for `lines`.
 
     Edges that nearly coincide with a line enter the cells next to it by the covered area.
     """
     total = np.ones((len(y) - 1, len(x) - 1))
     for touch in press.touches:
-        total = _with_touch(pressing, total, patch(skin, touch).factors(x, y))
+        total = _with_touch(press, total, patch(skin, touch).factors(x, y))
     return total
 
 

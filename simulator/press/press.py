@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import astuple, dataclass, replace
 
 import numpy as np
@@ -40,13 +41,20 @@ class Press:
     """Several touches at once; none is the unpressed skin.
 
     Pixels are pressed once each; other touches may overlap them and each other. Where touches
-    overlap, factors multiply; of applicators the deeper one counts.
+    overlap, factors multiply, or with `adds` their rises add up, as capacitances to earth do on a
+    skin of one conductor; of applicators the deeper one counts.
     """
 
     touches: tuple[AnyTouch, ...] = ()
+    adds: bool = False
 
     def __str__(self) -> str:
         return "+".join(map(str, self.touches)) or UNPRESSED
+
+    def of(self, touches: Iterable[AnyTouch]) -> Press:
+        """Press of other touches, which act together as these do."""
+        touches = tuple(touches)
+        return Press(touches, self.adds and len(touches) > 1)
 
     @property
     def plain(self) -> bool:
@@ -67,12 +75,12 @@ class Press:
     def on_patches(self) -> Press:
         """Press of its touches of a given factor, and of fingers at the others, with factor 1."""
         patches = [replace(t.place, finger=t.finger) for t in self.indented if t.finger]
-        return Press((*self.sharp.touches, *patches))
+        return self.of((*self.sharp.touches, *patches))
 
     @property
     def sharp(self) -> Press:
         """Press of its touches of a given factor."""
-        return Press(tuple(each for each in self.touches if not isinstance(each, Indentation)))
+        return self.of(each for each in self.touches if not isinstance(each, Indentation))
 
     @property
     def indented(self) -> tuple[Indentation, ...]:
@@ -110,8 +118,9 @@ def parse_press(
     before depths and forces, pixels before rectangles, discs and polygons. Raises what
     `parse_touches` raises, and InputError for a finger whose capacitance no skin gives.
     """
+    adds = skin is not None and pressing is not None and pressing.adds is not None
     touches = [_touch(each, default, skin, pressing) for each in parse_touches(text)]
-    return Press(tuple(sorted(touches, key=order)))
+    return Press(adds=adds).of(sorted(touches, key=order))
 
 
 def _touch(

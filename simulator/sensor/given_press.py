@@ -211,8 +211,8 @@ class PressReader:
             pressed = self._rasterizer(_indenters(self.skin, press))
             limited = bool(pressed.limited[0])
             return GivenPress(pressed.batch, (label,), (fixed,), (limited,), (0.0,))
-        by_factor = Press(tuple(map(self._by_factor, press_by_depths(self.skin, press).touches)))
-        batch = PressBatch.of([touched_cells(self.skin, self.pressing, by_factor, self.cells.fine)])
+        by_factor = press.of(map(self._by_factor, press_by_depths(self.skin, press).touches))
+        batch = PressBatch.of([touched_cells(self.skin, by_factor, self.cells.fine)])
         if not self.skin.foam.in_time:
             batch = self.cells.spread(batch)
         return GivenPress(batch, (label,), (fixed,), (False,), (0.0,))

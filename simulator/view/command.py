@@ -134,7 +134,6 @@ def _viewed_press(
     found = fields(
         scene.parts.skin,
         scene.parts.setup,
-        scene.press,
         pressed,
         frequencies,
         chosen,

@@ -39,9 +39,7 @@ def line(make_scene):
     return (
         scene,
         press,
-        Line(scene.parts.skin, scene.parts.setup, scene.press).impedance(press, scene.frequencies)[
-            0
-        ],
+        Line(scene.parts.skin, scene.parts.setup).impedance(press, scene.frequencies)[0],
     )
 
 
@@ -99,9 +97,7 @@ def test_low_frequency(rival, make_scene):
     """The deviation form keeps Rs at u = 1e-9, in single precision too; a current does not."""
     scene = at(make_scene, [1e-9], columns=COLUMNS)
     press, cells = parse_press(PRESS, 2.0), rival("cells").Cells(40, 1)
-    truth = Line(scene.parts.skin, scene.parts.setup, scene.press).impedance(
-        press, scene.frequencies
-    )[0]
+    truth = Line(scene.parts.skin, scene.parts.setup).impedance(press, scene.frequencies)[0]
 
     def error_of(name):
         return error(scene, rival(name).impedance(scene, press, scene.frequencies, cells), truth)
@@ -144,9 +140,7 @@ def test_ladder_from_every_edge(rival, make_scene):
             columns=1 if upright else 4,
         )
         press = parse_press(pressed, 2.0)
-        truth = Line(scene.parts.skin, scene.parts.setup, scene.press).impedance(
-            press, scene.frequencies
-        )[0]
+        truth = Line(scene.parts.skin, scene.parts.setup).impedance(press, scene.frequencies)[0]
         Z = rival("lumped_ladder").impedance(scene, press, scene.frequencies, 400)
         assert error(scene, Z, truth) < 1e-3
 
@@ -216,9 +210,7 @@ def test_fits_of_readings_lose_rs_and_the_poles(rival, make_scene):
     scene = at(make_scene, [1e-8])
     fits = rival("rational_fit")
     given = scene, Press(), scene.frequencies
-    truth = Line(scene.parts.skin, scene.parts.setup, scene.press).impedance(
-        Press(), scene.frequencies
-    )[0]
+    truth = Line(scene.parts.skin, scene.parts.setup).impedance(Press(), scene.frequencies)[0]
     assert error(scene, fits.impedance(*given), truth) < 1e-6
     assert error(scene, fits.impedance(*given, digits=6), truth) > 1e-2
     assert fits.aaa(*fits.sampled(*given, digits=6)).poles_off_axis > 0
@@ -241,9 +233,7 @@ def test_triangles_of_one_size_on_a_square(rival, make_scene):
     scene = at(make_scene, U)
     skin, truth = (
         scene.skin,
-        Line(scene.parts.skin, scene.parts.setup, scene.press).impedance(
-            Press(), scene.frequencies
-        )[0],
+        Line(scene.parts.skin, scene.parts.setup).impedance(Press(), scene.frequencies)[0],
     )
     c = skin.foam.unpressed_capacitance_per_area
     square = MeshTri().scaled((skin.length, skin.width))

@@ -112,7 +112,7 @@ class PlainSkin:
         s = laplace_variable(frequency, skin.foam.loss)
         K = self.stiffness(skin.top.sheet_resistance, skin.bottom.sheet_resistance)
         c = skin.foam.unpressed_capacitance_per_area * tile_map(
-            self.scene.parts.skin, self.scene.press, press, *self.tiles
+            self.scene.parts.skin, press, *self.tiles
         )
         A = K + s * self.mass(c)
         A = (self.tie.T @ A @ self.tie).tocsr()

@@ -15,7 +15,6 @@ def test_fields_of_every_kind_of_skin_report_their_progress(name, press):
     fields(
         scene.parts.skin,
         scene.parts.setup,
-        scene.press,
         press_on(scene.parts.skin, scene.press, press),
         [1e3, 2e4],
         scene.interfaces[0].name,

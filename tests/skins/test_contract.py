@@ -64,7 +64,7 @@ def touches(library, name):
     """Cells and rises of each press of a kind."""
     scene = library.scene(name)
     return [
-        touched_cells(scene.parts.skin, scene.press, press_on(scene.parts.skin, scene.press, text))
+        touched_cells(scene.parts.skin, press_on(scene.parts.skin, scene.press, text))
         for text in KINDS[name].presses
     ]
 
@@ -189,7 +189,7 @@ def test_slopes_are_differences(library, touches, values, name):
 @kinds("a line")
 def test_slopes_of_the_exact_line_are_differences(library, touches, values, name):
     scene = library.scene(name)
-    model = LineModel(scene.parts.skin, scene.parts.setup, scene.press)
+    model = LineModel(scene.parts.skin, scene.parts.setup)
     check_slopes(model, touches, values)
 
 

@@ -193,9 +193,7 @@ def test_random_skins_have_walls_of_their_own_foam(library):
     press = press_on(scene.parts.skin, scene.press, "1,1:2.2:rod+1,2:1.5:rod")
     truth = Solver(parts_with(scene.parts, {"capacitance": np.log(1.2)}), 2e-4).solve(press).Z
     found = (
-        library.model("walls of groups")
-        .skin(foam)
-        .sweep(*touched_cells(scene.parts.skin, scene.press, press))
+        library.model("walls of groups").skin(foam).sweep(*touched_cells(scene.parts.skin, press))
     )
     assert relative_difference(found, truth).max() <= 2e-3
 
@@ -203,7 +201,6 @@ def test_random_skins_have_walls_of_their_own_foam(library):
 REFUSED = {
     "a disc": lambda scene: touched_cells(
         scene.parts.skin,
-        scene.press,
         press_on(scene.parts.skin, scene.press, "disc(0.05,0.05,0.02):2"),
     ),
     "places of a data set": lambda scene: DatasetPlan(

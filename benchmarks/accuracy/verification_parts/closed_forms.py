@@ -105,7 +105,7 @@ def pressed_line(u: NDArray) -> Iterator[Check]:
     for title, model, limit in ways:
         errors = []
         for press in (parse_press(text, 2.0) for text in PRESSES):
-            c = capacitance_map(scene.parts.skin, scene.press, press)[0]
+            c = capacitance_map(scene.parts.skin, press)[0]
             share = c / scene.skin.foam.unpressed_capacitance_per_area * C / 5
             truth = piecewise((R1 + R2) / 5, share, variable(scene))
             errors.append(worst(shipped(scene, press, model), truth))
@@ -137,7 +137,7 @@ def five_pixels() -> Check:
     R1, R2, _ = totals(scene)
     errors = []
     for press in every_press(scene.parts.skin, scene.press):
-        c = capacitance_map(scene.parts.skin, scene.press, press)[0]
+        c = capacitance_map(scene.parts.skin, press)[0]
         Rs = shipped(scene, press, "sheet").real[0]
         errors.append(abs(Rs / Rs_at_zero((R1 + R2) / 5, list(c)) - 1))
     return below("5 Rs(0) of five pixels, elements (Rs only)", RTOL, max(errors))
@@ -199,9 +199,7 @@ def passivity(skins: int) -> Iterator[Check]:
             violations(build(Z[None], scene.frequencies, **labels).dataset(), tolerance=1e-4)
         )
         total = (
-            capacitance_map(scene.parts.skin, scene.press, press).mean()
-            * scene.skin.length
-            * scene.skin.width
+            capacitance_map(scene.parts.skin, press).mean() * scene.skin.length * scene.skin.width
         )
         off.append(abs(parallel_capacitance(Z, scene.frequencies)[0, 0] / total - 1))
     what = f"4 laws of passive networks, {answered} random skins, u from 1e-6 to 30"

@@ -133,7 +133,7 @@ def light_cases() -> Iterator[tuple[int, Scene, Press, float]]:
         circuit = one_field(scene.parts.skin, scene.parts.setup) or two_fields(
             scene.parts.skin, scene.parts.setup
         )
-        ladder = ResolutionHierarchy(scene.parts.skin, scene.press, circuit)
+        ladder = ResolutionHierarchy(scene.parts.skin, circuit)
         resolution = ladder.resolution(ladder.first(rtol), press, scene.frequencies[-1])
         foils = [contact for terminal in circuit.terminals for contact in terminal.contacts]
         elements = pixel_mesh(scene.parts.skin, foils, resolution).mesh.nelements
@@ -167,7 +167,7 @@ def reference(
     circuit = one_field(scene.parts.skin, scene.parts.setup) or two_fields(
         scene.parts.skin, scene.parts.setup
     )
-    ladder = ResolutionHierarchy(scene.parts.skin, scene.press, circuit)
+    ladder = ResolutionHierarchy(scene.parts.skin, circuit)
     orders = [order for order, _ in ladder.levels]
     first = min(ladder.first(rtol) + MORE_ORDERS, orders.index(HIGHEST_ORDER))
     for level in range(first, orders.index(HIGHEST_ORDER) + 1):
@@ -178,7 +178,7 @@ def reference(
             edge_cell=usual.edge_cell / 2,
             touch_cell=usual.touch_cell / 2,
         )
-        sheet = SheetModel(scene.parts.skin, scene.press, circuit, finer)
+        sheet = SheetModel(scene.parts.skin, circuit, finer)
         (fine, _), (coarse, _) = sheet.sweep(
             press, scene.frequencies, ROUNDED / 10, sheet.space, sheet.nested
         )

@@ -53,7 +53,7 @@ class Case:
         circuit = one_field(self.scene.parts.skin, self.scene.parts.setup) or two_fields(
             self.scene.parts.skin, self.scene.parts.setup
         )
-        Z = SheetModel(self.scene.parts.skin, self.scene.press, circuit, resolution).impedance(
+        Z = SheetModel(self.scene.parts.skin, circuit, resolution).impedance(
             self.press, self.scene.frequencies
         )
         return worst(Z[0], self.truth)
@@ -92,9 +92,7 @@ def foil_on_part_of_an_edge(truth: Resolution) -> Case:
     circuit = one_field(scene.parts.skin, scene.parts.setup) or two_fields(
         scene.parts.skin, scene.parts.setup
     )
-    Z = SheetModel(scene.parts.skin, scene.press, circuit, truth).impedance(
-        Press(), scene.frequencies
-    )[0]
+    Z = SheetModel(scene.parts.skin, circuit, truth).impedance(Press(), scene.frequencies)[0]
     return Case("foil on part of an edge", scene, Press(), Z)
 
 

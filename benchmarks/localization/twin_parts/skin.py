@@ -95,9 +95,7 @@ class Twin:
 
     def impedances(self, asked: Press, event: int) -> NDArray[np.complex128]:
         """Z in ohm behind the leads, shape (interface, frequency), at the hand's event-th press."""
-        touched = touched_cells(
-            self.family.scene.parts.skin, self.family.scene.press, self.pressed(asked, event)
-        )
+        touched = touched_cells(self.family.scene.parts.skin, self.pressed(asked, event))
         Z = self.skin(event).sweep(*touched, self.scene.frequencies)
         return self.drawn.leads.at_meter(Z, self.scene.frequencies)
 
@@ -176,8 +174,6 @@ class Bench(WithoutCreep):
 
     def _impedances(self, press: str, f: NDArray[np.float64]) -> NDArray[np.complex128]:
         family, drawn = self._twin.family, self._twin.drawn
-        cells, rises = touched_cells(
-            family.parts.skin, family.parts.plan.press, parse_press(press, 1.0)
-        )
+        cells, rises = touched_cells(family.parts.skin, parse_press(press, 1.0))
         Z = self._skin.sweep(cells, rises, f)
         return drawn.leads.at_meter(Z, f)[self._number]

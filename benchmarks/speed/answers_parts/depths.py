@@ -35,7 +35,7 @@ def answers(run: Run) -> Iterator[Answer]:
     asked = Asked(scene, press, tuple(others), truth)
     yield from asked.by_solver(run.sized(RTOLS, RTOLS[:1]), AGAIN)
     for rtol in run.sized(OF_REDUCED, ()):
-        pressed = touched_cells(scene.parts.skin, scene.press, press)
+        pressed = touched_cells(scene.parts.skin, press)
         yield asked.by_batch(REDUCED, f"{rtol:g}", reduce(scene.parts, rtol), *pressed)
     even = Press((Touch(2, 3, scene.press.factor(scene.parts.skin)),))
     seconds, Z = timed(lambda: Solver(scene.parts, EVEN_RTOL).solve(even).Z[0])

@@ -41,7 +41,7 @@ REDUCED_RTOL = 1e-4
 def laid(scene: Scene, press: Press, cells: int) -> tuple[Scene, Press]:
     """The same on so many cells along each side as pixels, pressed by the area that it covers."""
     finer = scene.parts.on_grid(cells, cells)
-    numbers, rises = touched_cells(finer.parts.skin, finer.press, press)
+    numbers, rises = touched_cells(finer.parts.skin, press)
     each = zip(*divmod(numbers, cells), rises, strict=True)
     return finer, Press(tuple(Touch(int(i) + 1, int(j) + 1, 1 + float(r)) for i, j, r in each))
 
@@ -77,14 +77,14 @@ def _of_data_sets(asked: Asked, cells: int) -> Answer:
         x, y = random.uniform(0.02, 0.1, 2)
         width, height = random.uniform(0.012, 0.024, 2)
         touch = parse_press(f"rect({x},{y},{width},{height})", random.uniform(1.5, 2.5))
-        return Case(None, *touched_cells(finer.parts.skin, finer.press, touch))
+        return Case(None, *touched_cells(finer.parts.skin, touch))
 
     reduced = reduce(finer.parts, REDUCED_RTOL, anywhere)
     return asked.by_batch(
         ON_CELLS,
         f"{cells} cells a side",
         reduced,
-        *touched_cells(finer.parts.skin, finer.press, pressed),
+        *touched_cells(finer.parts.skin, pressed),
     )
 
 

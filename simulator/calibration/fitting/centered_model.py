@@ -45,7 +45,7 @@ def model_of(
     """
     try:
         if parts.plan.press.by_factor and uneven == NO_MODES:
-            return LineModel(parts.skin, parts.setup, parts.plan.press)
+            return LineModel(parts.skin, parts.setup)
     except InputError:
         pass
     return Forward(parts, rtol=rtol, progress=progress, train=reduced_for, modes=uneven.modes)

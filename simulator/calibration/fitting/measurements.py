@@ -227,7 +227,7 @@ def _recorded(skin: Skin, pressing: Pressing, text: str) -> tuple[Press, list[st
     if skin.around is not None:
         return press_on(skin, pressing, text), []
     press = parse_press(text, strength_of(pressing), skin, pressing)
-    rods = Press(tuple(replace(touch, finger=0.0) for touch in press.touches))
+    rods = press.of(replace(touch, finger=0.0) for touch in press.touches)
     remark = f"fingers of presses, because {skin.name} has no [surroundings]"
     return check_press(rods, skin), [remark] if press.fingers else []
 

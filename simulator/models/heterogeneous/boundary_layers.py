@@ -10,7 +10,7 @@ from ...mesh.quadrilaterals import Resolution
 from ...press.capacitance import patch
 from ...press.press import Press
 from ...press.touch import Rectangle, Touch
-from ...scene.parts import Pressing, Skin
+from ...scene.parts import Skin
 from ...scene.planar import NO_LINES, Lines
 from ...scene.readings.wiring_checks import strip
 from ..resolution import ResolutionHierarchy, all_lines, depth_of, reached_by_field, strongest
@@ -25,12 +25,10 @@ def jumping(press: Press, skin: Skin) -> Press:
     if not press.fingers:
         return press
     c = skin.foam.unpressed_capacitance_per_area
-    return Press(
-        tuple(
-            replace(t, factor=t.factor + t.finger / (c * patch(skin, t).area), finger=0.0)
-            for t in press.touches
-            if isinstance(t, Touch | Rectangle)
-        )
+    return press.of(
+        replace(t, factor=t.factor + t.finger / (c * patch(skin, t).area), finger=0.0)
+        for t in press.touches
+        if isinstance(t, Touch | Rectangle)
     )
 
 
@@ -45,18 +43,12 @@ def layered(
     """
     skin, depth = hierarchy.skin, depth_of(hierarchy.skin, frequency)
     in_pairs = _in_pairs(hierarchy.circuit, skin.electrical)
-    jumps = Press(
-        tuple(
-            touch
-            for touch in press.touches
-            if touch.factor != 1 and (not in_pairs or reached_by_field(touch, skin, depth))
-        )
+    jumps = press.of(
+        touch
+        for touch in press.touches
+        if touch.factor != 1 and (not in_pairs or reached_by_field(touch, skin, depth))
     )
-    width = (
-        depth
-        / math.sqrt(_thinner(skin, hierarchy.pressing, press))
-        * hierarchy.followed(resolution.order - 1)
-    )
+    width = depth / math.sqrt(_thinner(skin, press)) * hierarchy.followed(resolution.order - 1)
     narrow = hierarchy.halved(width)
     if not jumps.touches or narrow == math.inf:
         return resolution
@@ -95,8 +87,8 @@ def _inner(lines: Lines, skin: Skin) -> Lines:
     )
 
 
-def _thinner(skin: Skin, pressing: Pressing, press: Press) -> float:
+def _thinner(skin: Skin, press: Press) -> float:
     """Largest c (R_t + R_b) under a press, over its unpressed value."""
-    factor = max(1.0, strongest(press, skin, pressing))
+    factor = max(1.0, strongest(press, skin))
     gauge = max(skin.top.piezoresistance, skin.bottom.piezoresistance, 0.0)
     return factor * (1 + gauge * float(strain_of(factor)))

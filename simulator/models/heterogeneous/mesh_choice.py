@@ -10,7 +10,7 @@ from ...fem.circuit import Circuit, one_field, two_fields
 from ...fem.system import check_grid_fits
 from ...press.press import Press
 from ...progress import ProgressCallback, silent
-from ...scene.parts import Pressing, Setup, Skin
+from ...scene.parts import Setup, Skin
 from ...sweeps import ToleranceError
 from .coefficients import raised_by_deflection
 from .discretised import Discretised
@@ -114,7 +114,6 @@ def deformed(
 def meshes(
     skin: Skin,
     setup: Setup,
-    pressing: Pressing,
     press: Press,
     pressed: Deformation | None,
     rtol: float,
@@ -136,7 +135,7 @@ def meshes(
         check_grid_fits(skin, circuit)
     triangles = Triangles(skin, circuit, press, rtol)
     if rectangular and press.boxes:
-        return SquaresThenTriangles(Squares(skin, pressing, circuit, press, rtol), triangles)
+        return SquaresThenTriangles(Squares(skin, circuit, press, rtol), triangles)
     return triangles
 
 

@@ -14,7 +14,7 @@ from ...mesh.quadrilaterals import Resolution, pixel_mesh, tile_lines
 from ...press.capacitance import patch, tile_map
 from ...press.pixels import pixel_lines
 from ...press.press import Press
-from ...scene.parts import Pressing, Skin
+from ...scene.parts import Skin
 from ...scene.planar import NO_LINES, SAME_EDGE, Lines
 from ...sweeps import ToleranceError
 from ..resolution import ONE_CELL, ResolutionHierarchy
@@ -43,14 +43,12 @@ class Squares:
     If they do not suffice, the field is singular somewhere; triangles are then refined there.
     """
 
-    def __init__(
-        self, skin: Skin, pressing: Pressing, circuit: Circuit, press: Press, rtol: float
-    ) -> None:
-        self.skin, self.pressing, self.circuit, self.press = skin, pressing, circuit, press
+    def __init__(self, skin: Skin, circuit: Circuit, press: Press, rtol: float) -> None:
+        self.skin, self.circuit, self.press = skin, circuit, press
         self.materials = Materials(skin)
         self.rtol = rtol
         self._history = ErrorHistory()
-        self._hierarchy = ResolutionHierarchy(skin, pressing, circuit, own=rtol)
+        self._hierarchy = ResolutionHierarchy(skin, circuit, own=rtol)
         self._level = self.first
 
     def finer(self, frequency: Real) -> Discretised:
@@ -84,7 +82,7 @@ class Squares:
         circuit = self.circuit
         pixels = pixel_mesh(self.skin, circuit.contacts, resolution)
         x, y = (tile_lines(self.skin, axis, resolution) for axis in (0, 1))
-        factors = tile_map(self.skin, self.pressing, self.press, x, y).ravel()[pixels.pixel]
+        factors = tile_map(self.skin, self.press, x, y).ravel()[pixels.pixel]
         shares = [
             (touch.finger, patch(self.skin, touch).share(x, y).ravel()[pixels.pixel])
             for touch in self.press.touches

@@ -157,4 +157,4 @@ def press_by_depths(skin: Skin, press: Press) -> Press:
     by_depth = [
         replace(touch, by=Depth(depth)) for touch, depth in zip(press.indented, depths, strict=True)
     ]
-    return Press((*press.sharp.touches, *by_depth))
+    return press.of((*press.sharp.touches, *by_depth))

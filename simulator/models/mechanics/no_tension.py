@@ -116,4 +116,4 @@ def _sharp(press: Press, factor: Real) -> Press:
     by_factor = [
         touch_at(t.place, float(f), t.finger) for t, f in zip(press.indented, factor, strict=True)
     ]
-    return Press(tuple(sorted([*press.sharp.touches, *by_factor], key=order)))
+    return press.of(sorted([*press.sharp.touches, *by_factor], key=order))

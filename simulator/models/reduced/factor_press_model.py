@@ -35,7 +35,7 @@ class FactorPressModel:
         """
         _check_trained(press, self.parts.skin, self.parts.plan)
         skin = self._skin
-        (cells, rises) = touched_cells(self.parts.skin, self.parts.plan.press, press)
+        (cells, rises) = touched_cells(self.parts.skin, press)
         if not skin.reduced.on_skin[skin.parts.pixels(cells[None])[0]].all():
             raise InputError(f"press {press}: there is no skin at that place")
         return certified_result(skin, cells, rises, frequency)

@@ -11,7 +11,6 @@ import numpy as np
 from ...arrays import Complex, Integer, Real
 from ...fem.factors import one_blas_thread
 from ...press.batch import PressBatch, TouchedCells
-from ...press.capacitance import touched_cells
 from ...press.parts import Parts, parts_of
 from ...press.press import Press
 from ...progress import ProgressCallback, silent
@@ -37,7 +36,7 @@ from .cosine_modes.model_with_modes import FoamModeTerms
 from .forward_training import training_band, training_draw, uniform_variation
 from .greedy import reduce
 from .indentation.indentation_draws import require_whole_pixels
-from .reduced_model import Reduced
+from .reduced_model import Reduced, pressed_cells
 from .reduced_skin import ReducedSkin
 from .slopes import Sensitivity, sensitivities, sensitivity
 
@@ -72,7 +71,7 @@ class Forward:
     def cells(self, press: Press) -> TouchedCells:
         """Cells that a press touches, row by row from 0, and the rises of c there over unpressed
         c."""
-        return touched_cells(self.divided.skin, self.divided.plan.press, press)
+        return pressed_cells(self.divided, press)
 
     def respond(
         self,

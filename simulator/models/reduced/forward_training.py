@@ -61,9 +61,7 @@ def training_draw(parts: SceneParts, cells_per_pixel: int, modes: int, varied: b
         press = random_presses(divided, random, 2)[int(random.integers(2))]
         return Case(
             variation,
-            *touched_cells(
-                divided, parts.plan.press, _by_fingers(skin, divided, parts.plan, press, random)
-            ),
+            *touched_cells(divided, _by_fingers(skin, divided, parts.plan, press, random)),
         )
 
     return draw
@@ -78,4 +76,4 @@ def _by_fingers(
     strongest = strongest_finger(skin, plan)
     fingers = random.uniform(0.0, strongest, len(press.touches)).tolist()
     touches = zip(press.touches, fingers, strict=True)
-    return Press(tuple(replace(touch, finger=finger) for touch, finger in touches))
+    return press.of(replace(touch, finger=finger) for touch, finger in touches)

@@ -115,9 +115,7 @@ def reduce(
         cases = [draw(random) for _ in range(MESH_DRAWS)]
         known = circuit, modes, rtol, cases, f, progress
         family, mesh_error = (
-            resolved_under_applicators(skin, *known)
-            if applied
-            else resolved(skin, parts.plan.press, *known)
+            resolved_under_applicators(skin, *known) if applied else resolved(skin, *known)
         )
         return GreedyBasis(parts, family, rtol, mesh_error, f).grow(draw, random, progress)
 

@@ -6,11 +6,24 @@ from dataclasses import dataclass
 
 from ...arrays import Complex, Real
 from ...notebook_display import SmallChart, Tabular
-from ...press.capacitance import touched_cells
+from ...press.batch import TouchedCells
+from ...press.capacitance import needs_factors, touched_cells
 from ...press.press import Press, press_on
+from ...scene.parts import SceneParts
 from ..parameters import Variation
+from .indentation.indentation_draws import spreads
 from .projection import Projection
 from .reduced_skin import ReducedSkin
+
+
+def pressed_cells(parts: SceneParts, press: Press) -> TouchedCells:
+    """Cells that a press touches, see `touched_cells`, for a model of presses as of the scene.
+
+    Raises InputError also for a depth that tension spreads, if the scene presses by factors.
+    """
+    if press.indented and spreads(parts.skin) and parts.plan.press.by_factor:
+        raise needs_factors(press)
+    return touched_cells(parts.skin, press)
 
 
 @dataclass(frozen=True, repr=False)
@@ -29,9 +42,7 @@ class Reduced(Projection, Tabular):
             if isinstance(press, str)
             else press
         )
-        return self.skin(None).sweep(
-            *touched_cells(self.parts.skin, self.parts.plan.press, pressed), frequency
-        )
+        return self.skin(None).sweep(*pressed_cells(self.parts, pressed), frequency)
 
     def _table(self) -> tuple[str, list[tuple[str, ...]]]:
         rows, columns = self.grid

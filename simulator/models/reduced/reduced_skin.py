@@ -309,7 +309,7 @@ class ReducedSkin:
         yield reduced.family
         parts, known = reduced.parts, (reduced.circuit, reduced.modes, reduced.rtol)
         press = Case(None, cells, rises).press_on(reduced.parts.skin)
-        yield from finer_families(parts.skin, parts.plan.press, *known, [press], reduced.frequency)
+        yield from finer_families(parts.skin, *known, [press], reduced.frequency)
 
     def map_of(self, cells: Integer, rises: Real) -> Real:
         """Amount of each part of M over the scene's own, shape (part,), see `Parts`."""

@@ -23,10 +23,8 @@ def test_the_coth_law_at_complex_s(make_scene, frequency_at, loss_tangent):
     q = np.sqrt(2 * np.pi * frequency * (loss_tangent + 1j) * R * C)
     expected = R / (q * np.tanh(q))
     for model in (
-        Line(scene.parts.skin, scene.parts.setup, scene.press),
-        SheetModel(
-            scene.parts.skin, scene.press, one_field(scene.parts.skin, scene.parts.setup), FINE
-        ),
+        Line(scene.parts.skin, scene.parts.setup),
+        SheetModel(scene.parts.skin, one_field(scene.parts.skin, scene.parts.setup), FINE),
     ):
         np.testing.assert_allclose(model.impedance(Press(), frequency)[0], expected, rtol=1e-12)
 
@@ -40,12 +38,8 @@ def test_low_frequency_resistance_is_the_loss(make_scene, frequency_at, loss_tan
     C = skin.foam.unpressed_capacitance_per_area * skin.length * skin.width
     loss = loss_tangent / (1 + loss_tangent**2) / (2 * np.pi * frequency * C)
     for model in (
-        Line(scene.parts.skin, scene.parts.setup, scene.press),
-        Lumped(
-            SheetModel(
-                scene.parts.skin, scene.press, two_fields(scene.parts.skin, scene.parts.setup), FINE
-            )
-        ),
+        Line(scene.parts.skin, scene.parts.setup),
+        Lumped(SheetModel(scene.parts.skin, two_fields(scene.parts.skin, scene.parts.setup), FINE)),
     ):
         Z = model.impedance(Press(), frequency)[0]
         np.testing.assert_allclose(Z.real, loss + R / 3, rtol=1e-12)

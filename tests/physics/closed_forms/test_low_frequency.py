@@ -32,12 +32,9 @@ def models(scene):
         two_fields(scene.parts.skin, scene.parts.setup),
     )
     return [
-        Line(scene.parts.skin, scene.parts.setup, scene.press),
-        *(SheetModel(scene.parts.skin, scene.press, circuit, COARSE) for circuit in (one, two)),
-        *(
-            Lumped(SheetModel(scene.parts.skin, scene.press, circuit, COARSE))
-            for circuit in (one, two)
-        ),
+        Line(scene.parts.skin, scene.parts.setup),
+        *(SheetModel(scene.parts.skin, circuit, COARSE) for circuit in (one, two)),
+        *(Lumped(SheetModel(scene.parts.skin, circuit, COARSE)) for circuit in (one, two)),
     ]
 
 
@@ -46,7 +43,7 @@ def test_Rs_of_a_line_tells_where_it_is_pressed(make_scene, random, data):
     scene = make_scene(columns=data.draw(st.integers(1, 6)))
     press, skin = data.draw(random.presses(scene)), scene.skin
     C = (
-        capacitance_map(scene.parts.skin, scene.press, press)[0]
+        capacitance_map(scene.parts.skin, press)[0]
         * skin.length
         * skin.width
         / scene.pixels.columns
@@ -75,9 +72,7 @@ def test_crossed_feed(make_scene, size):
     scene = make_scene({"top-left": {}, "bottom-bottom": {}}, length=L, width=W)
     skin = scene.skin
     expected = skin.top.sheet_resistance * L / (3 * W) + skin.bottom.sheet_resistance * W / (3 * L)
-    sheet = SheetModel(
-        scene.parts.skin, scene.press, two_fields(scene.parts.skin, scene.parts.setup), COARSE
-    )
+    sheet = SheetModel(scene.parts.skin, two_fields(scene.parts.skin, scene.parts.setup), COARSE)
     for model in (sheet, Lumped(sheet)):
         Z = model.impedance(Press(), MILLIHERTZ)
         assert Z.real == pytest.approx(expected, rel=1e-12)
@@ -91,7 +86,6 @@ def test_floating_foils_on_the_next_edge_lower_Rs(name, Rs):
     scene = load_scene(name)
     sheet = SheetModel(
         scene.parts.skin,
-        scene.press,
         one_field(scene.parts.skin, scene.parts.setup),
         Resolution(order=4, layers=6),
     )
@@ -103,10 +97,9 @@ def test_floating_foils_on_the_next_edge_lower_Rs(name, Rs):
 def test_Cp_is_the_total_capacitance_on_any_skin(random, data):
     scene = data.draw(random.between())
     press, skin = data.draw(random.presses(scene)), scene.skin
-    total = capacitance_map(scene.parts.skin, scene.press, press).mean() * skin.length * skin.width
+    total = capacitance_map(scene.parts.skin, press).mean() * skin.length * skin.width
     sheet = SheetModel(
         scene.parts.skin,
-        scene.press,
         two_fields(scene.parts.skin, scene.parts.setup),
         Resolution(order=2),
     )

@@ -33,12 +33,11 @@ def test_bounds_against_the_line(make_scene, random, frequency_at, data, loss_ta
         Lumped(
             SheetModel(
                 scene.parts.skin,
-                scene.press,
                 one_field(scene.parts.skin, scene.parts.setup),
                 ON_LINES,
             )
         ),
-        Line(scene.parts.skin, scene.parts.setup, scene.press),
+        Line(scene.parts.skin, scene.parts.setup),
         press,
         frequency,
     )
@@ -51,21 +50,19 @@ def test_bounds_against_the_sheet_of_the_same_mesh(random, frequency_at, data):
     press = data.draw(random.presses(scene))
     frequency = frequency_at(scene, data.draw(random.logarithmic(1e-6, 1e4)))
     circuit, resolution = two_fields(scene.parts.skin, scene.parts.setup), Resolution(order=3)
-    sheet = SheetModel(scene.parts.skin, scene.press, circuit, resolution)
+    sheet = SheetModel(scene.parts.skin, circuit, resolution)
     assert_bounded(Lumped(sheet), sheet, press, frequency)
 
 
 def test_bounds_are_sharp_at_low_frequency(make_scene, frequency_at):
     scene = make_scene()
     lumped = Lumped(
-        SheetModel(
-            scene.parts.skin, scene.press, one_field(scene.parts.skin, scene.parts.setup), ON_LINES
-        )
+        SheetModel(scene.parts.skin, one_field(scene.parts.skin, scene.parts.setup), ON_LINES)
     )
     frequency = frequency_at(scene, 1e-2)
     Z, true_Z = (
         model.impedance(Press(), frequency)
-        for model in (lumped, Line(scene.parts.skin, scene.parts.setup, scene.press))
+        for model in (lumped, Line(scene.parts.skin, scene.parts.setup))
     )
     Rs_bound, Cp_bound = lumped.bounds(Press(), frequency)
     Cp, true_Cp = (parallel_capacitance(each, frequency) for each in (Z, true_Z))
@@ -79,7 +76,6 @@ def test_a_resistor_is_no_capacitor(make_scene):
         Lumped(
             SheetModel(
                 scene.parts.skin,
-                scene.press,
                 two_fields(scene.parts.skin, scene.parts.setup),
                 ON_LINES,
             )

@@ -29,7 +29,7 @@ def coth_over_q(z):
 @pytest.fixture(scope="module")
 def line(make_scene):
     scene = make_scene()
-    return Line(scene.parts.skin, scene.parts.setup, scene.press)
+    return Line(scene.parts.skin, scene.parts.setup)
 
 
 def at(model, frequency_at, u):
@@ -52,7 +52,6 @@ def test_sheet_is_the_coth_law_in_both_parts(make_scene, frequency_at):
     scene = make_scene()
     sheet = SheetModel(
         scene.parts.skin,
-        scene.press,
         one_field(scene.parts.skin, scene.parts.setup),
         Resolution(order=8, cells=4),
     )

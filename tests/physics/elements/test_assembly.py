@@ -90,7 +90,7 @@ def test_a_volt_between_the_sheets_charges_the_whole_capacitance(random, data, o
     scene = data.draw(random.across())
     circuit, skin = two_fields(scene.parts.skin, scene.parts.setup), scene.skin
     system = build_system(scene.parts.skin, circuit, Resolution(order))
-    c = capacitance_map(scene.parts.skin, scene.press, data.draw(random.presses(scene)))
+    c = capacitance_map(scene.parts.skin, data.draw(random.presses(scene)))
     volt = np.append(
         system.unknowns.one[:, 0], [terminal.field == 0 for terminal in circuit.terminals]
     )

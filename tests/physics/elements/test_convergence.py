@@ -15,7 +15,7 @@ def slope(scene, circuit, press, frequency, order, Z):
     """log2 of how much the error falls as cells are halved."""
     coarse, fine = (
         abs(
-            SheetModel(scene.parts.skin, scene.press, circuit, Resolution(order, cells)).impedance(
+            SheetModel(scene.parts.skin, circuit, Resolution(order, cells)).impedance(
                 press, frequency
             )
             / Z
@@ -31,7 +31,7 @@ def slope(scene, circuit, press, frequency, order, Z):
 def test_pressed_columns(make_scene, frequency_at, order):
     scene = make_scene(columns=2)
     press, frequency = parse_press("1,2:3", 2.0), frequency_at(scene, 100)
-    Z = Line(scene.parts.skin, scene.parts.setup, scene.press).impedance(press, frequency)
+    Z = Line(scene.parts.skin, scene.parts.setup).impedance(press, frequency)
     assert (
         slope(scene, one_field(scene.parts.skin, scene.parts.setup), press, frequency, order, Z)
         > 2 * order - 0.3
@@ -45,7 +45,6 @@ def crossed(make_scene, frequency_at):
     frequency = frequency_at(scene, 10)
     sheet = SheetModel(
         scene.parts.skin,
-        scene.press,
         two_fields(scene.parts.skin, scene.parts.setup),
         Resolution(order=8, cells=8),
     )

@@ -137,8 +137,7 @@ def test_a_strip_stretched_by_a_fifth_by_elements(varied, off, kind):
     q = np.sqrt(2j * np.pi * f * R * C * J ** (0.3 / 0.7) * area)
     Z = R / np.tanh(q) / q
     skin = scene.parts.skin
-    on = (skin,) if kind is Triangles else (skin, scene.press)
-    found = kind(*on, circuit_of(skin, scene.parts.setup), Press(), 1e-6)
+    found = kind(skin, circuit_of(skin, scene.parts.setup), Press(), 1e-6)
     rung = found.finer(f).result(f, 1e-6)
     while rung.error.max() > 1e-6:
         rung = found.finer(f).result(f, 1e-6)

@@ -177,7 +177,6 @@ def test_against_complex_solves(random, frequency_at, data):
     frequency = frequency_at(scene, np.geomspace(1e-4, 1e4, 5))
     sheet = SheetModel(
         scene.parts.skin,
-        scene.press,
         two_fields(scene.parts.skin, scene.parts.setup),
         Resolution(order=3, layers=2),
     )
@@ -197,12 +196,11 @@ def test_no_digits_are_lost_far_above_cut_off(make_scene, frequency_at, resistan
     frequency = frequency_at(scene, np.geomspace(1e-6, 1e4, 6))
     sheet = SheetModel(
         scene.parts.skin,
-        scene.press,
         two_fields(scene.parts.skin, scene.parts.setup),
         Resolution(order=12, cells=2, edge_cell=1e-3),
     )
     ((Z, _),) = sheet.sweep(Press(), frequency, 1e-11)
-    exact = Line(scene.parts.skin, scene.parts.setup, scene.press).impedance(Press(), frequency)
+    exact = Line(scene.parts.skin, scene.parts.setup).impedance(Press(), frequency)
     assert relative_difference(Z, exact).max() <= 1e-8
 
 
@@ -213,7 +211,6 @@ def test_against_complex_solves_where_direct_current_may_flow(random, frequency_
     frequency = frequency_at(scene, np.geomspace(1e-3, 1e2, 5))
     sheet = SheetModel(
         scene.parts.skin,
-        scene.press,
         two_fields(scene.parts.skin, scene.parts.setup),
         Resolution(order=3),
     )
@@ -231,8 +228,7 @@ def test_lower_orders_are_nested_in_higher_ones(random, frequency_at, data):
         scene.parts.skin, scene.parts.setup
     )
     high, low = (
-        SheetModel(scene.parts.skin, scene.press, circuit, Resolution(order, layers=2))
-        for order in (5, 4)
+        SheetModel(scene.parts.skin, circuit, Resolution(order, layers=2)) for order in (5, 4)
     )
     ((Z, _),) = high.sweep(press, frequency, 1e-9, high.nested)
     np.testing.assert_allclose(Z, low.impedance(press, frequency), rtol=1e-8)
@@ -246,7 +242,7 @@ def test_any_step_is_passive_and_no_step_loses_capacitance(random, frequency_at,
         data.draw(random.presses(scene)),
         two_fields(scene.parts.skin, scene.parts.setup),
     )
-    sheet = SheetModel(scene.parts.skin, scene.press, circuit, Resolution(order=2))
+    sheet = SheetModel(scene.parts.skin, circuit, Resolution(order=2))
     frequency = frequency_at(scene, np.geomspace(1e-2, 1e4, 30))
     pencil = sheet.space.pencil(sheet.mass(press), circuit.excitations[0], 0.0)
     Y, _ = respond(pencil, 2j * np.pi * frequency, 1e-300, most_steps=steps)

@@ -14,7 +14,7 @@ U = np.array([0.1, 30.0])
 
 
 def assert_same(scene, circuit, resolution, press, frequency, plain_skin):
-    Z = SheetModel(scene.parts.skin, scene.press, circuit, resolution).impedance(press, frequency)
+    Z = SheetModel(scene.parts.skin, circuit, resolution).impedance(press, frequency)
     plain = plain_skin(scene, resolution)
     expected = [
         [1 / plain.solve(press, f, interface)[1] for f in frequency]

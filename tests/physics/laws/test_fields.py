@@ -52,9 +52,7 @@ def weights(found):
 @pytest.mark.parametrize("name", SKINS)
 def test_Z_is_that_of_the_solver(skin, off, name):
     scene, press = skin(name), parse_press("1,2:3", 2.0)
-    found = fields(
-        scene.parts.skin, scene.parts.setup, scene.press, press, scene.frequencies, "meter", 1e-3
-    )
+    found = fields(scene.parts.skin, scene.parts.setup, press, scene.frequencies, "meter", 1e-3)
     assert off(found.Z, Solver(scene.parts, 1e-4).solve(press).Z[0]).max() < 1.1e-3
 
 
@@ -65,7 +63,6 @@ def test_power_adds_up_to_what_the_meter_puts_in(skin, name):
     found = fields(
         scene.parts.skin,
         scene.parts.setup,
-        scene.press,
         parse_press("1,2:3", 2.0),
         scene.frequencies,
         "meter",
@@ -83,7 +80,6 @@ def test_charge_of_the_foam_is_the_current_of_the_meter(skin, name):
     found = fields(
         scene.parts.skin,
         scene.parts.setup,
-        scene.press,
         parse_press("1,2:3", 2.0),
         scene.frequencies,
         "meter",
@@ -103,7 +99,7 @@ def test_change_by_a_rise_of_capacitance_is_that_of_a_small_press(skin, name):
     behind = scene.model_copy(update={"leads": Leads(**LEADS)})
     press, f = parse_press("1,2:3", 2.0), scene.frequencies
     found = [
-        (each, fields(each.parts.skin, each.parts.setup, each.press, press, f, "meter", 1e-4))
+        (each, fields(each.parts.skin, each.parts.setup, press, f, "meter", 1e-4))
         for each in (scene, behind)
     ]
     solver = Solver(scene.parts, 1e-5)
@@ -142,9 +138,7 @@ def total_over_pixel(scene, found, row, column):
 def test_current_through_a_cut_is_what_charges_beyond_it(skin, name):
     """Upwards in the bottom sheet, fed along y = 0: s c (V_t - V_b) over what lies above."""
     scene = skin(name)
-    found = fields(
-        scene.parts.skin, scene.parts.setup, scene.press, Press(), scene.frequencies, "meter", 1e-4
-    )
+    found = fields(scene.parts.skin, scene.parts.setup, Press(), scene.frequencies, "meter", 1e-4)
     mean, s = weights(found), 2j * np.pi * found.frequency
     low, high = 0.02, 0.03
     strip = (found.x[1] > low) & (found.x[1] < high)
@@ -168,7 +162,6 @@ def test_one_field_gives_the_potentials_of_two(varied):
             fields(
                 scene.parts.skin,
                 scene.parts.setup,
-                scene.press,
                 parse_press("2,3:3", 2.0),
                 scene.frequencies,
                 "meter",
@@ -193,7 +186,7 @@ def test_places_on_a_cylinder_keep_their_distances(varied):
     flat = varied({}, CROSSED, **MORE)
     bent = varied({"shape": {"kind": "cylinder", "radius": radius}}, CROSSED, **MORE)
     one, other = (
-        fields(each.parts.skin, each.parts.setup, each.press, Press(), [1e3], "meter", 1e-3)
+        fields(each.parts.skin, each.parts.setup, Press(), [1e3], "meter", 1e-3)
         for each in (flat, bent)
     )
     np.testing.assert_array_equal(one.current, other.current)
@@ -211,7 +204,6 @@ def test_places_on_a_sphere_lie_on_it(skin):
     found = fields(
         scene.parts.skin,
         scene.parts.setup,
-        scene.press,
         Press(),
         [1e3],
         "meter",
@@ -229,7 +221,6 @@ def test_factors_of_a_pressed_polygon(varied):
     found = fields(
         scene.parts.skin,
         scene.parts.setup,
-        scene.press,
         parse_press("poly(0.02,0.02,0.06,0.03,0.03,0.06):4", 2.0),
         [1e3],
         "meter",
@@ -247,7 +238,6 @@ def test_foam_without_tension_deflects_under_the_touch_alone(varied):
     found = fields(
         scene.parts.skin,
         scene.parts.setup,
-        scene.press,
         parse_press("rect(0.02,0.02,0.03,0.02):1mm", 2.0),
         [1e3],
         "meter",
@@ -283,7 +273,6 @@ def test_a_leaning_strip_has_the_fields_of_a_lying_one(varied, tmp_path):
             fields(
                 scene.parts.skin,
                 scene.parts.setup,
-                scene.press,
                 Press(),
                 scene.frequencies,
                 "meter",

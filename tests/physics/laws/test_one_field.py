@@ -18,7 +18,6 @@ def test_same_impedance_as_two_fields(random, frequency_at, data):
     one, two = (
         SheetModel(
             scene.parts.skin,
-            scene.press,
             circuit(scene.parts.skin, scene.parts.setup),
             Resolution(order=3),
         ).impedance(press, frequency)

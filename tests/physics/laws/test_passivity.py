@@ -15,7 +15,6 @@ U = np.geomspace(1e-8, 1e3, 23)
 def sweeps(scene, press, frequency):
     Z = SheetModel(
         scene.parts.skin,
-        scene.press,
         two_fields(scene.parts.skin, scene.parts.setup),
         Resolution(order=2),
     ).impedance(press, frequency)

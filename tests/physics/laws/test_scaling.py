@@ -44,7 +44,6 @@ def test_shape_alone_makes_the_curve(random, data):
     Z, scaled_Z = (
         SheetModel(
             which.parts.skin,
-            which.press,
             two_fields(which.parts.skin, which.parts.setup),
             Resolution(order=3),
         ).impedance(press, frequency)

@@ -36,12 +36,10 @@ def test_admittance_to_capacitance(random, frequency_at, plain_skin, data, at):
         data.draw(st.floats(0.5, 5)),
     )
     press, frequency = Press((touch,)), frequency_at(scene, at)
-    sheet = SheetModel(
-        scene.parts.skin, scene.press, two_fields(scene.parts.skin, scene.parts.setup), ORDER
+    sheet = SheetModel(scene.parts.skin, two_fields(scene.parts.skin, scene.parts.setup), ORDER)
+    dc = capacitance_map(scene.parts.skin, strengthened(press, touch, 1.0)) - capacitance_map(
+        scene.parts.skin, press
     )
-    dc = capacitance_map(
-        scene.parts.skin, scene.press, strengthened(press, touch, 1.0)
-    ) - capacitance_map(scene.parts.skin, scene.press, press)
     plain = plain_skin(scene, ORDER)
     u, _ = plain.solve(press, frequency.item())
     predicted = laplace_variable(frequency.item()) * (u @ plain.mass(dc) @ u)
@@ -67,7 +65,6 @@ def test_impedance_to_sheet_resistance(random, frequency_at, plain_skin, data, a
         resistant = scene.model_copy(update={"skin": skin.model_copy(update={"top": top})})
         return SheetModel(
             resistant.parts.skin,
-            resistant.press,
             two_fields(resistant.parts.skin, resistant.parts.setup),
             ORDER,
         ).impedance(press, frequency)[0]

@@ -17,7 +17,7 @@ CROSSED = {"top-left": {}, "bottom-bottom": {}}
 
 def solve(scene, press, frequency=FREQUENCY):
     return SheetModel(
-        scene.parts.skin, scene.press, two_fields(scene.parts.skin, scene.parts.setup), ORDER
+        scene.parts.skin, two_fields(scene.parts.skin, scene.parts.setup), ORDER
     ).impedance(press, frequency)
 
 
@@ -97,9 +97,7 @@ def test_exchanged_sheets_and_exchanged_leads(random, data):
 def test_reciprocity(random, data):
     """The current at one terminal from a volt at another is the same the other way round."""
     scene = data.draw(random.between())
-    sheet = SheetModel(
-        scene.parts.skin, scene.press, two_fields(scene.parts.skin, scene.parts.setup), ORDER
-    )
+    sheet = SheetModel(scene.parts.skin, two_fields(scene.parts.skin, scene.parts.setup), ORDER)
     network = sheet.network(data.draw(random.presses(scene)), FREQUENCY)
     Y = network.conductance + network.dynamic
     rounding = 1e-14 * abs(sheet.system.stiffness).max()

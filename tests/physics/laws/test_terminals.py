@@ -16,7 +16,6 @@ PRESS = parse_press("1,2:3+2,3:0.5", 2.0)
 def solve(scene, frequency):
     return SheetModel(
         scene.parts.skin,
-        scene.press,
         two_fields(scene.parts.skin, scene.parts.setup),
         Resolution(order=3),
     ).impedance(PRESS, frequency)
@@ -92,7 +91,6 @@ def test_order_and_names_of_foils_do_not_matter(random, frequency_at, data):
     Z, other = (
         SheetModel(
             each.parts.skin,
-            each.press,
             two_fields(each.parts.skin, each.parts.setup),
             Resolution(order=2),
         ).impedance(press, frequency)

@@ -104,9 +104,7 @@ def over_resolved(scene, press):
         layers=7 if singular else 0,
         lines=lines(scene.parts.skin, press),
     )
-    ((Z, _),) = SheetModel(scene.parts.skin, scene.press, circuit, finest).sweep(
-        press, scene.frequencies, 1e-11
-    )
+    ((Z, _),) = SheetModel(scene.parts.skin, circuit, finest).sweep(press, scene.frequencies, 1e-11)
     return Z
 
 
@@ -160,7 +158,6 @@ def test_first_order_change_of_a_rectangle(random, frequency_at, plain_skin, dat
         frequency_at(scene, at),
         SheetModel(
             scene.parts.skin,
-            scene.press,
             two_fields(scene.parts.skin, scene.parts.setup),
             resolution,
         ),
@@ -168,8 +165,7 @@ def test_first_order_change_of_a_rectangle(random, frequency_at, plain_skin, dat
     stronger = Press((Rectangle(*_place(first), first.factor + 1), *others))
     plain, rest = plain_skin(scene, resolution), scene.skin.foam.unpressed_capacitance_per_area
     dc = rest * (
-        tile_map(scene.parts.skin, scene.press, stronger, x, y)
-        - tile_map(scene.parts.skin, scene.press, press, x, y)
+        tile_map(scene.parts.skin, stronger, x, y) - tile_map(scene.parts.skin, press, x, y)
     )
     u, _ = plain.solve(press, frequency.item())
     predicted = laplace_variable(frequency.item()) * (u @ plain.mass(dc) @ u)
@@ -199,7 +195,7 @@ def test_rectangles_across_a_whole_line_are_answered_exactly(text):
 def test_a_rectangle_across_part_of_a_line_is_refused_by_it():
     scene = load_scene("strip-1x5")
     with pytest.raises(InputError, match="varies across strip-1x5"):
-        Line(scene.parts.skin, scene.parts.setup, scene.press).impedance(
+        Line(scene.parts.skin, scene.parts.setup).impedance(
             parse_press("rect(0.03,0.01,0.02,0.01)", 2.0), scene.frequencies
         )
 
@@ -210,7 +206,6 @@ def test_a_mesh_without_the_edges_is_refused(sheet):
         with pytest.raises(InputError):
             SheetModel(
                 sheet.parts.skin,
-                sheet.press,
                 two_fields(sheet.parts.skin, sheet.parts.setup),
                 resolution,
             ).mass(press)

@@ -154,9 +154,7 @@ def test_terms_are_symmetric_and_never_negative(around):
     press = parse_press(
         "2,2:1.7:5e-12F+rect(0.05,0.02,0.03,0.02):1.0:2pF", 2.0, scene.parts.skin, scene.press
     )
-    found = meshes(scene.parts.skin, scene.parts.setup, scene.press, press, None, 1e-2).finer(
-        scene.frequencies
-    )
+    found = meshes(scene.parts.skin, scene.parts.setup, press, None, 1e-2).finer(scene.frequencies)
     M = found.coarse.system.mass.toarray()
     assert np.abs(M - M.T).max() <= 1e-15 * np.abs(M).max()
     assert np.linalg.eigvalsh(M).min() >= -1e-14 * np.abs(M).max()
@@ -171,7 +169,7 @@ def test_against_complex_solves(around, low):
     given = SURROUNDED | {"low": low, "body": [guard, *bodies(0.0, 1.77e-9)]}
     interfaces = {"m": ("top-left", "bottom-bottom")}
     scene = around(given, contacts=foils, interfaces=interfaces, rows=2, columns=2)
-    found = meshes(scene.parts.skin, scene.parts.setup, scene.press, Press(), None, 1e-3).finer(
+    found = meshes(scene.parts.skin, scene.parts.setup, Press(), None, 1e-3).finer(
         scene.frequencies
     )
     s, space, M = 2j * np.pi * np.geomspace(1.0, 1e8, 9), found.fine.space, found.fine.system.mass

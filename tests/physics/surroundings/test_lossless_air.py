@@ -50,7 +50,7 @@ def by_network(scene):
 
 def by_fields(scene):
     return fields(
-        scene.parts.skin, scene.parts.setup, scene.press, Press(), F, scene.interfaces[0].name, RTOL
+        scene.parts.skin, scene.parts.setup, Press(), F, scene.interfaces[0].name, RTOL
     ).Z[None]
 
 

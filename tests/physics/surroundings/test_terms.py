@@ -234,7 +234,6 @@ def test_fields_are_those_of_one_volt_at_high_and_low_at_earth(around):
     found = fields(
         scene.parts.skin,
         scene.parts.setup,
-        scene.press,
         parse_press("1,1:2.0:4pF", 2.0, scene.parts.skin, scene.press),
         [1e4],
         "meter",
@@ -246,7 +245,6 @@ def test_fields_are_those_of_one_volt_at_high_and_low_at_earth(around):
     Z = fields(
         scene.parts.skin,
         scene.parts.setup,
-        scene.press,
         parse_press("1,1:2.0002:4pF", 2.0, scene.parts.skin, scene.press),
         [1e4],
         "meter",

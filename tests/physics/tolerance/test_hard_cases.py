@@ -33,13 +33,13 @@ def kept_at(scene, press, rtol=RTOL):
     circuit = one_field(scene.parts.skin, scene.parts.setup) or two_fields(
         scene.parts.skin, scene.parts.setup
     )
-    ladder = ResolutionHierarchy(scene.parts.skin, scene.press, circuit)
+    ladder = ResolutionHierarchy(scene.parts.skin, circuit)
     elements = [model for model in answer.models if "Q" in model]
     order = max((int(model.split("Q")[1].split(",")[0]) for model in elements), default=4)
     level = ladder.levels.index((order, 1))
     coarse = ladder.resolution(level, press, scene.frequencies[-1])
     finer = replace(coarse, order=order + 3, layers=coarse.layers + 2 if coarse.layers else 0)
-    sheet = SheetModel(scene.parts.skin, scene.press, circuit, finer)
+    sheet = SheetModel(scene.parts.skin, circuit, finer)
     ((Z, _),) = sheet.sweep(press, scene.frequencies, 1e-3 * rtol)
     true = relative_difference(answer.Z, Z)
     assert np.max(answer.relative_errors) <= rtol

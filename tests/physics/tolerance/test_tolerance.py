@@ -55,9 +55,7 @@ def over_resolved(scene, press):
         layers=11 if singular else 0,
         edge_cell=depth(scene),
     )
-    ((Z, _),) = SheetModel(scene.parts.skin, scene.press, circuit, finest).sweep(
-        press, scene.frequencies, 1e-11
-    )
+    ((Z, _),) = SheetModel(scene.parts.skin, circuit, finest).sweep(press, scene.frequencies, 1e-11)
     return Z
 
 
@@ -162,9 +160,7 @@ def test_thin_layers_at_high_frequency(make_scene, frequency_at, u, rtol):
     answer = Solver(scene.parts, rtol, "sheet").solve(Press())
     assert_kept(
         answer,
-        Line(scene.parts.skin, scene.parts.setup, scene.press).impedance(
-            Press(), scene.frequencies
-        ),
+        Line(scene.parts.skin, scene.parts.setup).impedance(Press(), scene.frequencies),
         scene.frequencies,
         rtol,
     )
@@ -184,9 +180,7 @@ def test_foils_a_small_gap_apart(make_scene, sheets):
     """The gap conducts like ln(1/gap), so 1/(Rs - Rs of the whole foil) grows linearly with it."""
     scene = make_scene()
     whole = (
-        Line(scene.parts.skin, scene.parts.setup, scene.press)
-        .impedance(Press(), np.array([1.0]))
-        .real.item()
+        Line(scene.parts.skin, scene.parts.setup).impedance(Press(), np.array([1.0])).real.item()
     )
     wide, narrow = (
         1 / (resistance_across_a_gap(make_scene, sheets, gap, 1e-4) - whole) for gap in (1e-3, 1e-4)

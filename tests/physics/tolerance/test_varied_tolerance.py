@@ -91,8 +91,7 @@ def random_scene(varied, frequency_at):
 def refined(kind, scene, press, f, rtol):
     """The first rung of a kind of mesh that keeps the tolerance, and Z of its finer elements."""
     circuit = circuit_of(scene.parts.skin, scene.parts.setup)
-    on = (scene.parts.skin,) if kind is Triangles else (scene.parts.skin, scene.press)
-    found = kind(*on, circuit, press, rtol)
+    found = kind(scene.parts.skin, circuit, press, rtol)
     while True:
         discretised = found.finer(f)
         rung = discretised.result(f, rtol)

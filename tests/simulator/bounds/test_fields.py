@@ -60,7 +60,7 @@ def test_derivatives_are_those_of_a_touch_that_moves_and_grows(name):
 def test_an_edge_that_moves_on_a_strip_is_that_of_the_exact_line(noisy):
     scene = noisy(length=0.1, width=0.02, columns=5, frequencies=(1e2, 1e3, 1e4))
     line, touch, place = (
-        Line(scene.parts.skin, scene.parts.setup, scene.press),
+        Line(scene.parts.skin, scene.parts.setup),
         TouchSize(0.02, 0.02, 1.0),
         (0.0425, 0.01),
     )

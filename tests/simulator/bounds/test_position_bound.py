@@ -109,7 +109,7 @@ def test_maximum_likelihood_on_the_exact_line_reaches_the_bound(noisy):
     bounds = slopes.bounds()
     assert np.isinf(bounds.y).all()
     line, model = (
-        Line(scene.parts.skin, scene.parts.setup, scene.press),
+        Line(scene.parts.skin, scene.parts.setup),
         error_model(scene.parts.setup, scene.parts.meter, scene.frequencies),
     )
 

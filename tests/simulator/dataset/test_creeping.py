@@ -61,12 +61,12 @@ def test_cells_creep_as_the_touches_that_they_are_of():
     ]
     crept = at_sweep_end(
         scene.parts,
-        PressBatch.of([touched_cells(scene.parts.skin, scene.press, press) for press in presses]),
+        PressBatch.of([touched_cells(scene.parts.skin, press) for press in presses]),
     )
     _, whole = reading_moments(scene.parts)
     for press, own in zip(presses, crept.each(), strict=True):
         twin = touched_cells(
-            scene.parts.skin, scene.press, FoamState(scene.parts.skin).then(press, 0.0).after(whole)
+            scene.parts.skin, FoamState(scene.parts.skin).then(press, 0.0).after(whole)
         )
         np.testing.assert_array_equal(own.cells, twin.cells)
         np.testing.assert_allclose(own.rises, twin.rises, rtol=1e-12)

@@ -55,9 +55,7 @@ def test_presses_on_pixels_equal_their_texts():
         assert str(press) == text
         assert (presses.row[k], presses.column[k]) == press.pixel
         assert presses.touches[k] == len(press.touches)
-        pixels = np.kron(
-            capacitance_map(SCENE.parts.skin, SCENE.press, press) / rest, np.ones((2, 3))
-        )
+        pixels = np.kron(capacitance_map(SCENE.parts.skin, press) / rest, np.ones((2, 3)))
         np.testing.assert_allclose(cells, pixels, rtol=1e-14)
         for touch, x, y, factor in zip(
             press.touches, presses.x[k], presses.y[k], presses.factor[k], strict=False
@@ -102,9 +100,7 @@ def test_touches_anywhere_are_on_the_skin_and_match_the_foam():
     for text, cells in zip(presses.text, maps(presses, (12, 12)), strict=True):
         press = parse_press(text, default=np.nan)
         assert str(press) == text
-        np.testing.assert_allclose(
-            cells, grid_map(scene.parts.skin, scene.press, press, 12, 12), rtol=1e-13
-        )
+        np.testing.assert_allclose(cells, grid_map(scene.parts.skin, press, 12, 12), rtol=1e-13)
         for touch in press.touches:
             box = touch.box
             assert min(box.left, box.bottom) >= -1e-6

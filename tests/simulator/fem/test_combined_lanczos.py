@@ -18,7 +18,6 @@ def sheet():
     scene = load_scene("sheet-5x5-two-interfaces")
     return SheetModel(
         scene.parts.skin,
-        scene.press,
         two_fields(scene.parts.skin, scene.parts.setup),
         Resolution(order=3, layers=2),
     )

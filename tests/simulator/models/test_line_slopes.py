@@ -14,7 +14,7 @@ RIGHT = {"top-right": {"resistance": 200.0}, "bottom-right": {"resistance": 120.
 
 
 def of(scene):
-    return LineModel(scene.parts.skin, scene.parts.setup, scene.press)
+    return LineModel(scene.parts.skin, scene.parts.setup)
 
 
 @pytest.fixture(params=[FILMS, RIGHT], ids=["fed left", "fed right"])

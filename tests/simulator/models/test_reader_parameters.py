@@ -29,7 +29,7 @@ def steps(scene):
 
 def test_slopes_of_a_gain_by_its_reader_are_its_derivatives(alone):
     model, press = (
-        LineModel(alone.parts.skin, alone.parts.setup, alone.press),
+        LineModel(alone.parts.skin, alone.parts.setup),
         parse_press("1,2:2", 2.0),
     )
     cells, rises = model.cells(press)

@@ -54,7 +54,7 @@ def by_python(paged, press, cast):
     """Z in ohm at the meter's end, by the kernel, of a skin as it is cast."""
     scene, reduced = paged.scene, paged.reduced
     straight = scene if scene.surroundings is None else scene.with_({"surroundings.edges": False})
-    cells, rises = touched_cells(straight.parts.skin, straight.press, press, reduced.grid)
+    cells, rises = touched_cells(straight.parts.skin, press, reduced.grid)
     foam, scale = 1.0, cast["capacitance"]
     if scene.surroundings is not None:
         foam, scale = scale, foam
@@ -164,7 +164,6 @@ def test_fields_are_those_of_the_finite_elements(glove, in_node):
     exact = fields(
         scene.parts.skin,
         scene.parts.setup,
-        scene.press,
         parse_press("2,3:2.5", 2.0),
         [float(scene.frequencies[at])],
         "left",
@@ -191,7 +190,6 @@ def test_fields_of_any_skin_are_those_of_the_finite_elements(paged_kind, in_node
     exact = fields(
         made.parts.skin,
         made.parts.setup,
-        made.press,
         parse_press("1,2:2", 2.0),
         [1e5],
         "meter",
@@ -230,7 +228,7 @@ def test_fields_and_fingers_of_a_skin_with_surroundings_are_those_of_the_solver(
     assert np.abs(Z / Solver(scene.parts, 1e-4).solve(press).Z - 1).max() < 1e-2
     skin = earthed.reduced.skin(None)
     s = laplace_variable(scene.frequencies[2:], skin.loss)
-    drives = skin.solved(*touched_cells(scene.parts.skin, scene.press, press), s)
+    drives = skin.solved(*touched_cells(scene.parts.skin, press), s)
     own = np.linalg.solve(skin.turn, sum(u[:, 0] for u, _ in drives))
     raster = Raster(
         *scene.skin.sides, **{k: earthed.data["raster"][k] for k in ("rows", "columns")}

@@ -22,12 +22,12 @@ def exact(scene, press):
         np.sort([*pixel_lines(scene.parts.skin, axis), *more])
         for axis, more in enumerate(lines(scene.parts.skin, press))
     )
-    return tile_map(scene.parts.skin, scene.press, press, x, y), x, y
+    return tile_map(scene.parts.skin, press, x, y), x, y
 
 
 def test_rows_run_from_the_bottom_edge_and_columns_from_the_left(make_scene):
     scene = make_scene(rows=2, columns=3, c=1.0)
-    c = capacitance_map(scene.parts.skin, scene.press, parse_press("2,1:3+1,3:0.5", 2.0))
+    c = capacitance_map(scene.parts.skin, parse_press("2,1:3+1,3:0.5", 2.0))
     np.testing.assert_array_equal(c, [[1.0, 1.0, 0.5], [3.0, 1.0, 1.0]])
 
 
@@ -35,7 +35,6 @@ def test_nothing_pressed_is_the_foam_at_rest(make_scene):
     scene = make_scene(rows=2, columns=2, c=4e-9)
     c = capacitance_map(
         scene.parts.skin,
-        scene.press,
         parse_press("none", 2.0),
     )
     np.testing.assert_array_equal(c, np.full((2, 2), 4e-9))
@@ -65,9 +64,7 @@ def test_capacitance_is_given_one_way_or_the_other(given):
 
 def test_a_cell_is_touched_by_the_area_covered(make_scene):
     scene = make_scene(**SIZE)
-    factors = grid_map(
-        scene.parts.skin, scene.press, parse_press("rect(0.04,0.02,0.02,0.04):3", 2.0), 2, 5
-    )
+    factors = grid_map(scene.parts.skin, parse_press("rect(0.04,0.02,0.02,0.04):3", 2.0), 2, 5)
     np.testing.assert_allclose(factors, [[1, 2, 2, 1, 1], [1, 1, 1, 1, 1]], atol=1e-12)
 
 
@@ -75,7 +72,7 @@ def test_factors_multiply_where_touches_overlap(make_scene):
     scene, press = make_scene(**SIZE), parse_press("1,2:3+rect(0.03,0.02,0.02,0.04):3", 2.0)
     factors, _, _ = exact(scene, press)
     assert sorted(set(factors.ravel().round(12))) == [1, 3, 9]
-    assert grid_map(scene.parts.skin, scene.press, press, 4, 5)[0, 1] == pytest.approx(3 * 3)
+    assert grid_map(scene.parts.skin, press, 4, 5)[0, 1] == pytest.approx(3 * 3)
 
 
 @pytest.mark.parametrize(
@@ -91,9 +88,7 @@ def test_the_whole_capacitance_is_that_of_the_area(make_scene, text, area):
     assert (factors - 1).sum(axis=None, where=factors < 1) == 0
     assert np.diff(y) @ (factors - 1) @ np.diff(x) == pytest.approx(area, rel=1e-9)
     for rows, columns in ((1, 1), (3, 7), (40, 50)):
-        covered = (
-            (grid_map(scene.parts.skin, scene.press, press, rows, columns) - 1).mean() * 0.1 * 0.08
-        )
+        covered = (grid_map(scene.parts.skin, press, rows, columns) - 1).mean() * 0.1 * 0.08
         assert covered == pytest.approx(area, rel=1e-7)
 
 
@@ -102,7 +97,6 @@ def test_a_disc_is_round(make_scene):
     scene = make_scene(**SIZE)
     factors = grid_map(
         scene.parts.skin,
-        scene.press,
         parse_press("disc(0.05,0.04,0.03):2", 2.0),
         160,
         200,
@@ -119,8 +113,8 @@ def test_a_rectangle_on_the_lines_of_pixels_needs_no_others(make_scene):
     assert lines(scene.parts.skin, rectangle) == ((), ())
     pixels = parse_press("3,1:1.7+3,2:1.7+3,3:1.7", 2.0)
     np.testing.assert_array_equal(
-        capacitance_map(scene.parts.skin, scene.press, rectangle),
-        capacitance_map(scene.parts.skin, scene.press, pixels),
+        capacitance_map(scene.parts.skin, rectangle),
+        capacitance_map(scene.parts.skin, pixels),
     )
 
 
@@ -129,7 +123,6 @@ def test_a_map_of_pixels_does_not_hold_other_touches(make_scene):
     with pytest.raises(InputError, match="all touches must be whole pixels here"):
         capacitance_map(
             scene.parts.skin,
-            scene.press,
             parse_press("rect(0.03,0.05,0.05,0.02)", 2.0),
         )
 
@@ -140,9 +133,9 @@ def test_plain_maps_hold_no_depth_force_or_polygon(make_scene, text):
     scene, press = make_scene(**SIZE), parse_press(text, 2.0)
     x, y = pixel_lines(scene.parts.skin, 0), pixel_lines(scene.parts.skin, 1)
     for asked in (
-        lambda: capacitance_map(scene.parts.skin, scene.press, press),
-        lambda: grid_map(scene.parts.skin, scene.press, press, 4, 5),
-        lambda: tile_map(scene.parts.skin, scene.press, press, x, y),
+        lambda: capacitance_map(scene.parts.skin, press),
+        lambda: grid_map(scene.parts.skin, press, 4, 5),
+        lambda: tile_map(scene.parts.skin, press, x, y),
         lambda: lines(scene.parts.skin, press),
         lambda: patch(scene.parts.skin, press.touches[0]),
         lambda: touched_box(scene.parts.skin, press.touches[0]),

@@ -79,13 +79,10 @@ def test_the_pixel_of_each_touch_is_counted_once(scene):
 
 def test_a_finger_is_spread_evenly_over_what_it_covers(scene):
     """Of a pixel on that pixel alone; on a finer grid by the area that it covers of each cell."""
-    pixel = touched_cells(
-        scene.parts.skin, scene.press, press_on(scene.parts.skin, scene.press, "2,2:2:6pF")
-    )
+    pixel = touched_cells(scene.parts.skin, press_on(scene.parts.skin, scene.press, "2,2:2:6pF"))
     assert dict(zip(*map(np.ndarray.tolist, pixel), strict=True)) == {4: 1.0, 13: 6e-12}
     cells, rises = touched_cells(
         scene.parts.skin,
-        scene.press,
         press_on(scene.parts.skin, scene.press, "2,2:touch+1,1:3:2pF"),
         (6, 6),
     )
@@ -96,9 +93,7 @@ def test_a_finger_is_spread_evenly_over_what_it_covers(scene):
     assert (cells[~own] < 12).all()
     half = scene.skin.length / 6
     rect = f"rect({half},{half},{half},{2 * half}):touch"
-    cells, rises = touched_cells(
-        scene.parts.skin, scene.press, press_on(scene.parts.skin, scene.press, rect)
-    )
+    cells, rises = touched_cells(scene.parts.skin, press_on(scene.parts.skin, scene.press, rect))
     np.testing.assert_array_equal(cells, [9])
     assert rises.sum() == pytest.approx(
         press_on(scene.parts.skin, scene.press, rect).touches[0].finger
@@ -149,17 +144,15 @@ def test_touches_that_are_no_whole_cells_have_no_walls(walled):
     with pytest.raises(InputError, match=r"cannot take `surroundings\.edges`, which is"):
         touched_cells(
             walled.parts.skin,
-            walled.press,
             press_on(walled.parts.skin, walled.press, "disc(0.05,0.05,0.02):2"),
         )
     third = walled.skin.length / 3
     whole = f"rect({third},{third / 2},{2 * third},{third}):2:rod"
     assert touched_cells(
-        walled.parts.skin, walled.press, press_on(walled.parts.skin, walled.press, whole)
+        walled.parts.skin, press_on(walled.parts.skin, walled.press, whole)
     ).cells.tolist() == [0, 1]
     with pytest.raises(InputError, match=r"press rect"):
         touched_cells(
             walled.parts.skin,
-            walled.press,
             press_on(walled.parts.skin, walled.press, f"rect({third},0.06,{third},0.02):2"),
         )

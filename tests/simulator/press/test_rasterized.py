@@ -39,7 +39,7 @@ def test_all_at_once_is_press_by_press(placed, grid):
         found, expected = np.zeros((2, grid[0] * grid[1]))
         assert (np.diff(own.cells) > 0).all()
         found[own.cells] = own.rises
-        at, by = touched_cells(SCENE.parts.skin, SCENE.press, parse_press(text, np.nan), grid)
+        at, by = touched_cells(SCENE.parts.skin, parse_press(text, np.nan), grid)
         expected[at] = by
         np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
 

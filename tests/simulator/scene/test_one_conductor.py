@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.dataset.drawn_presses import drawn_presses
-from rcskin.simulator.press.press import label_of, press_on
+from rcskin.simulator.press.press import Press, label_of, press_on
 from rcskin.simulator.scene.scene_files import parse_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 
@@ -39,6 +39,12 @@ def test_a_touch_of_a_pixel_is_a_factor_and_its_text_a_capacitance(yarn):
     assert label_of(press, yarn.parts.skin, yarn.press) == "1,3:30.0pF+1,7:21.5pF"
     assert (
         press_on(yarn.parts.skin, yarn.press, label_of(press, yarn.parts.skin, yarn.press)) == press
+    )
+    assert press.adds and press != Press(press.touches)
+    assert (
+        press_on(yarn.parts.skin, yarn.press, "1,3")
+        == Press(press.touches[:1])
+        == press.of(press.touches[:1])
     )
     halved = yarn.with_({"pixels.columns": 18})
     assert halved.press.capacitance_factor == pytest.approx(1 + 15e-12 / own, rel=1e-12)

@@ -18,7 +18,7 @@ def solved(monkeypatch, fields):
     """Takes the fields of a closed form for the solver's; gives what it was asked for."""
     asked = []
 
-    def answer(skin, setup, pressing, press, frequencies, interface, rtol, tell):
+    def answer(skin, setup, press, frequencies, interface, rtol, tell):
         asked.append((str(press), list(frequencies), interface, rtol))
         return fields(frequencies=frequencies)
 

@@ -20,7 +20,7 @@ from ....press.parts import Parts, parts_of
 from ....press.press import Press
 from ....press.touch import Touch
 from ....progress import ProgressCallback, silent
-from ....scene.parts import Plan, Pressing, Skin
+from ....scene.parts import Plan, Skin
 from ....sweeps import ToleranceError
 from ...heterogeneous.discretised import indicators, marked_cells
 from ...heterogeneous.square_meshes import Squares
@@ -52,7 +52,6 @@ def family_on(skin: Skin, circuit: Circuit, mesh: Mesh, modes: int) -> Family:
 
 def resolved(
     skin: Skin,
-    pressing: Pressing,
     circuit: Circuit,
     modes: int,
     rtol: float,
@@ -68,7 +67,7 @@ def resolved(
     rise = max(_most(case, case.cells < parts.foam) for case in cases)
     finger = max(_most(case, case.cells >= parts.foam) for case in cases)
     presses = [_everywhere(skin, rise)] if skin.uniform else _in_turns(skin, rise, finger)
-    families = finer_families(skin, pressing, circuit, modes, rtol, presses, frequency)
+    families = finer_families(skin, circuit, modes, rtol, presses, frequency)
     each = [] if skin.uniform else alone(pixel_coverage(skin).numbers, rise, MAX_SINGLE_PIXELS)
     touched = [_by_finger(case, parts, finger) for case in each] if finger else each
     return coarsest(families, [*cases, *touched], rtol, frequency, progress)
@@ -119,12 +118,12 @@ def unreduced(skin: Skin, plan: Plan, circuit: Circuit, rtol: float, highest: fl
     a few presses.
     """
     if skin.uniform:
-        hierarchy = ResolutionHierarchy(skin, plan.press, circuit)
+        hierarchy = ResolutionHierarchy(skin, circuit)
         resolution = hierarchy.resolution(hierarchy.first(rtol), Press(), highest)
         return UniformFamily(skin, circuit, resolution, modes=1)
     draw, random = pixel_touches(skin, plan), np.random.default_rng(0)
     cases = [Case(None, *NOTHING), *(draw(random) for _ in range(FEW))]
-    return resolved(skin, plan.press, circuit, 1, rtol / SHARE, cases, np.array([highest]))[0]
+    return resolved(skin, circuit, 1, rtol / SHARE, cases, np.array([highest]))[0]
 
 
 def error_of(family: Family, case: Case, rtol: float, frequency: Real) -> float:
@@ -142,7 +141,6 @@ def weights_of_case(family: Family, case: Case) -> Weights:
 
 def finer_families(
     skin: Skin,
-    pressing: Pressing,
     circuit: Circuit,
     modes: int,
     rtol: float,
@@ -152,7 +150,7 @@ def finer_families(
     """Families on finer and finer meshes, for these presses of pixels and frequencies in Hz."""
     if skin.torn:
         press = _everywhere(skin, max(_rises(presses), default=0.0))
-        squares = Squares(skin, pressing, circuit, press, rtol)
+        squares = Squares(skin, circuit, press, rtol)
         for level in range(squares.first, len(ONE_CELL)):
             found = squares.resolution(level, float(frequency[-1]))
             mesh = replace(found, order=found.order - 1, cells=1)
@@ -162,7 +160,7 @@ def finer_families(
         for mesh in _triangulations(skin, circuit, rtol, presses, frequency):
             yield HeterogeneousFamily(skin, circuit, mesh, modes)
         return
-    hierarchy = ResolutionHierarchy(skin, pressing, circuit)
+    hierarchy = ResolutionHierarchy(skin, circuit)
     for level in range(hierarchy.first(rtol), len(hierarchy.levels)):
         resolution = hierarchy.resolution(level, presses[0], frequency[-1])
         yield UniformFamily(skin, circuit, resolution, modes)
@@ -196,7 +194,7 @@ def _on_skin(press: Press, domain: Domain, skin: Skin) -> Press:
     pixels, columns = set(domain.pixel.tolist()), skin.pixels.columns
     pressed = [touch for touch in press.touches if isinstance(touch, Touch)]
     here = [each for each in pressed if (each.row - 1) * columns + each.column - 1 in pixels]
-    return Press(tuple(here))
+    return press.of(here)
 
 
 def _everywhere(skin: Skin, rise: float) -> Press:

@@ -40,7 +40,7 @@ class IndentationPressModel:
         go.
         """
         cells, rises, uncertainty = self.cells(press)
-        touched = fingers(self.parts.skin, self.parts.plan.press, press)
+        touched = fingers(self.parts.skin, press)
         cells, rises = np.append(cells, touched.cells), np.append(rises, touched.rises)
         known = certified_result(self._skin, cells, rises, frequency)
         return replace(known, error=known.error + uncertainty)

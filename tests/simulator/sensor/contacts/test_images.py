@@ -31,7 +31,7 @@ def test_an_image_of_a_touch_is_the_touch(sharp):
         sharp.press,
         f"rect(0.075,0.036,0.03,0.012):{sharp.parts.skin.factor_at(1.5e-3)!r}",
     )
-    expected = dense(PressBatch.of([touched_cells(sharp.parts.skin, sharp.press, press, GRID)]))
+    expected = dense(PressBatch.of([touched_cells(sharp.parts.skin, press, GRID)]))
     np.testing.assert_allclose(
         dense(to_cells(sharp.parts.skin, sharp.press, GRID, DepthImage(depth))), expected, atol=1e-6
     )

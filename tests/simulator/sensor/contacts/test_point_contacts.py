@@ -31,7 +31,7 @@ def dense(batch, grid=GRID):
 def test_they_are_the_touches_of_a_press(sharp, text):
     press = press_on(sharp.parts.skin, sharp.press, text)
     factors = deformation(sharp.parts.skin, press, 1e-3).sharp if press.indented else press
-    expected = dense(PressBatch.of([touched_cells(sharp.parts.skin, sharp.press, factors, GRID)]))
+    expected = dense(PressBatch.of([touched_cells(sharp.parts.skin, factors, GRID)]))
     found = dense(to_cells(sharp.parts.skin, sharp.press, GRID, PRESSED[text]))
     np.testing.assert_allclose(found, expected, rtol=2e-6, atol=1e-12)
 
@@ -46,7 +46,7 @@ def test_factors_of_overlapping_patches_multiply(sharp):
     press = press_on(
         sharp.parts.skin, sharp.press, "disc(0.04,0.06,0.012):2.0+disc(0.05,0.06,0.01):1.5"
     )
-    expected = PressBatch.of([touched_cells(sharp.parts.skin, sharp.press, press, GRID)])
+    expected = PressBatch.of([touched_cells(sharp.parts.skin, press, GRID)])
     np.testing.assert_allclose(dense(found), dense(expected), atol=1e-12)
 
 
