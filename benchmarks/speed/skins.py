@@ -19,10 +19,10 @@ from rcskin.benchmarks.bench import Run, best_time, launch, publish, timed
 from rcskin.benchmarks.speed.skins_scenes import Case, answered, cases
 from rcskin.simulator.chart_style import COLOURS, LINE_STYLES, chart
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.models.heterogeneous.mesh_choice import circuit_of, deformed
+from rcskin.simulator.models.heterogeneous.elements_model import circuit_of
 from rcskin.simulator.models.heterogeneous.square_meshes import Squares
+from rcskin.simulator.models.model import GivenPress
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.uniform import equivalent_press
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.scene_files import load_scene
 
@@ -68,8 +68,7 @@ def plain_path() -> pd.DataFrame:
     alone = best_time(lambda: solver.solve(press), 200)
 
     def found_plain() -> None:
-        sharp, _ = deformed(scene.parts.skin, press, rtol)
-        equivalent_press(scene.parts.skin, sharp)
+        assert GivenPress(scene.parts.skin, press, rtol).uniform is not None
 
     def varied() -> None:
         mesh = Squares(

@@ -16,9 +16,9 @@ from ..scene.frequency import laplace_variable
 from ..scene.parts import Setup, Skin
 from .heterogeneous.coefficients import ELECTRODES, PressCoefficients
 from .heterogeneous.discretised import Discretised
-from .heterogeneous.mesh_choice import deformed, meshes
+from .heterogeneous.elements_model import Elements
 from .heterogeneous.sampling import Sampler
-from .time_estimate import RemainingTime
+from .model import GivenPress
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,8 @@ def fields(
     check_fingers(press, skin)
     frequency = np.array(sorted(frequencies), dtype=np.float64)
     excitation = setup.names.index(setup.checked_name(interface))
-    discretised, Z = _resolved(skin, setup, press, frequency, rtol, progress)
+    given = GivenPress(skin, press, rtol, callback=progress)
+    discretised, Z = Elements(skin, setup, rtol).resolved(given, frequency, progress)
     sampler = Sampler(skin, discretised)
     loss, found = skin.foam.loss, []
     s, air = laplace_variable(frequency, loss).tolist(), air_factor(frequency, loss).tolist()
@@ -101,27 +102,6 @@ def _deflection(skin: Skin, press: Press, coefficients: PressCoefficients, x: Re
         return coefficients.deflection(x)
     assert skin.foam.thickness is not None
     return skin.foam.thickness * coefficients.strain(x)
-
-
-def _resolved(
-    skin: Skin,
-    setup: Setup,
-    press: Press,
-    frequency: Real,
-    rtol: float,
-    progress: ProgressCallback,
-) -> tuple[Discretised, Complex]:
-    """Mesh that keeps the tolerance at all frequencies, and Z in ohm, (interface, frequency)."""
-    touched = deformed(skin, press, rtol, progress)
-    solving, remaining = f"solving, frequencies: {frequency.size}", RemainingTime(rtol)
-    progress(solving)
-    finer = meshes(skin, setup, *touched, rtol)
-    while True:
-        discretised = finer.finer(frequency)
-        result = discretised.result(frequency, rtol)
-        progress(solving, remaining.share(float(result.error.max())))
-        if result.error.max() <= rtol:
-            return discretised, result.Z
 
 
 def _at(

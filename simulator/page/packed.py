@@ -14,8 +14,8 @@ from ..arrays import Integer, Real
 from ..measure.experiment import own_presses
 from ..measure.readout import flattened
 from ..mesh.pixel_coverage import pixel_coverage
+from ..models.heterogeneous.elements_model import circuit_of
 from ..models.heterogeneous.materials import gauged
-from ..models.heterogeneous.mesh_choice import circuit_of
 from ..models.parameters import Variation
 from ..models.reduced.cases import Case, strongest_finger
 from ..models.reduced.greedy import reduce

@@ -14,6 +14,7 @@ from rcskin.simulator.measure.experiment import planned_presses
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.measure.specimen import Specimen
 from rcskin.simulator.models.mechanics.force_depths import pressed_by_factors
+from rcskin.simulator.models.model import GivenPress
 from rcskin.simulator.models.parameters import Variation
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import every_press, parse_press, press_on
@@ -85,8 +86,9 @@ def test_sweeps_by_depth_and_force_are_reduced_where_that_serves(scene):
         ("1,1:1N+1,2:1N", "a touch of given force is too near to another"),
         ("disc(0.045,0.015,0.01):1mm", "the model takes pixels by depth or force only"),
     ):
+        given = GivenPress(scene.parts.skin, parse_press(text, DEEP), RTOL)
         with pytest.raises(InputError, match=reason):
-            solver._indentation_model.result(parse_press(text, DEEP), scene.frequencies)
+            solver._models[0].result(given, scene.frequencies)
     answer = solver.solve(parse_press("disc(0.045,0.015,0.01):1mm", DEEP))
     assert answer.rejected[0].startswith("reduced: the model takes pixels")
 

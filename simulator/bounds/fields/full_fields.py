@@ -21,8 +21,8 @@ from ...fem.factors import LowRankMass, Mass, one_blas_thread
 from ...fem.galerkin import Galerkin
 from ...fem.lanczos import Pencil, potentials, respond
 from ...fem.terminals import Combination, Excitation, combination
+from ...models.heterogeneous.elements_model import circuit_of
 from ...models.heterogeneous.materials import gauge_slopes, gauged
-from ...models.heterogeneous.mesh_choice import circuit_of
 from ...models.parameters import by_sheets
 from ...models.reduced.families.family import Weights, weights_under
 from ...models.reduced.families.family_meshes import unreduced

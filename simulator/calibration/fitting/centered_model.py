@@ -11,7 +11,7 @@ import numpy as np
 from ...arrays import Integer, Real
 from ...models.cosine_modes.amplitudes import NO_MODES, FittedModes
 from ...models.effects import EFFECTS
-from ...models.heterogeneous.mesh_choice import single_field
+from ...models.heterogeneous.elements_model import single_field
 from ...models.line_slopes import LineModel
 from ...models.network.terminals import reduced_for
 from ...models.parameters import FACTORS, own_values, parts_with

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ...models.heterogeneous.mesh_choice import single_field
+from ...models.heterogeneous.elements_model import single_field
 from ...models.parameters import KNOWN
 from ...sweeps import InputError
 from .measurements import Measurements

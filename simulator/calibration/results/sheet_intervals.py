@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Real
-from ...models.heterogeneous.mesh_choice import single_field
+from ...models.heterogeneous.elements_model import single_field
 from ...models.parameters import BOTTOM_MODES, TOP_MODES
 from ...scene.parts import Setup, Skin
 from ..fitting.fit import Fit

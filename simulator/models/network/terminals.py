@@ -18,7 +18,7 @@ from ...scene.parts import Pressing, SceneParts, Setup, Skin
 from ...scene.readings.contacts import Contact, Interface
 from ...scene.readings.wiring_checks import check_wiring, conductor_groups
 from ...sweeps import InputError
-from ..heterogeneous.mesh_choice import single_field
+from ..heterogeneous.elements_model import single_field
 from ..reduced.cases import Draw
 from ..reduced.greedy import reduce
 from ..reduced.indentation.indentation_draws import spreading

@@ -10,6 +10,7 @@ from ...press.press import Press
 from ...press.touch import AnyTouch, Touch
 from ...scene.parts import Plan, SceneParts, Skin
 from ...sweeps import InputError
+from ..model import GivenPress, TrainedModel
 from ..solution import ModelResult
 from .cases import pixel_touches, strongest_finger
 from .greedy import reduce
@@ -19,20 +20,26 @@ TRAINED = (0.5, 3.0)
 """Range of capacitance factors that a model is trained on."""
 
 
-class FactorPressModel:
+class FactorPressModel(TrainedModel):
     """Reduced model of presses by capacitance factors, trained at first use.
 
     rtol: tolerance of Rs and Cp. frequency: Hz, ascending.
     """
 
     def __init__(self, parts: SceneParts, rtol: float, frequency: Real) -> None:
-        self.parts, self.rtol, self.frequency = parts, rtol, frequency
+        super().__init__(frequency)
+        self.parts, self.rtol = parts, rtol
 
-    def result(self, press: Press, frequency: Real) -> ModelResult:
-        """Result at frequencies in Hz within those of the model, with its error.
+    def check(self, press: GivenPress) -> None:
+        """Raises InputError for a press that the foam's tension spreads."""
+        if press.deformation:
+            raise InputError(f"press {press.press}: the model takes factors only")
 
-        Raises InputError for touches that the model is not trained on.
-        """
+    def result(self, press: GivenPress, frequency: Real) -> ModelResult:
+        """Result of the press by factors; see `TrainedModel`."""
+        return self._result(press.uniform or press.sharp, frequency)
+
+    def _result(self, press: Press, frequency: Real) -> ModelResult:
         _check_trained(press, self.parts.skin, self.parts.plan)
         skin = self._skin
         (cells, rises) = touched_cells(self.parts.skin, press)

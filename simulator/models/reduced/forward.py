@@ -18,8 +18,8 @@ from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.parts import SceneParts
 from ..cosine_modes.amplitudes import amplitudes
 from ..cosine_modes.sheet_modes import StiffnessTerms
+from ..heterogeneous.elements_model import single_field
 from ..heterogeneous.materials import gauge_slopes, gauged, gauges
-from ..heterogeneous.mesh_choice import single_field
 from ..parameters import (
     FOAM_MODES,
     Variation,

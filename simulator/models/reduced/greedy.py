@@ -29,7 +29,7 @@ from ...scene.frequency import laplace_variable
 from ...scene.parts import SceneParts
 from ...scene.readings.contacts import Interface
 from ...sweeps import ToleranceError
-from ..heterogeneous.mesh_choice import circuit_of
+from ..heterogeneous.elements_model import circuit_of
 from ..heterogeneous.pressed_system import check_surroundings
 from .cases import Case, Draw, by_skin, covering, pixel_touches, sharing_skins, touched
 from .compressing import COMPRESSED_SHARE, compressed, sizes

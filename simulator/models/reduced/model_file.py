@@ -17,7 +17,7 @@ from ...mesh.quadrilaterals import Resolution
 from ...scene.scene_files import parse_scene
 from ...sweeps import InputError, kept_file
 from ...sweeps.array_files import read_arrays, write_arrays
-from ..heterogeneous.mesh_choice import circuit_of
+from ..heterogeneous.elements_model import circuit_of
 from .families.family import Mesh, Triangulation
 from .indentation.applicator_arrays import arrays_from, arrays_of, with_arrays
 from .indentation.indentation_model import IndentationModel

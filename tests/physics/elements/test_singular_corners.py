@@ -5,8 +5,8 @@ import pytest
 from rcskin.simulator.mesh.corner_exponents import WHOLE, corner_exponents
 from rcskin.simulator.mesh.quadrilaterals import Resolution, pixel_mesh
 from rcskin.simulator.models.heterogeneous.corners import power_at, ringed_corners, sheets
+from rcskin.simulator.models.heterogeneous.elements_model import circuit_of
 from rcskin.simulator.models.heterogeneous.materials import Materials
-from rcskin.simulator.models.heterogeneous.mesh_choice import circuit_of
 from rcskin.simulator.models.heterogeneous.triangle_meshes import Triangles
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press

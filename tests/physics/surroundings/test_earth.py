@@ -7,7 +7,8 @@ from rcskin.simulator.dataset.skin_model import reduced
 from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.fem.sweep import swept
-from rcskin.simulator.models.heterogeneous.mesh_choice import meshes
+from rcskin.simulator.models.heterogeneous.elements_model import Elements
+from rcskin.simulator.models.model import GivenPress
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press, press_on
 from rcskin.simulator.sweeps import InputError
@@ -148,13 +149,20 @@ def test_estimated_errors_bound_the_truth(around, solve, low, rtol):
     assert (off <= np.stack(answer.relative_errors) + 1e-5).all()
 
 
+def discretised(scene, press, rtol):
+    """First discretisation of a press."""
+    skin, setup = scene.parts.skin, scene.parts.setup
+    elements = Elements(skin, setup, rtol)
+    return elements.meshes(GivenPress(skin, press, rtol)).finer(scene.frequencies)
+
+
 def test_terms_are_symmetric_and_never_negative(around):
     foils = {"top-left": {"width": 0.01}, "bottom-bottom": {}}
     scene = around(SURROUNDED, contacts=foils, rows=2, columns=2)
     press = parse_press(
         "2,2:1.7:5e-12F+rect(0.05,0.02,0.03,0.02):1.0:2pF", 2.0, scene.parts.skin, scene.press
     )
-    found = meshes(scene.parts.skin, scene.parts.setup, press, None, 1e-2).finer(scene.frequencies)
+    found = discretised(scene, press, 1e-2)
     M = found.coarse.system.mass.toarray()
     assert np.abs(M - M.T).max() <= 1e-15 * np.abs(M).max()
     assert np.linalg.eigvalsh(M).min() >= -1e-14 * np.abs(M).max()
@@ -169,9 +177,7 @@ def test_against_complex_solves(around, low):
     given = SURROUNDED | {"low": low, "body": [guard, *bodies(0.0, 1.77e-9)]}
     interfaces = {"m": ("top-left", "bottom-bottom")}
     scene = around(given, contacts=foils, interfaces=interfaces, rows=2, columns=2)
-    found = meshes(scene.parts.skin, scene.parts.setup, Press(), None, 1e-3).finer(
-        scene.frequencies
-    )
+    found = discretised(scene, Press(), 1e-3)
     s, space, M = 2j * np.pi * np.geomspace(1.0, 1e8, 9), found.fine.space, found.fine.system.mass
     excitations, combined = found.circuit.excitations, found.circuit.combination
     Q, error = swept(space, M, excitations, s, 1e-9)

@@ -13,34 +13,42 @@ from ....press.press import Press
 from ....press.touch import Depth, Indentation, Touch
 from ....scene.parts import SceneParts
 from ....sweeps import InputError
+from ...model import GivenPress, TrainedModel
 from ...solution import ModelResult
 from ..cases import pixel_touches
 from ..factor_press_model import certified_result, check_finger
 from ..greedy import reduce
 from .applicators import deepest
+from .indentation_draws import spreads
 from .indentation_model import IndentationModel, IndentationSkin
 
 SHALLOW = 0.05
 """Smallest depth that a model is trained on, over the largest."""
 
 
-class IndentationPressModel:
+class IndentationPressModel(TrainedModel):
     """Reduced model of presses by depth or force, trained at first use.
 
     rtol: tolerance of Rs and Cp. frequency: Hz, ascending.
     """
 
     def __init__(self, parts: SceneParts, rtol: float, frequency: Real) -> None:
-        self.parts, self.rtol, self.frequency = parts, rtol, frequency
+        super().__init__(frequency)
+        self.parts, self.rtol = parts, rtol
 
-    def result(self, press: Press, frequency: Real) -> ModelResult:
+    def check(self, press: GivenPress) -> None:
+        """Raises InputError unless a tension of the foam spreads touches by depth or force."""
+        if not (press.press.indented and spreads(self.parts.skin)):
+            raise InputError(f"press {press.press}: the model takes depths and forces that spread")
+
+    def result(self, press: GivenPress, frequency: Real) -> ModelResult:
         """Result at frequencies in Hz within those of the model, with its error.
 
         Raises InputError for touches that are no pixels, or that are deeper than the applicators
         go.
         """
-        cells, rises, uncertainty = self.cells(press)
-        touched = fingers(self.parts.skin, press)
+        cells, rises, uncertainty = self.cells(press.press)
+        touched = fingers(self.parts.skin, press.press)
         cells, rises = np.append(cells, touched.cells), np.append(rises, touched.rises)
         known = certified_result(self._skin, cells, rises, frequency)
         return replace(known, error=known.error + uncertainty)

@@ -8,7 +8,7 @@ from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.heterogeneous import triangle_meshes as of_triangles
 from rcskin.simulator.models.heterogeneous.discretised import indicators
 from rcskin.simulator.models.heterogeneous.elements import raising, triangles
-from rcskin.simulator.models.heterogeneous.mesh_choice import circuit_of
+from rcskin.simulator.models.heterogeneous.elements_model import circuit_of
 from rcskin.simulator.models.heterogeneous.triangle_meshes import Triangles
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.scene.scene_files import load_scene

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.models.heterogeneous import press_cache
+from rcskin.simulator.models import model
 from rcskin.simulator.models.mechanics import adaptive
 from rcskin.simulator.models.mechanics.contact import (
     ApplicatorLoads,
@@ -82,8 +82,8 @@ def test_other_frequencies_are_answered_within_the_tolerance(scene):
 
 
 def test_no_more_places_are_kept_than_there_is_room_for(monkeypatch):
-    monkeypatch.setattr(press_cache, "MAX_CACHED_NODES", 5)
-    kept = press_cache.PressCache()
+    monkeypatch.setattr(model, "MAX_CACHED_NODES", 5)
+    kept = model.PressCache()
     presses = [parse_press(f"1,{column}:1mm", 2.0) for column in (1, 2, 3)]
     for press in presses:
         place = kept.of(press)

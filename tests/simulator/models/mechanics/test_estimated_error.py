@@ -8,7 +8,7 @@ from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.fem.galerkin import Galerkin
 from rcskin.simulator.fem.sweep import swept
 from rcskin.simulator.models.heterogeneous.coefficients import raised_by_deflection
-from rcskin.simulator.models.heterogeneous.mesh_choice import circuit_of
+from rcskin.simulator.models.heterogeneous.elements_model import circuit_of
 from rcskin.simulator.models.heterogeneous.pressed_system import pressed_system
 from rcskin.simulator.models.heterogeneous.triangle_meshes import Triangles
 from rcskin.simulator.models.mechanics.indentation import deformation
