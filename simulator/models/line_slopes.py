@@ -18,8 +18,7 @@ from ..press.touch import Touch
 from ..scene.frequency import laplace_variable, slopes_of_s
 from ..scene.parts import Setup, Skin
 from ..sweeps import InputError
-from .line import Line
-from .line_ports import tanh_ratio
+from .line import Line, tanh_ratio
 from .parameters import all_values, by_sheets, loss_of, own_values, reading_of
 from .solution import Response, at_meter
 

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from ...arrays import Complex, Integer, Real
-from ...models.line_ports import tanh_ratio
+from ...models.line import tanh_ratio
 from ...models.line_slopes import tanh_ratio_slope
 from ...models.solution import Response
 from ...scene.frequency import LOSSLESS, Loss, laplace_variable

@@ -111,7 +111,7 @@ def test_conductor_over_earth_is_a_sheet_over_a_perfect_conductor(yarn):
 
 
 def test_segments_of_a_network_may_be_joined_in_any_order(yarn):
-    from rcskin.simulator.models.line_ports import LinePorts, segment
+    from rcskin.simulator.models.line import LinePorts, segment
 
     s = 2j * np.pi * np.array([1e-3, 1.0, 1e4, 1e9])
     parts = [segment(R * share, C * (1 - share), s) for share in (0.2, 0.5, 0.3)]

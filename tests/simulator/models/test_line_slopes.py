@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.models.line_ports import tanh_ratio
+from rcskin.simulator.models.line import tanh_ratio
 from rcskin.simulator.models.line_slopes import LineModel, tanh_ratio_slope
 from rcskin.simulator.models.parameters import parts_with
 from rcskin.simulator.models.solver import Solver
