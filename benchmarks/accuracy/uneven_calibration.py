@@ -16,8 +16,7 @@ from rcskin.simulator.calibration.fitting.fit_options import Options
 from rcskin.simulator.calibration.run import Calibration, calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
-from rcskin.simulator.models.cosine_modes.amplitudes import FittedModes
-from rcskin.simulator.models.cosine_modes.sheet_modes import with_sheet_modes
+from rcskin.simulator.models.cosine_modes import FittedModes, with_sheet_modes
 from rcskin.simulator.models.network.terminals import reduced_for
 from rcskin.simulator.models.parameters import SHEET_MODES
 from rcskin.simulator.models.reduced.forward import Forward

@@ -11,8 +11,7 @@ import numpy as np
 
 from ..arrays import Complex, Real
 from ..fem.factors import one_blas_thread
-from ..models.effects import EFFECTS
-from ..models.parameters import own_values
+from ..models.parameters import EFFECTS, own_values
 from ..progress import ProgressCallback, silent
 from ..scene.parts import SceneParts
 from ..sweeps import InputError, ToleranceError

@@ -8,13 +8,10 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ..arrays import Real
-from ..models.cosine_modes.amplitudes import FittedModes
-from ..models.cosine_modes.foam_modes import check_uniform_foam
-from ..models.cosine_modes.sheet_modes import check_uniform_sheets
+from ..models.cosine_modes import FittedModes, check_uniform_foam, check_uniform_sheets
 from ..models.line_slopes import LineModel
 from ..models.mechanics.force_depths import forces_as_depths, pressed_by_factors
-from ..models.parameters import own_values
-from ..models.reader_parameters import READER
+from ..models.parameters import READER, own_values
 from ..notebook_display import SmallChart, Tabular
 from ..progress import ProgressCallback, silent
 from ..scene.parts import Plan, Setup, Skin

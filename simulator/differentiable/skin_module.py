@@ -12,7 +12,7 @@ import torch
 from torch import Tensor, nn
 
 from ..fem.terminals import allowed_potentials
-from ..models.cosine_modes.sheet_modes import MAX_AMPLITUDE
+from ..models.cosine_modes import MAX_AMPLITUDE
 from ..models.heterogeneous.materials import gauged
 from ..models.parameters import SHEET_MODES
 from ..models.reduced.cases import strongest_finger

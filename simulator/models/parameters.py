@@ -1,24 +1,158 @@
-"""Parameters of a skin as numbers relative to its scene, and the skin with given values."""
+"""Parameters of a skin, its setup and its surroundings, and the parts with given values."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..arrays import Complex, Real
+from ..press.finger import finger_of
 from ..press.parts import SOLVED, foam_parts, parts_of
+from ..press.touch import Touch
 from ..scene.foam.foam import VACUUM_PERMITTIVITY, Foam
 from ..scene.foam.foam_in_time import IN_TIME
 from ..scene.frequency import Loss
 from ..scene.parts import Pressing, SceneParts, Setup, Skin
+from ..scene.ranges import Finger
+from ..scene.readings.readers import Load, Source, own_source
 from ..scene.readout.meter import Leads
+from ..scene.surroundings import Body, Rim, Surroundings
+from ..surroundings.rim import rim_densities
 from ..sweeps import InputError
-from .effects import EFFECTS, NEEDED, effects_of, with_effects
-from .reader_parameters import READER, reader_values, with_reader
+
+if TYPE_CHECKING:
+    from ..scene.readings.contacts import Interface
+
+SOURCE = "source_scale"
+READER = (SOURCE, "series_resistance", "load_capacitance", "load_conductance")
+"""Scale of the source, and on request ohm, F and S, of the first interface. Scales and resistors of
+all others change by the same factor, and their inputs by the same capacitance and conductance."""
+
+
+def reader_values(setup: Setup) -> dict[str, float]:
+    """Parameters of the scene's readers; none where they read impedances."""
+    if not setup.gain:
+        return {}
+    first = own_source(setup.interfaces[0])
+    load = first.load.capacitance, _conductance(first.load)
+    return dict(zip(READER, (first.source_scale, first.series_resistance, *load), strict=True))
+
+
+def smallest_load_capacitance(setup: Setup) -> float:
+    """Capacitance of the first input at which the smallest one of all inputs is 0, F."""
+    every = [own_source(each).load.capacitance for each in setup.interfaces]
+    return every[0] - min(every)
+
+
+def with_reader(
+    interfaces: Sequence[Interface], values: Mapping[str, float]
+) -> tuple[Interface, ...]:
+    """Interfaces whose readers have these parameters; others keep theirs."""
+    own = own_source(interfaces[0])
+    scale = values.get(SOURCE, own.source_scale) / own.source_scale
+    factor = values.get("series_resistance", own.series_resistance) / own.series_resistance
+    capacitance = values.get("load_capacitance", own.load.capacitance) - own.load.capacitance
+    conductance = values.get("load_conductance", _conductance(own.load)) - _conductance(own.load)
+    if (scale, factor, capacitance, conductance) == (1.0, 1.0, 0.0, 0.0):
+        return tuple(interfaces)
+
+    def changed(part: Interface | Source) -> dict[str, object]:
+        load, assumed = part.load or Load(), part.series_resistance
+        assert assumed is not None
+        total = _conductance(load) + conductance
+        update = {
+            "capacitance": load.capacitance + capacitance,
+            "resistance": 1 / total if total > 0 else None,
+        }
+        return {
+            "source_scale": part.source_scale * scale,
+            "series_resistance": assumed * factor,
+            "load": load.model_copy(update=update),
+        }
+
+    found = []
+    for each in interfaces:
+        others = tuple(
+            other.model_copy(update=changed(other)) if isinstance(other, Source) else other
+            for other in each.driven_with
+        )
+        found.append(each.model_copy(update={**changed(each), "driven_with": others}))
+    return tuple(found)
+
+
+def _conductance(load: Load) -> float:
+    return 0.0 if load.resistance is None else 1 / load.resistance
+
+
+EFFECTS = ("body", "rim", "finger")
+"""Logarithms of factors on the capacitance of all bodies and of the rim; and the capacitance to
+earth of every touch in addition to its press, F. A scene has the parameters that its surroundings
+allow."""
+
+NEEDED = {
+    "body": "it needs [surroundings.body], not solved",
+    "rim": "it needs `rim` of [surroundings]",
+    "finger": "it needs [surroundings] without a body in front of the sheet that fingers touch",
+}
+"""Requirements of each of EFFECTS on a scene."""
+
+
+def effects_of(skin: Skin) -> tuple[str, ...]:
+    """Names among EFFECTS of the parameters that change a scene.
+
+    `surroundings.solved` is computed for one geometry: neither body nor rim is a factor there.
+    """
+    around = skin.around
+    if around is None:
+        return ()
+    there = {
+        "body": bool(around.body) and not around.solved,
+        "rim": around.rim is not False,
+        "finger": around.no_finger_reason is None,
+    }
+    return tuple(name for name in EFFECTS if there[name])
+
+
+def with_effects(
+    skin: Skin, pressing: Pressing, values: Mapping[str, float]
+) -> tuple[Surroundings | None, Finger | None]:
+    """Surroundings of a skin, and finger of its presses, for these values of EFFECTS.
+
+    A computed rim is replaced by its values, because it would otherwise change with the body.
+    Raises InputError if it cannot be computed.
+    """
+    around, changed = skin.around, {n: values[n] for n in EFFECTS if values.get(n)}
+    if around is None or not changed:
+        return around, pressing.finger
+    body, rim = (math.exp(changed.get(name, 0.0)) for name in ("body", "rim"))
+    parts = {
+        "body": tuple(_nearer(each, body) for each in around.body),
+        "rim": around.rim if body == rim == 1 else _stronger(skin, rim),
+    }
+    finger = pressing.finger
+    if more := changed.get("finger"):
+        finger = finger_of(Touch(1, 1, 1.0), None, finger, skin) + more
+    return around.model_copy(update=parts), finger
+
+
+def _nearer(body: Body, factor: float) -> Body:
+    """Body with its capacitance multiplied by a factor."""
+    if body.distance is None:
+        return body.model_copy(update={"capacitance_per_area": body.per_area * factor})
+    return body.model_copy(update={"distance": body.distance / factor})
+
+
+def _stronger(skin: Skin, factor: float) -> Rim | bool:
+    """Rim with its capacitance multiplied by a factor; False without a rim."""
+    if "rim" not in effects_of(skin):
+        return False
+    rim = rim_densities(skin)
+    return Rim(mutual=rim.mutual * factor, top=rim.top * factor, bottom=rim.bottom * factor)
+
 
 HALF_WAVES = ((0, 0), (1, 0), (0, 1), (1, 1))
 """Half waves along x and y of the cosine modes of a sheet's conductance; the first is its mean."""

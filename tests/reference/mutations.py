@@ -41,7 +41,7 @@ MUTATIONS = [  # file, the line's text, the fault
         "(distance - spread) / 2",
     ),
     ("simulator/calibration/fitting/problem.py", "vstack([slopes", "vstack([2 * slopes"),
-    ("simulator/models/cosine_modes/amplitudes.py", "np.array([1.0,", "np.array([1.1,"),
+    ("simulator/models/cosine_modes.py", "np.array([1.0,", "np.array([1.1,"),
 ]
 
 

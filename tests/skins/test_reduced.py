@@ -10,7 +10,7 @@ from rcskin.simulator.bounds.touches.area_rasterizer import AreaRasterizer
 from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.limits.random_press_limits import RandomPresses
-from rcskin.simulator.models.cosine_modes.foam_modes import check_uniform_foam
+from rcskin.simulator.models.cosine_modes import check_uniform_foam
 from rcskin.simulator.models.parameters import HALF_WAVES, Variation, nominal, parts_with
 from rcskin.simulator.models.reduced.cases import Case
 from rcskin.simulator.models.reduced.forward import Forward

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from ....simulator.models.effects import EFFECTS
+from ....simulator.models.parameters import EFFECTS
 from ...trust.rates import CountedRate
 from ..paired_samples import FEATURE_LABELS
 from ..versions import AFTER, BEFORE

@@ -9,12 +9,11 @@ from dataclasses import replace
 import numpy as np
 
 from ...arrays import Integer, Real
-from ...models.cosine_modes.amplitudes import NO_MODES, FittedModes
-from ...models.effects import EFFECTS
+from ...models.cosine_modes import NO_MODES, FittedModes
 from ...models.heterogeneous.elements_model import single_field
 from ...models.line_slopes import LineModel
 from ...models.network.terminals import reduced_for
-from ...models.parameters import FACTORS, own_values, parts_with
+from ...models.parameters import EFFECTS, FACTORS, own_values, parts_with
 from ...models.reduced.forward import Forward
 from ...models.reduced.forward_training import REACH
 from ...models.solution import Response

@@ -15,8 +15,7 @@ from scipy.optimize import least_squares
 
 from ...arrays import Real
 from ...fem.factors import one_blas_thread
-from ...models.cosine_modes.foam_modes import with_foam_modes
-from ...models.cosine_modes.sheet_modes import with_sheet_modes
+from ...models.cosine_modes import with_foam_modes, with_sheet_modes
 from ...models.parameters import parts_with
 from ...progress import ProgressCallback, silent
 from ...scene.parts import SceneParts

@@ -9,10 +9,19 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from ...models.cosine_modes.amplitudes import MAX_AMPLITUDE, NO_MODES, FittedModes
-from ...models.effects import effects_of
-from ...models.parameters import COSINE_MODES, FACTORS, FOAM_MODES, SHEET_MODES, own_values
-from ...models.reader_parameters import READER, SOURCE, reader_values, smallest_load_capacitance
+from ...models.cosine_modes import MAX_AMPLITUDE, NO_MODES, FittedModes
+from ...models.parameters import (
+    COSINE_MODES,
+    FACTORS,
+    FOAM_MODES,
+    READER,
+    SHEET_MODES,
+    SOURCE,
+    effects_of,
+    own_values,
+    reader_values,
+    smallest_load_capacitance,
+)
 from ...models.session_spreads import SessionSpread, session_spreads
 from ...scene.parts import Plan, Setup
 from ...scene.ranges import MAX_INDUCTANCE

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...arrays import Complex, Real
-from ...models.reader_parameters import SOURCE
+from ...models.parameters import SOURCE
 from .sheet_intervals import MISMATCH
 
 if TYPE_CHECKING:

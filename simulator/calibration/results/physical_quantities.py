@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
-from ...models.effects import effects_of
+from ...models.parameters import effects_of
 from ...scene.parts import Setup, Skin
 from ...surroundings.rim import rim_densities
 from .sheet_intervals import Product, sheets

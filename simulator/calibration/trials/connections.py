@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...models.reader_parameters import SOURCE
+from ...models.parameters import SOURCE
 from ...press.touch import Indentation, Touch, place_of
 from ...progress import ProgressCallback, silent
 from ...scene.parts import Setup, Skin

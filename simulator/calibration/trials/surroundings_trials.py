@@ -10,9 +10,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ...arrays import Complex, Real
-from ...models.effects import EFFECTS, NEEDED, effects_of
-from ...models.parameters import parts_with
-from ...models.reader_parameters import READER
+from ...models.parameters import EFFECTS, NEEDED, READER, effects_of, parts_with
 from ...models.solver import Solver
 from ...press.press import Press
 from ...progress import ProgressCallback, silent, tracked

@@ -16,8 +16,7 @@ from ...press.press import Press
 from ...progress import ProgressCallback, silent
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.parts import SceneParts
-from ..cosine_modes.amplitudes import amplitudes
-from ..cosine_modes.sheet_modes import StiffnessTerms
+from ..cosine_modes import StiffnessTerms, amplitudes
 from ..heterogeneous.elements_model import single_field
 from ..heterogeneous.materials import gauge_slopes, gauged, gauges
 from ..parameters import (

@@ -15,7 +15,7 @@ from ...press.press import Press
 from ...press.random_presses import random_presses
 from ...scene.parts import Plan, SceneParts, Setup, Skin
 from ...scene.readout.meter import FrequencyGrid
-from ..cosine_modes.sheet_modes import random_amplitudes, variation_with_modes
+from ..cosine_modes import random_amplitudes, variation_with_modes
 from ..parameters import Variation, own_values, variation_of
 from .cases import Case, Draw, pixel_touches, strongest_finger
 

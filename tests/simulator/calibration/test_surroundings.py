@@ -14,7 +14,7 @@ from rcskin.simulator.calibration.trials import surroundings_trials
 from rcskin.simulator.calibration.trials.surroundings_trials import largest_changes, with_effects
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
-from rcskin.simulator.models.effects import EFFECTS
+from rcskin.simulator.models.parameters import EFFECTS
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import press_on
 from rcskin.simulator.sweeps import InputError, build

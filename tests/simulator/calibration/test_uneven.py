@@ -10,7 +10,7 @@ from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
-from rcskin.simulator.models.cosine_modes.foam_modes import map_of, with_foam_modes
+from rcskin.simulator.models.cosine_modes import map_of, with_foam_modes
 from rcskin.simulator.models.parameters import FOAM_MODES
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.solver import Solver

@@ -9,8 +9,7 @@ from rcskin.simulator.calibration.fitting.fit_options import Options
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
-from rcskin.simulator.models.cosine_modes.foam_modes import with_foam_modes
-from rcskin.simulator.models.cosine_modes.sheet_modes import with_sheet_modes
+from rcskin.simulator.models.cosine_modes import with_foam_modes, with_sheet_modes
 from rcskin.simulator.models.network.terminals import reduced_for
 from rcskin.simulator.models.parameters import FOAM_MODES, SHEET_MODES
 from rcskin.simulator.models.reduced.forward import Forward

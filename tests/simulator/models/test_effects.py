@@ -3,8 +3,13 @@
 import math
 
 import pytest
-from rcskin.simulator.models.effects import EFFECTS
-from rcskin.simulator.models.parameters import PARAMETERS, all_values, own_values, parts_with
+from rcskin.simulator.models.parameters import (
+    EFFECTS,
+    PARAMETERS,
+    all_values,
+    own_values,
+    parts_with,
+)
 from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text
 from rcskin.simulator.surroundings.rim import rim_densities
 from rcskin.simulator.sweeps import InputError

@@ -3,8 +3,13 @@
 import numpy as np
 import pytest
 from rcskin.simulator.models.line_slopes import LineModel
-from rcskin.simulator.models.parameters import own_values, parts_with, reading_of
-from rcskin.simulator.models.reader_parameters import READER, reader_values
+from rcskin.simulator.models.parameters import (
+    READER,
+    own_values,
+    parts_with,
+    reader_values,
+    reading_of,
+)
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text
 
