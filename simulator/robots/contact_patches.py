@@ -13,8 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compiled import compiled
-from ..sensor.contacts.foam_kernel import indenter_force, indenter_strain, patch_radius, stress
-from ..sensor.contacts.foam_tables import FoamTables
+from ..models.mechanics.foam_law import (
+    FoamTables,
+    indenter_force,
+    indenter_strain,
+    patch_radius,
+    stress,
+)
 from ..sensor.contacts.patch_kernel import CURVATURE, RADIUS
 from ..sensor.contacts.winkler_kernel import RINGS, stack_of_discs
 from .contact_curvature import (

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arrays import Real
+from ..models.mechanics.foam_law import foam_tables
 from ..requests.argument_types import scene_of, typed
 from ..scene.scene import Scene
 from ..sensor.contacts.contact_types import DepthImage, KnownContacts, PointContacts, PressureImage
-from ..sensor.contacts.foam_tables import foam_tables
 from ..sensor.sensor import Sensor
 from ..sweeps import InputError
 from ..sweeps.optional_packages import require_packages

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Integer, Real
 from ..compiled import compiled
-from ..sensor.contacts.foam_tables import FoamTables
+from ..models.mechanics.foam_law import FoamTables
 from .contact_curvature import POINT, GeomNumbers, PatchRule
 from .contact_patches import (
     DEPTH,

@@ -6,21 +6,19 @@ import math
 from itertools import combinations
 
 import numpy as np
-from scipy.optimize import root_scalar
 
 from ...arrays import Real
 from ...mesh.drawing import shape_of
 from ...press.capacitance import touched_box
 from ...press.press import Press, order
 from ...press.touch import Box, Depth, Place, Touch, touch_at
-from ...scene.foam.foam_mechanics import Elastic, Mechanics
+from ...scene.foam.foam_mechanics import Elastic, Mechanics, strains_under
 from ...scene.parts import Skin
 from ...scene.planar import SAME_EDGE, Circle, area, inside, ring
 from ...sweeps import InputError
 from .contact_mesh import contact_mesh
 from .deformation import Deformation, check_reached
 
-ROUNDING = 1e-15
 Shapes = tuple[Circle | Real, ...]
 """Circles, and polygons by their corners (corner, 2); m."""
 
@@ -44,7 +42,7 @@ def deformation_without_tension(
         [
             touch.by.value / thickness
             if isinstance(touch.by, Depth)
-            else strain_at(touch.by.value / own, mechanics.elastic)
+            else _strain_at(touch.by.value / own, mechanics.elastic)
             for touch, own in zip(press.indented, area, strict=True)
         ]
     )
@@ -72,16 +70,11 @@ class FootprintDeflection:
         return found
 
 
-def strain_at(pressure: float, elastic: Elastic) -> float:
+def _strain_at(pressure: float, elastic: Elastic) -> float:
     """Strain of foam under a pressure in Pa; infinite if that closes its cells."""
-    top = elastic.greatest_strain
-
-    def excess(strain: float) -> float:
-        return float(elastic.stress(np.array(strain))) - pressure
-
-    if excess(top) < 0:
+    if pressure > elastic.stress(np.array(elastic.greatest_strain)):
         return math.inf
-    return float(root_scalar(excess, bracket=(0.0, top), xtol=ROUNDING).root)
+    return float(strains_under(elastic, np.array(pressure)))
 
 
 def meet(one: Box, other: Box) -> bool:

@@ -93,6 +93,17 @@ class Hookean:
 
 Elastic = Elastomer | Hookean
 
+
+def strains_under(elastic: Elastic, pressure: Real) -> Real:
+    """Strains of a foam under pressures in Pa, by bisection; at most the largest one."""
+    low, high = np.zeros(np.shape(pressure)), np.full(np.shape(pressure), elastic.greatest_strain)
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        beyond = elastic.stress(middle) > pressure
+        low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
+    return high
+
+
 Law = Callable[[Real, float], Real]
 
 

@@ -6,10 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiled import compiled
+from ...models.mechanics.foam_law import FoamTables, rise_at, strain_under
 from ...press.batch import PressBatch
 from .cell_shares import add_point
-from .foam_kernel import rise_at, strain_under
-from .foam_tables import FoamTables
 from .grid_cells import SAMPLES, GridCells
 from .moment_kernel import PARTS
 from .stack_kernel import FAINT, empty_batch, moved_to_batch

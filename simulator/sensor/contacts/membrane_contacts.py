@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Integer, Real
+from ...models.mechanics.foam_law import FoamTables
 from ...models.mechanics.lattice.relaxed_presses import (
     FAINT,
     MAX_RELAXATION_SWEEPS,
@@ -31,7 +32,6 @@ from ...press.batch import NOTHING, TouchedCells
 from ...scene.parts import Skin
 from ...sweeps import ToleranceError
 from .contact_types import PointContacts, PressureImage
-from .foam_tables import FoamTables
 from .grid_cells import GridCells
 from .membrane_kernel import MembraneLaw, RigidBodies, relaxed_under
 from .membrane_nodes import WindowNodes

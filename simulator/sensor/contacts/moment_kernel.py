@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiled import compiled
+from ...models.mechanics.foam_law import FoamTables
 from ...press.batch import PressBatch
 from .cell_shares import add_point
-from .foam_tables import FoamTables
 from .grid_cells import SAMPLES, GridCells
 from .patch_kernel import (
     FINE,

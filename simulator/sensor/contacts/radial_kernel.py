@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiled import compiled
-from .foam_kernel import stress
-from .foam_tables import FoamTables
+from ...models.mechanics.foam_law import FoamTables, stress
 
 MAX_NEWTON_STEPS = 100
 STILL = 1e-9

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Real
+from ...models.mechanics.foam_law import FoamTables
 from ...scene.parts import Skin
-from .foam_tables import FoamTables
 
 FINE = 16
 """Steps of the radius per length in which the skins spread a press."""

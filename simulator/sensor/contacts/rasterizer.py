@@ -9,6 +9,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 
 from ...arrays import Mask, Real
+from ...models.mechanics.foam_law import FoamTables, foam_tables
 from ...models.reduced.indentation.indentation_draws import spreads
 from ...press.batch import NOTHING, PressBatch
 from ...scene.parts import Pressing, Skin
@@ -16,7 +17,6 @@ from ...sweeps import InputError
 from ..cell_spreading import PARTS, CellSpreading
 from .contact_types import STRENGTHS, Contacts, PointContacts, PressureImage
 from .fingers import with_fingers
-from .foam_tables import FoamTables, foam_tables
 from .grid_cells import GridCells, grid_cells
 from .patch_kernel import ADDED, FACTOR, FINE, Fault, Stacks
 from .refusals import invalid_contact, invalid_value, refusals, too_deep_message

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiled import compiled
-from .foam_kernel import rise_at, strain_under, stress
-from .foam_tables import FoamTables
+from ...models.mechanics.foam_law import FoamTables, rise_at, strain_under, stress
 from .patch_kernel import (
     ADDED,
     CURVATURE,

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiled import compiled
+from ...models.mechanics.foam_law import FoamTables
 from ...press.batch import PressBatch
-from .foam_tables import FoamTables
 from .grid_cells import SAMPLES, GridCells
 from .patch_kernel import (
     FACTOR,

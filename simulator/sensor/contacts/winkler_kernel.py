@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiled import compiled
-from .foam_kernel import (
+from ...models.mechanics.foam_law import (
+    FoamTables,
     edge_strain,
     indenter_force,
     indenter_strain,
@@ -15,7 +16,6 @@ from .foam_kernel import (
     strain_under,
     stress,
 )
-from .foam_tables import FoamTables
 from .grid_cells import GridCells
 from .patch_kernel import (
     CURVATURE,

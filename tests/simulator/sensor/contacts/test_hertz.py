@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 from rcskin import InputError, PointContacts, load
-from rcskin.simulator.sensor.contacts.foam_kernel import (
+from rcskin.simulator.models.mechanics.foam_law import (
     energy,
+    foam_tables,
     indenter_force,
     indenter_strain,
     rise_at,
     strain_under,
     stress,
 )
-from rcskin.simulator.sensor.contacts.foam_tables import foam_tables
 from rcskin.simulator.sensor.contacts.rasterizer import ContactRasterizer, to_cells
 
 GRID = 12, 12
