@@ -11,9 +11,8 @@ import numpy as np
 
 from ..arrays import Real
 from ..measure.creeping_sweeps import reading_moments
-from ..measure.foam_state import NEGLIGIBLE
 from ..press.batch import PressBatch
-from ..press.foam_creep import Creep, unloading_strain
+from ..press.foam_creep import Creep, CreepState
 from ..press.parts import foam_parts
 from ..scene.parts import SceneParts
 from ..sweeps import InputError
@@ -26,17 +25,12 @@ def in_foam_states(parts: SceneParts, batch: PressBatch, decays: Sequence[Real])
     number k len(decays) + n.
     """
     grid = parts.skin.grid(parts.plan.draws.press.cells)
-    foam, creep, cells = parts.skin.foam, Creep.of(parts.skin.foam), foam_parts(parts.skin, grid)
+    cells = foam_parts(parts.skin, grid)
     on_foam = batch.cells < cells
-    factor = _factors(batch.where(on_foam), cells)
-    strain = foam.strain_at(factor)
-    beyond = factor / foam.factor_at(strain)
-    at_once, y = _strain_histories(parts, strain)
-    rises = []
-    for decay in decays:
-        now = at_once + creep.loaded(y, at_once, decay).sum(axis=0)
-        now = np.where(now > NEGLIGIBLE, now, 0.0)
-        rises.append(np.where(now == strain, factor, beyond * foam.factor_at(now)) - 1)
+    factor = np.ones((batch.count, cells))
+    np.add.at(factor, (batch.press[on_foam], batch.cells[on_foam]), batch.rises[on_foam])
+    states = _states(parts, parts.skin.foam.strain_at(factor))
+    rises = [states.factors(factor, decay) - 1 for decay in decays]
     pressed = PressBatch.on_grid(np.stack(rises, axis=1).reshape(-1, cells))
     return pressed.and_(_repeated(batch.where(~on_foam), len(decays)))
 
@@ -49,28 +43,17 @@ def at_sweep_end(parts: SceneParts, batch: PressBatch) -> PressBatch:
     return PressBatch.of(each)
 
 
-def _factors(batch: PressBatch, cells: int) -> Real:
-    """Factor on the capacitance of each cell under each press, shape (press, cell)."""
-    factor = np.ones((batch.count, cells))
-    np.add.at(factor, (batch.press, batch.cells), batch.rises)
-    return factor
-
-
-def _strain_histories(parts: SceneParts, strain: Real) -> tuple[Real, Real]:
-    """Instantaneous strain, shape (press, cell), and creep strain when each press begins.
-
-    The latter has the shape (solid, press, cell). strain: of each load alone, (press, cell).
-    """
-    foam, creep, pause = parts.skin.foam, Creep.of(parts.skin.foam), parts.plan.pause
-    _, whole = reading_moments(parts)
-    at_once, y = np.array(strain), np.zeros((len(creep.share), *strain.shape))
-    now, largest = creep.nothing(strain.shape[1]), np.zeros(strain.shape[1])
-    while_pressed, between = creep.decay(whole), creep.decay(pause)[:, None]
-    for press, x in enumerate(strain):
-        largest = x if pause else np.where(x > 0, np.maximum(x, largest), 0.0)
-        y[:, press], at_once[press] = now, unloading_strain(x, largest, foam.hysteresis or 0.0)
-        now = creep.loaded(now, at_once[press], while_pressed) * between
-    return at_once, y
+def _states(parts: SceneParts, strain: Real) -> CreepState:
+    """Foam under each press of a session. strain: of each load alone, shape (press, cell)."""
+    pause, (_, whole) = parts.plan.pause, reading_moments(parts)
+    state, waited, each = CreepState.unpressed(parts.skin.foam, strain.shape[1]), 0.0, []
+    for x in strain:
+        state = state.then(x, False, waited)
+        each.append(state)
+        if pause:
+            state = state.then(np.zeros_like(x), False, whole)
+        waited = pause or whole
+    return each[0].each(lambda *own: np.stack(own, axis=-2), *each[1:])
 
 
 def _repeated(batch: PressBatch, times: int) -> PressBatch:
