@@ -18,7 +18,7 @@ from rcskin.simulator.bounds.touches.pixel_touches import DepthPixelTouches
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.limits import bayes_accuracy
 from rcskin.simulator.measure.experiment import own_presses
-from rcskin.simulator.models.mechanics.lattice.relaxed_presses import raised
+from rcskin.simulator.models.mechanics.lattice_presses import raised
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import parse_press

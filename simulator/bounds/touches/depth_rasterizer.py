@@ -1,7 +1,7 @@
 """Touches by depth into foam whose sheets have a tension, rasterized on the cells of a grid.
 
 The rise of a cell is the mean over its skin, from the deflection on a uniform lattice; see
-`models.mechanics.lattice`. The strength of a touch is the rise under it.
+`models.mechanics.lattice_presses`. The strength of a touch is the rise under it.
 
 A shift of a touch raises c at some nodes and lowers it at others, partly within one cell. The
 derivative at a node is distributed to the cells around it as if potentials were linear between
@@ -17,15 +17,9 @@ import numpy as np
 
 from ...arrays import Real
 from ...models.mechanics.deformation import check_plane
-from ...models.mechanics.lattice.relaxed_presses import (
-    LatticeApplicators,
-    Window,
-    in_cells,
-    rises_at_nodes,
-    rises_within,
-    window,
-)
-from ...models.mechanics.lattice.skin_lattice import Lattice, lattice_of
+from ...models.mechanics.lattice_presses import STILL, deflected
+from ...models.mechanics.relaxation_kernel import Bodies
+from ...models.mechanics.skin_lattice import Lattice, Window, lattice_of
 from ...models.reduced.indentation.indentation_draws import scene_spreads_presses
 from ...scene.parts import Pressing, Skin
 from .area_rasterizer import AreaRasterizer, Point, RasterizedTouch, TouchSize
@@ -72,7 +66,7 @@ class DepthRasterizer:
         def found() -> Real:
             ends = rise * (1 - RISE_STEP), min(rise * (1 + RISE_STEP), self._skin.max_factor - 1)
             own = self._at_nodes(place, rise, here)
-            each = [in_cells(self.lattice, own, here)]
+            each = [self.lattice.in_cells(own, here)]
             for by_x, by_y in ((step_x, 0.0), (0.0, step_y)):
                 ahead, behind = (
                     self._at_nodes((x + side * by_x, y + side * by_y), rise, here)
@@ -82,14 +76,14 @@ class DepthRasterizer:
                 each.append(distributed_to_cells(self.lattice, slope, here))
             weak, strong = (self._at_nodes(place, end, here) for end in ends)
             slope = (strong - weak) / (ends[1] - ends[0])
-            return np.stack([*each, in_cells(self.lattice, slope, here)])
+            return np.stack([*each, self.lattice.in_cells(slope, here)])
 
         rises, by_x, by_y, by_strength = self._everywhere(
             self._cached("rasterized", self.applied(place, rise), here, found), here
         )
         return RasterizedTouch(1 + rises, {"x": by_x, "y": by_y, "strength": by_strength})
 
-    def applied(self, place: Point, rise: float, beyond: float = SAME) -> LatticeApplicators:
+    def applied(self, place: Point, rise: float, beyond: float = SAME) -> Bodies:
         """The applicator under which c rises by `rise`.
 
         beyond: margin on each side, in steps. Raises InputError as `rasterized` does.
@@ -97,13 +91,13 @@ class DepthRasterizer:
         (x, y), steps = place, np.array(self.lattice.steps)
         wide, high = np.divide(self._sides, 2) + beyond * steps
         box = [[x - wide, x + wide, y - high, y + high]]
-        return LatticeApplicators(
+        return Bodies.by_depth(
             np.array(box), np.zeros(1), np.array([self._skin.pressed_depth(1 + rise)])
         )
 
     def window(self, place: Point, rise: float) -> Window:
         """The cells that a touch changes."""
-        return window(self.lattice, self.applied(place, rise))
+        return self.lattice.window(self.applied(place, rise))
 
     def rises(self, place: Point, rise: float, here: Window) -> Real:
         """Rises of c in the cells of a window by a touch, shape (row, column)."""
@@ -111,15 +105,19 @@ class DepthRasterizer:
         if not rise:
             return np.zeros([part.stop - part.start for part in here])
         return self._cached(
-            "rises", applied, here, lambda: rises_within(self.lattice, applied, here)
+            "rises",
+            applied,
+            here,
+            lambda: self.lattice.in_cells(self._at_nodes(place, rise, here, STILL), here),
         )
 
-    def _at_nodes(self, place: Point, rise: float, here: Window) -> Real:
-        return rises_at_nodes(self.lattice, self.applied(place, rise), here, DEFLECTION_RTOL)
-
-    def _cached(
-        self, what: str, applied: LatticeApplicators, here: Window, found: Callable[[], Real]
+    def _at_nodes(
+        self, place: Point, rise: float, here: Window, still: float = DEFLECTION_RTOL
     ) -> Real:
+        w, _ = deflected(self.lattice, self.applied(place, rise), here, still)
+        return self.lattice.rises(w)
+
+    def _cached(self, what: str, applied: Bodies, here: Window, found: Callable[[], Real]) -> Real:
         """Cached result of `found` for a touch in a window.
 
         On a rectangle, touches at the same position relative to their windows share it.

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import Real
-from ...models.mechanics.lattice.relaxed_presses import Window, in_cells
-from ...models.mechanics.lattice.skin_lattice import Lattice
+from ...models.mechanics.skin_lattice import Lattice, Window
 
 
 def distributed_to_cells(lattice: Lattice, values: Real, here: Window) -> Real:
@@ -14,18 +13,18 @@ def distributed_to_cells(lattice: Lattice, values: Real, here: Window) -> Real:
 
     A function that is linear between the middles of cells has the same weighted sum with the cell
     values as with the node values. A node next to a cell without skin contributes to its own cell
-    only, as in `in_cells`.
+    only, as in `Lattice.in_cells`.
     """
     (along, across), (rows, columns) = lattice.within, here
     by_x = _weights(columns.stop - columns.start, along)
     by_y = _weights(rows.stop - rows.start, across)
     part = lattice.part[lattice.nodes(here)]
-    skin = in_cells(lattice, np.ones_like(part), here)
+    skin = lattice.in_cells(np.ones_like(part), here)
     amid = np.isclose(by_y @ skin @ by_x.T, 1.0)
     area = _own(len(skin), across).T @ part @ _own(skin.shape[1], along)
     total = by_y.T @ (part * np.where(amid, values, 0.0)) @ by_x
     shared = np.divide(total, area, out=np.zeros_like(total), where=area > 0)
-    return shared + in_cells(lattice, np.where(amid, 0.0, values), here)
+    return shared + lattice.in_cells(np.where(amid, 0.0, values), here)
 
 
 def _own(cells: int, within: int) -> Real:

@@ -14,13 +14,9 @@ from ...arrays import Integer, Real
 from ...chebyshev import Interpolant, refined
 from ...mesh.finger_cells import with_fingers_at
 from ...mesh.pixel_coverage import pixel_coverage
-from ...models.mechanics.lattice.relaxed_presses import (
-    LatticeApplicators,
-    Window,
-    independent,
-    raised,
-)
-from ...models.mechanics.lattice.skin_lattice import Lattice
+from ...models.mechanics.lattice_presses import NOBODY, raised
+from ...models.mechanics.relaxation_kernel import Bodies
+from ...models.mechanics.skin_lattice import Lattice, Window
 from ...models.reduced.indentation.indentation_draws import scene_spreads_presses
 from ...press.batch import PressBatch
 from ...press.parts import parts_of
@@ -34,7 +30,6 @@ COUNTS = (5, 129)
 """First and largest number of Chebyshev nodes of depth."""
 RTOL = 1e-4
 """Largest error of interpolation, over the largest rise of a cell."""
-NO_APPLICATOR = LatticeApplicators(np.zeros((0, 4)), np.zeros(0), np.zeros(0))
 
 
 class PixelTouches(Protocol):
@@ -142,7 +137,7 @@ class DepthPixelTouches:
         rises = rises.reshape(batch.count, -1)
         for number in np.flatnonzero(np.diff(batch.starts) > 1).tolist():
             applied = self.applied(*batch.one(number))
-            if len(applied.depth) > 1 and not independent(self._deep.lattice, applied):
+            if len(self._deep.lattice.groups(applied)) < len(applied.depth):
                 found = raised(self._deep.lattice, applied)
                 rises[number] = 0.0
                 rises[number, found.cells] = found.rises
@@ -153,16 +148,14 @@ class DepthPixelTouches:
         """Lattice on which the touches are solved."""
         return self._deep.lattice
 
-    def applied(self, pixels: Integer, rises: Real) -> LatticeApplicators:
+    def applied(self, pixels: Integer, rises: Real) -> Bodies:
         """Touches of pixels as applicators."""
         each = [
             self._deep.applied(self._middles[pixel], rise, beyond=0.0)
             for pixel, rise in zip(pixels.tolist(), rises.tolist(), strict=True)
             if rise > 0
         ]
-        return LatticeApplicators(
-            *(np.concatenate(own) for own in zip(NO_APPLICATOR, *each, strict=True))
-        )
+        return Bodies(*(np.concatenate(own) for own in zip(NOBODY, *each, strict=True)))
 
     def _of(self, pixel: int) -> _Depths:
         if pixel not in self._cache:

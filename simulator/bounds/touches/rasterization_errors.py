@@ -9,9 +9,9 @@ import numpy as np
 
 from ...arrays import Complex
 from ...fem.error_estimate import SAMPLED
-from ...models.mechanics.lattice.relaxed_presses import LatticeApplicators
-from ...models.mechanics.lattice.skin_lattice import Lattice
-from ...models.mechanics.lattice.traced_deformation import as_press, traced
+from ...models.mechanics.lattice_presses import as_press, traced
+from ...models.mechanics.relaxation_kernel import Bodies
+from ...models.mechanics.skin_lattice import Lattice
 from ...models.solution import reading_difference
 from ...models.solver import Solver
 from ...press.batch import PressBatch
@@ -58,7 +58,7 @@ class RasterizationErrors(NamedTuple):
 def rasterization_errors(
     parts: SceneParts,
     lattice: Lattice,
-    each: Sequence[LatticeApplicators],
+    each: Sequence[Bodies],
     own: PressBatch,
     impedances: Impedances,
 ) -> RasterizationErrors:

@@ -1,7 +1,7 @@
 """Touches pressed into foam under electrode skins with tension, rasterized on a grid of cells.
 
 The factor of a cell is the mean over its skin, from the deflection under the whole press; see
-`models.mechanics.lattice`.
+`models.mechanics.lattice_presses`.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from ...scene.parts import Plan, Pressing, Skin
 from ..strengths import written_strength
 
 if TYPE_CHECKING:
-    from ...models.mechanics.lattice.relaxed_presses import LatticeApplicators
-    from ...models.mechanics.lattice.skin_lattice import Lattice
+    from ...models.mechanics.relaxation_kernel import Bodies
+    from ...models.mechanics.skin_lattice import Lattice
 
 
 def cell_presses(
@@ -28,7 +28,7 @@ def cell_presses(
     """Presses rasterized on cells; by the deflection if a tension spreads the scene's presses."""
     if not spreading(skin, plan.press):
         return rasterized(skin, touches, placed, grid)
-    from ...models.mechanics.lattice.relaxed_presses import raised
+    from ...models.mechanics.lattice_presses import raised
 
     lattice = lattice_for(skin, plan, grid)
     each = (
@@ -49,7 +49,7 @@ def written_strengths(skin: Skin, pressing: Pressing, placed: Footprints) -> tup
 
 def lattice_for(skin: Skin, plan: Plan, grid: tuple[int, int]) -> Lattice:
     """As fine as the smallest touch of a scene's data set needs."""
-    from ...models.mechanics.lattice.skin_lattice import lattice_of
+    from ...models.mechanics.skin_lattice import lattice_of
 
     drawn, pixels = plan.draws.press, skin.pixels
     length, width = skin.sides
@@ -63,7 +63,7 @@ def cell_presses_by_triangles(
     skin: Skin, plan: Plan, touches: Integer, placed: Footprints, grid: tuple[int, int]
 ) -> PressBatch:
     """As `cell_presses`, by the membrane on triangles."""
-    from ...models.mechanics.lattice.traced_deformation import traced
+    from ...models.mechanics.lattice_presses import traced
 
     lattice = lattice_for(skin, plan, grid)
     each = (
@@ -75,14 +75,12 @@ def cell_presses_by_triangles(
 
 def applicators_of(
     skin: Skin, pressing: Pressing, placed: Footprints, press: int, touches: int
-) -> LatticeApplicators:
+) -> Bodies:
     """The first so many touches of a press as applicators."""
-    from ...models.mechanics.lattice.relaxed_presses import LatticeApplicators
+    from ...models.mechanics.relaxation_kernel import Bodies
 
     own = press, slice(touches)
     x, y, wide, high = placed.x[own], placed.y[own], placed.width[own] / 2, placed.height[own] / 2
     boxes = np.stack([x - wide, x + wide, y - high, y + high], axis=-1)
     radius = np.where(placed.disc[own], wide, 0.0)
-    return LatticeApplicators(
-        boxes, radius, written_strength(skin, pressing, placed.factor[own])[0]
-    )
+    return Bodies.by_depth(boxes, radius, written_strength(skin, pressing, placed.factor[own])[0])

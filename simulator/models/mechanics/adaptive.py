@@ -205,8 +205,7 @@ def _pushed(press: Press) -> ApplicatorLoads:
 
 
 def _check_length(contact: ContactMesh, mechanics: Mechanics, thickness: float) -> None:
-    spread = math.sqrt(mechanics.tension * thickness / mechanics.young)
-    if MIN_TRIANGLES_ALONG * contact.edges > MAX_PRESS_TRIANGLES * spread:
+    if MIN_TRIANGLES_ALONG * contact.edges > MAX_PRESS_TRIANGLES * mechanics.spread(thickness):
         raise ToleranceError(TOO_FINE)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -182,10 +181,3 @@ def interpolated_error(series: DepthSeries, mechanics: Mechanics, thickness: flo
     nodes, between = factor[: series.count], factor[series.count :]
     expected = series.weights(series.depth[series.count :]) @ nodes
     return INTERPOLATION_SAFETY * float(np.abs(expected / between - 1).max())
-
-
-def spread(skin: Skin) -> float:
-    """Length over which a deflection falls off next to an applicator, m."""
-    mechanics, thickness = skin.foam.mechanics, skin.foam.thickness
-    assert mechanics is not None and thickness is not None
-    return math.sqrt(mechanics.tension * thickness / mechanics.young)

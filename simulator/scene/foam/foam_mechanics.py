@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, Literal, Self
@@ -285,6 +286,13 @@ class Mechanics(Table):
             beyond = self.factor(middle) > factor
             low, high = np.where(beyond, low, middle), np.where(beyond, middle, high)
         return np.where(np.asarray(factor) > 1, high, 0.0)
+
+    def spread(self, thickness: float) -> float:
+        """Length over which a deflection falls off next to an applicator, m.
+
+        thickness: of the foam, m.
+        """
+        return math.sqrt(self.tension * thickness / self.young)
 
     def gain(self, strain: Real) -> Real:
         """d ln factor / d strain, by central difference."""

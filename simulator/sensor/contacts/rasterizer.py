@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
@@ -20,7 +20,9 @@ from .fingers import with_fingers
 from .grid_cells import GridCells, grid_cells
 from .patch_kernel import ADDED, FACTOR, FINE, Fault, Stacks
 from .refusals import invalid_contact, invalid_value, refusals, too_deep_message
-from .spread_points import SpreadPoints
+
+if TYPE_CHECKING:
+    from .spread_contacts import SpreadContacts
 
 NO_PATCHES = np.zeros((0, 0))
 TooDeep = Literal["limit", "refuse"]
@@ -59,7 +61,7 @@ class ContactRasterizer:
     foam: FoamTables
     cells: GridCells
     refusals: dict[str, str]
-    spread: SpreadPoints | None
+    spread: SpreadContacts | None
     spreading: CellSpreading | None
 
     @classmethod
@@ -83,9 +85,9 @@ class ContactRasterizer:
         foam, cells = foam_tables(skin.foam, highest), grid_cells(skin, grid)
         refused, spread = refusals(skin, pressing), None
         if spreads(skin) and "force" not in refused:
-            from .membrane_contacts import ContactMembrane
+            from .spread_contacts import SpreadContacts
 
-            spread = SpreadPoints(ContactMembrane(skin, grid, foam, cells))
+            spread = SpreadContacts(skin, grid, foam, cells)
         spreading = CellSpreading(coarse, PARTS) if coarse else None
         return cls(skin, pressing, grid, coarse, too_deep, foam, cells, refused, spread, spreading)
 
@@ -130,9 +132,9 @@ class ContactRasterizer:
         stacks, limited, patches, fault = winkler_stacks(*given)
         return self._of_stacks(contacts, by, stacks, limited), limited, patches, fault
 
-    def _spread_points(self, spread: SpreadPoints, contacts: PointContacts) -> RasterizedPoints:
+    def _spread_points(self, spread: SpreadContacts, contacts: PointContacts) -> RasterizedPoints:
         """Contacts on skins with tension."""
-        stacks, limited, patches, fault, on_lattice = spread(contacts)
+        stacks, limited, patches, fault, on_lattice = spread.points(contacts)
         batch = self._of_stacks(contacts, ADDED, stacks, limited)
         if on_lattice:
             fine = PressBatch.of(on_lattice.get(k, NOTHING) for k in range(batch.count))
@@ -173,10 +175,9 @@ class ContactRasterizer:
         bad = ~((image.values >= 0) & (image.values < np.inf))
         if bad.any():
             raise InputError(invalid_value(image, *np.argwhere(bad)[0].tolist()))
-        each = [self.spread.membrane.under_pressure(image, skin) for skin in range(image.skins)]
-        limited = np.array([own.limited for own in each])
-        batch = PressBatch.of(own.touched for own in each)
-        return ContactCells(self._on_coarse(batch), limited)
+        each = [self.spread.under_pressure(image, skin) for skin in range(image.skins)]
+        batch = PressBatch.of(touched for touched, _ in each)
+        return ContactCells(self._on_coarse(batch), np.array([limited for _, limited in each]))
 
 
 def to_cells(

@@ -104,13 +104,13 @@ def applicators(skin: Skin, rtol: float) -> PixelApplicators:
 
     rtol: tolerance of Rs and Cp. Raises what `depth_series` raises.
     """
-    from ...mechanics.depth_series import spread
-
     rows, columns = skin.pixels.shape
     count, lengths = rows * columns, np.array(skin.sides)
     of_pixel, turn, shift = np.full(count, -1), np.ones((count, 2)), np.zeros((count, 2))
     known: dict[tuple[int, int], int] = {}
-    far = spread(skin) * math.log(1 / (NEGLIGIBLE * rtol))
+    assert skin.foam.mechanics is not None and skin.foam.thickness is not None
+    spread = skin.foam.mechanics.spread(skin.foam.thickness)
+    far = spread * math.log(1 / (NEGLIGIBLE * rtol))
     for row, column in pixels_with_skin(skin):
         pixel, place = (row - 1) * columns + column - 1, (column - 1, row - 1)
         equivalent = place

@@ -2,15 +2,16 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.models.mechanics.lattice import relaxed_presses as presses
-from rcskin.simulator.models.mechanics.lattice.relaxation_kernel import rasterized, relaxed_in_place
-from rcskin.simulator.models.mechanics.lattice.relaxed_presses import (
-    LatticeApplicators,
-    deflected,
-    raised,
-    window,
+from rcskin.simulator.models.mechanics import lattice_presses as presses
+from rcskin.simulator.models.mechanics.foam_law import FoamTables
+from rcskin.simulator.models.mechanics.lattice_presses import NOBODY, deflected, raised
+from rcskin.simulator.models.mechanics.relaxation_kernel import (
+    Bodies,
+    Nodes,
+    cut_at_edges,
+    relaxed_in_place,
 )
-from rcskin.simulator.models.mechanics.lattice.skin_lattice import lattice_of
+from rcskin.simulator.models.mechanics.skin_lattice import lattice_of
 from rcskin.simulator.sweeps import ToleranceError
 from scipy.optimize import minimize
 from scipy.special import k0
@@ -44,7 +45,7 @@ def lattice_on(make_scene):
 
 
 def one(left, right, bottom, top, depth, radius=0.0):
-    return LatticeApplicators(
+    return Bodies.by_depth(
         np.array([[left, right, bottom, top]]), np.array([radius]), np.array([depth])
     )
 
@@ -62,7 +63,7 @@ def test_beside_a_straight_edge_it_falls_off_as_hyperbolic_functions_do(lattice_
     lattice = lattice_on(stress_strain="linear")
     press = one(0.0, end, 0.0, SIDE, 1e-3)
     whole = slice(0, GRID[0]), slice(0, GRID[1])
-    w = deflected(lattice, press, whole)
+    w, _ = deflected(lattice, press, whole)
     free = lattice.x > end
     expected = np.cosh((SIDE - lattice.x) / SPREAD) / np.cosh((SIDE - end) / SPREAD)
     np.testing.assert_allclose(w[5, free] / 1e-3, expected[free], atol=1.5e-3)
@@ -73,55 +74,90 @@ def test_beside_a_straight_edge_it_falls_off_as_hyperbolic_functions_do(lattice_
 def test_beside_a_disc_it_falls_off_as_bessel_functions_do(lattice_on, radius):
     lattice = lattice_on(stress_strain="linear")
     middle = SIDE / 2 + 1e-4
-    w = deflected(lattice, disc(middle, middle, radius, 1e-3), (slice(0, 8), slice(0, 8)))
+    w, _ = deflected(lattice, disc(middle, middle, radius, 1e-3), (slice(0, 8), slice(0, 8)))
     r = np.hypot(lattice.x - middle, (lattice.y - middle)[:, None])
     expected = k0(np.maximum(r, radius) / SPREAD) / k0(radius / SPREAD)
     np.testing.assert_allclose(w / 1e-3, expected, atol=3e-3)
 
 
-@pytest.mark.kernel
-def test_the_kernel_finds_the_least_energy_above_applicators():
-    """Its readable twin: the energy itself, and a minimiser that knows bounds."""
-    random, shape = np.random.default_rng(2), (7, 9)
-    right, up = random.uniform(0.5, 2.0, (2, *shape))
+SHAPE = 7, 9
+LAW = np.cumsum(np.linspace(0.05, 0.3, 64)) - 0.05
+PER_METRE, AT_TENSION = 20.0, 3.0
+LIMITS = 1.3, 1e-12, 5000
+
+
+def kernel_foam():
+    none, deepest = np.zeros(2), (len(LAW) - 1) / PER_METRE
+    return FoamTables(True, 1.0, 1.0, 1.0, deepest, 1.0, 0.0, 1.0, none, none, LAW)
+
+
+def kernel_nodes():
+    """Nodes at whole numbers, at which edges of bodies end no arm early."""
+    random = np.random.default_rng(2)
+    right, up = random.uniform(0.5, 2.0, (2, *SHAPE))
     right[:, -1], up[-1] = 0.0, 0.0
-    load = random.uniform(0.02, 0.2, shape)
-    least = np.zeros(shape)
-    least[1:3, 1:4], least[2:5, 3:7] = 1.0, 0.4
-    law = np.cumsum(np.linspace(0.05, 0.3, 64)) - 0.05
-    per_metre = 20.0
-    w = least.copy()
-    assert relaxed_in_place(w, least, right, up, load, law, per_metre, 1.3, 1e-12, 5000) < 5000
-    known = np.concatenate([[0.0], np.cumsum((law[1:] + law[:-1]) / 2)]) / per_metre
+    load = random.uniform(0.02, 0.2, SHAPE)
+    return Nodes(np.arange(9.0), np.arange(7.0), right, up, load, (1.0, 1.0), AT_TENSION)
 
-    def stored(w):
-        at = w * per_metre
-        step = np.minimum(at.astype(int), len(law) - 2)
-        part, slope = at - step, law[step + 1] - law[step]
-        return known[step] + part * (law[step] + part * slope / 2) / per_metre
 
-    def energy(flat):
-        w = flat.reshape(shape)
-        along, across = np.diff(w, axis=1), np.diff(w, axis=0)
-        pulled = (right[:, :-1] * along**2).sum() + (up[:-1] * across**2).sum()
-        return pulled / 2 + (load * stored(w)).sum()
+def energy(nodes, flat):
+    """Readable twin of the kernel: the energy over the tension, whose minimum it finds."""
+    w = flat.reshape(SHAPE)
+    known = np.concatenate([[0.0], np.cumsum((LAW[1:] + LAW[:-1]) / 2)]) / PER_METRE
+    step = np.minimum((w * PER_METRE).astype(int), len(LAW) - 2)
+    part, slope = w * PER_METRE - step, LAW[step + 1] - LAW[step]
+    stored = known[step] + part * (LAW[step] + part * slope / 2) / PER_METRE
+    along, across = np.diff(w, axis=1), np.diff(w, axis=0)
+    pulled = (nodes.right[:, :-1] * along**2).sum() + (nodes.up[:-1] * across**2).sum()
+    return pulled / 2 + (nodes.load * stored).sum()
 
+
+@pytest.mark.kernel
+def test_the_kernel_finds_the_least_energy_above_bodies():
+    boxes = np.array([[1.0, 3.0, 1.0, 2.0], [3.0, 6.0, 2.0, 4.0]])
+    bodies = Bodies.by_depth(boxes, np.zeros(2), np.array([1.0, 0.4]))
+    least = np.zeros(SHAPE)
+    least[2:5, 3:7], least[1:3, 1:4] = 0.4, 1.0
+    w, nodes = least.copy(), kernel_nodes()
+    swept = relaxed_in_place(w, np.zeros(SHAPE), nodes, kernel_foam(), bodies, *LIMITS)
+    assert swept < 5000
     bounds = [(low, 2.0) for low in least.ravel()]
     options = {"ftol": 1e-15, "gtol": 1e-9, "maxfun": 10**6, "maxiter": 10**4}
-    found = minimize(energy, least.ravel(), method="L-BFGS-B", bounds=bounds, options=options)
-    assert energy(w.ravel()) <= found.fun + 1e-9
+    found = minimize(
+        lambda flat: energy(nodes, flat),
+        least.ravel(),
+        method="L-BFGS-B",
+        bounds=bounds,
+        options=options,
+    )
+    assert energy(nodes, w.ravel()) <= found.fun + 1e-9
     np.testing.assert_allclose(w.ravel(), found.x, atol=2e-3)
-    assert (w[2:5, 4:7] > 0.4).any()  # a deeper applicator lifts the skin off its neighbour
+    assert (w[2:5, 4:7] > 0.4).any()  # a deeper body lifts the skin off its neighbour
 
 
 @pytest.mark.kernel
-def test_arms_end_at_the_edges_of_applicators():
+def test_a_force_is_the_slope_of_the_least_energy_by_the_depth():
+    force, foam, nothing = 0.8, kernel_foam(), np.zeros(SHAPE)
+    box, end = np.array([[1.0, 7.0, 0.0, 6.0]]), np.array([3.0])
+    sphere = Bodies.by_depth(box, end, np.array([2.0]))._replace(curvature=np.array([4.0]))
+    pushed, w = sphere._replace(force=np.array([force]), depth=np.array([2.0])), np.zeros(SHAPE)
+    assert relaxed_in_place(w, nothing, kernel_nodes(), foam, pushed, *LIMITS) < 5000
+    step, ends = 1e-4, []
+    for side in (1, -1):
+        w, nodes = np.zeros(SHAPE), kernel_nodes()
+        there = sphere._replace(depth=pushed.depth + side * step)
+        assert relaxed_in_place(w, nothing, nodes, foam, there, *LIMITS) < 5000
+        ends.append(energy(nodes, w.ravel()))
+    assert AT_TENSION * (ends[0] - ends[1]) / (2 * step) == pytest.approx(force, rel=1e-3)
+
+
+@pytest.mark.kernel
+def test_arms_end_at_the_edges_of_bodies():
     x = y = np.arange(8) + 0.5
-    right, up, load = (np.ones((8, 8)) for _ in range(3))
-    boxes, radius = np.array([[2.75, 5.25, 3.1, 6.0]]), np.zeros(1)
-    least = rasterized(boxes, radius, np.array([2.0]), x, y, right, up, load)
-    inside = np.outer((y > 3.1) & (y < 6.0), (x > 2.75) & (x < 5.25))
-    np.testing.assert_array_equal(least, 2.0 * inside)
+    nodes = Nodes(x, y, *(np.ones((8, 8)) for _ in range(3)), (1.0, 1.0), 1.0)
+    body = Bodies.by_depth(np.array([[2.75, 5.25, 3.1, 6.0]]), np.zeros(1), np.array([2.0]))
+    cut_at_edges(nodes, body)
+    right, up, load = nodes.right, nodes.up, nodes.load
     np.testing.assert_allclose(right[4, 1:6], [1, 4, 1, 4, 1])
     np.testing.assert_allclose(up[1:6, 4], [1, 1 / 0.6, 1, 1, 2])
     np.testing.assert_array_equal(right[1], 1)
@@ -130,10 +166,15 @@ def test_arms_end_at_the_edges_of_applicators():
     assert (load[2, 4], load[6, 4]) == (pytest.approx(0.8), pytest.approx(0.75))
 
 
+def test_nobody_changes_nothing(lattice_on):
+    cells, rises = raised(lattice_on(), NOBODY)
+    assert len(cells) == len(rises) == 0
+
+
 def test_distant_presses_are_those_of_each_alone(lattice_on):
     lattice = lattice_on()
     first, second = disc(0.02, 0.02, 0.006, 2e-3), one(0.09, 0.1, 0.08, 0.1, 1e-3)
-    both = LatticeApplicators(*(np.concatenate(each) for each in zip(first, second, strict=True)))
+    both = Bodies(*(np.concatenate(each) for each in zip(first, second, strict=True)))
     expected = np.zeros(64)
     for each in (first, second):
         cells, rises = raised(lattice, each)
@@ -146,11 +187,11 @@ def test_distant_presses_are_those_of_each_alone(lattice_on):
 def test_presses_that_meet_are_no_sum(lattice_on):
     lattice = lattice_on()
     near = disc(0.05, 0.06, 0.006, 2e-3), disc(0.0645, 0.06, 0.006, 2e-3)
-    both = LatticeApplicators(*(np.concatenate(each) for each in zip(*near, strict=True)))
+    both = Bodies(*(np.concatenate(each) for each in zip(*near, strict=True)))
     whole = slice(0, 8), slice(0, 8)
     w, (one_alone, other) = (
-        deflected(lattice, both, whole),
-        (deflected(lattice, each, whole) for each in near),
+        deflected(lattice, both, whole)[0],
+        (deflected(lattice, each, whole)[0] for each in near),
     )
     between = np.abs(lattice.x - 0.05725) < 1e-3
     row = np.abs(lattice.y - 0.06).argmin()
@@ -161,8 +202,8 @@ def test_presses_that_meet_are_no_sum(lattice_on):
 def test_edges_of_the_skin_are_as_mirrors(lattice_on):
     """A press half over the middle line of twice the skin is one at the edge of it."""
     lattice = lattice_on()
-    at_edge = deflected(lattice, one(0.0, 0.01, 0.05, 0.07, 1e-3), (slice(0, 8), slice(0, 8)))
-    inner = deflected(lattice, one(0.05, 0.07, 0.05, 0.07, 1e-3), (slice(0, 8), slice(0, 8)))
+    at_edge, _ = deflected(lattice, one(0.0, 0.01, 0.05, 0.07, 1e-3), (slice(0, 8), slice(0, 8)))
+    inner, _ = deflected(lattice, one(0.05, 0.07, 0.05, 0.07, 1e-3), (slice(0, 8), slice(0, 8)))
     half = len(lattice.x) // 2
     np.testing.assert_allclose(at_edge[:, :half], inner[:, half:], atol=2e-3 * 1e-3)
 
@@ -170,9 +211,9 @@ def test_edges_of_the_skin_are_as_mirrors(lattice_on):
 def test_nothing_lies_beyond_the_window(lattice_on):
     lattice = lattice_on()
     press = disc(0.06, 0.06, 0.005, 5e-4)
-    here = window(lattice, press)
+    here = lattice.window(press)
     assert here != (slice(0, 8), slice(0, 8))
-    whole = deflected(lattice, press, (slice(0, 8), slice(0, 8)))
+    whole, _ = deflected(lattice, press, (slice(0, 8), slice(0, 8)))
     whole[lattice.nodes(here)] = 0.0
     assert whole.max() <= 1e-3 * 5e-4
 
@@ -189,10 +230,10 @@ def test_skin_is_where_the_outline_leaves_it(lattice_on):
     area = lattice.part.sum() * np.prod(lattice.steps)
     assert area == pytest.approx(SIDE**2 - np.pi * 0.02**2, rel=2e-5)
     press = one(0.045, 0.055, 0.0, 0.04, 1e-3)
-    w = deflected(lattice, press, (slice(0, 8), slice(0, 8)))
+    w, _ = deflected(lattice, press, (slice(0, 8), slice(0, 8)))
     assert (w[lattice.part == 0] <= 1e-3).all()
     beyond = np.abs(lattice.y - 0.075).argmin(), np.abs(lattice.x - 0.05).argmin()
-    closed = deflected(lattice_on(), press, (slice(0, 8), slice(0, 8)))
+    closed, _ = deflected(lattice_on(), press, (slice(0, 8), slice(0, 8)))
     assert w[beyond] < closed[beyond]
 
 

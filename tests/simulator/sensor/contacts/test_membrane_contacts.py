@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from rcskin import PointContacts, PressureImage, load
 from rcskin.simulator.models.mechanics.indentation import deformation
-from rcskin.simulator.models.mechanics.lattice.relaxed_presses import LatticeApplicators
-from rcskin.simulator.models.mechanics.lattice.traced_deformation import traced
+from rcskin.simulator.models.mechanics.lattice_presses import traced
+from rcskin.simulator.models.mechanics.relaxation_kernel import Bodies
 from rcskin.simulator.press.press import press_on
+from rcskin.simulator.sensor.contacts.patch_kernel import FORCE
 from rcskin.simulator.sensor.contacts.radial_tables import radial_table
 from rcskin.simulator.sensor.contacts.rasterizer import ContactRasterizer
 
@@ -19,9 +20,8 @@ def rasterizer():
     return ContactRasterizer.of(scene.parts.skin, scene.press, GRID)
 
 
-@pytest.fixture(scope="module")
-def membrane(rasterizer):
-    return rasterizer.spread.membrane
+def on_lattice(rasterizer, contacts):
+    return rasterizer.spread.on_lattice(contacts.values[0], FORCE)
 
 
 def dense(touched):
@@ -30,21 +30,21 @@ def dense(touched):
     return rises
 
 
-def test_the_table_of_a_disc_has_the_depths_of_the_membrane(rasterizer, membrane):
+def test_the_table_of_a_disc_has_the_depths_of_the_membrane(rasterizer):
     skin, pressing = rasterizer.skin, rasterizer.pressing
-    table = radial_table(skin, rasterizer.foam, 5e-3, np.inf, membrane.reach)
+    table = radial_table(rasterizer.spread.lattice(np.inf), 5e-3, np.inf)
     for force in (0.1, 4.0):
         press = press_on(skin, pressing, f"disc(0.06,0.06,0.005):{force}N")
         (depth,) = deformation(skin, press, 1e-3).depth
         assert np.interp(force, table.force, table.depth) == pytest.approx(depth, rel=2e-3)
 
 
-def test_a_disc_alone_presses_cells_as_the_membrane_does(rasterizer, membrane):
+def test_a_disc_alone_presses_cells_as_the_membrane_does(rasterizer):
     x, y, r, depth = 0.053, 0.061, 0.005, 0.002
-    applied = LatticeApplicators(
+    applied = Bodies.by_depth(
         np.array([[x - r, x + r, y - r, y + r]]), np.array([r]), np.array([depth])
     )
-    exact = dense(traced(rasterizer.skin, membrane._lattice(2 * r), applied))
+    exact = dense(traced(rasterizer.skin, rasterizer.spread.lattice(2 * r), applied))
     found = rasterizer(PointContacts(x, y, radius=r, depth=depth)).batch.one(0)
     assert np.abs(dense(found) - exact).max() <= 3e-3 * exact.max()
     assert dense(found).sum() == pytest.approx(exact.sum(), rel=1e-3)
@@ -59,9 +59,10 @@ def test_a_disc_alone_presses_cells_as_the_membrane_does(rasterizer, membrane):
     ],
 )
 @pytest.mark.parametrize("force", [0.05, 0.6])
-def test_lattice_and_table_agree(rasterizer, membrane, end, force):
+def test_lattice_and_table_agree(rasterizer, end, force):
     contacts = PointContacts(0.053, 0.061, force, **end)
-    table, lattice = rasterizer(contacts).batch.one(0), membrane.under_points(contacts, 0).touched
+    table = rasterizer(contacts).batch.one(0)
+    lattice = on_lattice(rasterizer, contacts).touched
     assert np.abs(dense(table) - dense(lattice)).max() <= 1e-2 * dense(lattice).max()
 
 
@@ -77,15 +78,13 @@ def test_lattice_and_table_agree(rasterizer, membrane, end, force):
         ),
     ],
 )
-def test_near_edges_and_neighbours_the_depths_are_those_of_the_membrane(
-    rasterizer, membrane, text, contacts
-):
+def test_near_edges_and_neighbours_the_depths_are_those_of_the_membrane(rasterizer, text, contacts):
     exact = deformation(
         rasterizer.skin,
         press_on(rasterizer.skin, rasterizer.pressing, text),
         1e-3,
     ).depth
-    found = membrane.under_points(contacts, 0)
+    found = on_lattice(rasterizer, contacts)
     np.testing.assert_allclose(found.depth, exact, rtol=3e-3)
     np.testing.assert_array_equal(rasterizer(contacts).batch.cells, found.touched.cells)
 

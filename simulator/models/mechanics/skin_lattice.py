@@ -4,22 +4,27 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
+from scipy.sparse.csgraph import connected_components
 
-from ....arrays import Real
-from ....scene.foam.foam_mechanics import Mechanics
-from ....scene.parts import Skin
-from ....scene.skin_region import covers
+from ...arrays import Integer, Real
+from ...scene.foam.foam import Foam
+from ...scene.foam.foam_mechanics import Mechanics
+from ...scene.parts import Skin
+from ...scene.skin_region import covers
+from .foam_law import FoamTables, foam_tables
+from .relaxation_kernel import Bodies, Nodes
 
 FINE, OF_TOUCH = 4, 16
 """Minimum number of steps per length of the skins' spread, and along the smallest applicator."""
 MAX_NODES_ALONG = 800
 SAMPLES = 8
 """Samples along each side of a node's area where an edge of the skin passes."""
-LAW = 4096
 PROFILE = 2048
+Window = tuple[slice, slice]
+"""Rows and columns of cells."""
 FOLLOWED = 3e-4
 """Smallest deflection that is followed, over an applicator's depth."""
 
@@ -28,14 +33,15 @@ FOLLOWED = 3e-4
 class Lattice:
     """Nodes in the middles of equal areas, and the conductances between them.
 
-    x, y: of nodes, m. part: share of each node's area that is skin, shape (row, column). right, up:
-    conductance of a node to the next along x and y, over the tension. within: nodes along x and y
-    in each cell of the grid of factors. distance, w: profile of the deflection next to a straight
-    edge, m, beginning where cells are closed.
+    law: of the foam; deflections stay within its largest. x, y: of nodes, m. part: share of each
+    node's area that is skin, shape (row, column). right, up: conductance of a node to the next
+    along x and y, over the tension. within: nodes along x and y in each cell of the grid of
+    factors. distance, w: profile of the deflection next to a straight edge, m, beginning where
+    cells are closed.
     """
 
-    mechanics: Mechanics
-    thickness: float
+    foam: Foam
+    law: FoamTables
     x: Real
     y: Real
     part: Real
@@ -56,22 +62,56 @@ class Lattice:
         return 2 * float(self.x[0]), 2 * float(self.y[0])
 
     @property
-    def area(self) -> float:
-        """Area of a node, over the tension, m² / (N/m)."""
-        return math.prod(self.steps) / self.mechanics.tension
+    def mechanics(self) -> Mechanics:
+        """Mechanics of the foam."""
+        assert self.foam.mechanics is not None
+        return self.foam.mechanics
 
-    @cached_property
-    def law(self) -> Real:
-        """The foam's stress at equidistant strains from 0 to where its cells are closed, Pa."""
-        elastic = self.mechanics.elastic
-        return elastic.stress(np.linspace(0.0, elastic.greatest_strain, LAW))
+    def rises(self, w: Real) -> Real:
+        """Rise of c at deflections in m, shape (...)."""
+        return self.foam.factor_at(w / self.law.thickness) - 1
 
-    @property
-    def per_metre(self) -> float:
-        """Number of the strains of `law` for each m of deflection."""
-        return (LAW - 1) / (self.mechanics.elastic.greatest_strain * self.thickness)
+    def in_cells(self, rise: Real, here: Window) -> Real:
+        """Mean of nodal values over the skin in each cell of a window, shape (row, column)."""
+        part = self.part[self.nodes(here)]
+        area, total = self._summed(part), self._summed(part * rise)
+        return np.divide(total, area, out=np.zeros_like(total), where=area > 0)
 
-    def nodes(self, here: tuple[slice, slice]) -> tuple[slice, slice]:
+    def _summed(self, values: Real) -> Real:
+        """Sum over the nodes of each cell."""
+        (along, across), (rows, columns) = self.within, values.shape
+        return values.reshape(rows // across, across, columns // along, along).sum(axis=(1, 3))
+
+    def window(self, bodies: Bodies) -> Window:
+        """Cells that any of the bodies influences."""
+        far = max(self.reach(depth) for depth in bodies.depth)
+        low, high = bodies.boxes[:, ::2].min(axis=0) - far, bodies.boxes[:, 1::2].max(axis=0) + far
+        size = np.multiply(self.steps, self.within)
+        first = np.floor(low / size).astype(int).clip(0)
+        last = np.minimum(np.ceil(high / size).astype(int), self.grid[::-1])
+        return slice(first[1], last[1]), slice(first[0], last[0])
+
+    def groups(self, bodies: Bodies, reach: float | None = None) -> list[Integer]:
+        """Numbers of the bodies of each group that may influence each other.
+
+        reach: distance of that influence, m; by default that of each body's depth.
+        """
+        far = [self.reach(depth) if reach is None else reach for depth in bodies.depth]
+        low = bodies.boxes[:, ::2] - np.array(far)[:, None]
+        high = bodies.boxes[:, 1::2] + np.array(far)[:, None]
+        meet = np.all((low[:, None] < high) & (low < high[:, None]), axis=-1)
+        _, group = connected_components(meet)
+        return [np.flatnonzero(group == number) for number in range(max(group, default=-1) + 1)]
+
+    def nodes_of(self, here: Window) -> Nodes:
+        """Nodes of a window, as kernels take and change them."""
+        rows, columns = own = self.nodes(here)
+        tension = self.mechanics.tension
+        load = math.prod(self.steps) / tension * self.part[own]
+        right, up = self.right[own].copy(), self.up[own].copy()
+        return Nodes(self.x[columns], self.y[rows], right, up, load, self.steps, tension)
+
+    def nodes(self, here: Window) -> tuple[slice, slice]:
         """Rows and columns of nodes in those of cells."""
         rows, columns = (
             slice(cells.start * within, cells.stop * within)
@@ -108,8 +148,7 @@ def lattice_of(skin: Skin, grid: tuple[int, int], smallest: float) -> Lattice:
 def _lattice_of(skin: Skin, grid: tuple[int, int], smallest: float) -> Lattice:
     mechanics, thickness = skin.foam.mechanics, skin.foam.thickness
     assert mechanics is not None and thickness is not None
-    spread = math.sqrt(mechanics.tension * thickness / mechanics.young)
-    coarsest = min(spread / FINE, smallest / OF_TOUCH)
+    coarsest = min(mechanics.spread(thickness) / FINE, smallest / OF_TOUCH)
     (length, width), (rows, columns) = skin.sides, grid
     along, across = (
         max(1, min(math.ceil(side / cells / coarsest), MAX_NODES_ALONG // cells))
@@ -120,8 +159,9 @@ def _lattice_of(skin: Skin, grid: tuple[int, int], smallest: float) -> Lattice:
     part, right, up = _skin_shares(skin, x, y)
     distance, w = _profile(mechanics, thickness)
     ratio = step_y / step_x
-    foam = mechanics, thickness
-    return Lattice(*foam, x, y, part, right * ratio, up / ratio, (along, across), distance, w)
+    shares = part, right * ratio, up / ratio
+    law = foam_tables(skin.foam)
+    return Lattice(skin.foam, law, x, y, *shares, (along, across), distance, w)
 
 
 def _nodes(count: int, step: float) -> Real:

@@ -1,1 +1,0 @@
-"""Deflections on a uniform lattice: less exact than on triangles, for very many presses."""
