@@ -11,7 +11,7 @@ from ..arrays import Complex
 from ..measure.drawn_faults import drawn_fault
 from ..measure.skin_faults import OPEN, SkinFault, StuckSpot
 from ..models.parameters import Variation
-from ..scene.draws.fault_odds import FaultOdds
+from ..scene.draws.randomisation import FaultOdds
 from ..scene.parts import SceneParts, Setup, Skin
 from .audit import Audit
 from .dataset_plan import DatasetPlan

@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import Integer, Real
 from ..press.press import PICOFARAD_DECIMALS
 from ..scene.parts import Plan, Pressing, Skin
-from ..scene.touch_capacitance import per_pixel
+from ..scene.pixel_grid import per_pixel
 from ..sweeps import UNPRESSED
 
 FACTOR_DECIMALS = 6

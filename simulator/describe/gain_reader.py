@@ -11,7 +11,7 @@ from ..press.press import Press
 from ..scene.parts import SceneParts
 from ..scene.readings.contacts import Interface
 from ..scene.readings.readers import Load, Source
-from ..scene.readout.converter import Converter
+from ..scene.readout.readout_tables import Converter
 from ..sweeps.errors import ToleranceError
 from ..sweeps.units import prefixed
 

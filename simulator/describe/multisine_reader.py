@@ -7,9 +7,7 @@ import numpy as np
 from ..arrays import Complex, Real
 from ..models.solver import Solver
 from ..press.press import Press
-from ..scene.multisine.excitation import crest_factor, output_peak
-from ..scene.multisine.noise import multisine_deviation
-from ..scene.multisine.reader import Multisine
+from ..scene.multisine import Multisine, crest_factor, multisine_deviation, output_peak
 from ..scene.parts import SceneParts
 from ..sweeps.units import prefixed
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ..arrays import Real
 from ..press.pixels import pixels_with_skin
-from ..scene.draws.fault_odds import FaultOdds
+from ..scene.draws.randomisation import FaultOdds
 from ..scene.parts import Plan, SceneParts, Skin
 from ..scene.readings.contacts import EDGES
 from .skin_faults import AgedGain, DeadFoil, HalfFoil, SkinFault, StuckSpot, TornSheet

@@ -14,7 +14,7 @@ from ..press.pixels import pixels_with_skin
 from ..scene.maps.tear import Tear
 from ..scene.parts import SceneParts, Setup, Skin
 from ..scene.readings.contacts import Interface
-from ..scene.readings.one_conductor import BELOW
+from ..scene.readings.wiring_checks import BELOW
 from ..sweeps import InputError
 
 OPEN = 1e12

@@ -1,7 +1,8 @@
-"""Data of a page: a skin's reduced model as arrays, and its scene as tables."""
+"""Data of a page: a skin's reduced model as numbers and arrays in text, and its scene as tables."""
 
 from __future__ import annotations
 
+import base64
 import math
 import tomllib
 from collections.abc import Callable
@@ -9,16 +10,22 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ..arrays import Integer, Real
+from ..arrays import Integer, Mask, Real
+from ..fem.lanczos import MAX_LANCZOS_STEPS, MIN_LANCZOS_STEPS
+from ..fem.terminals import allowed_potentials
 from ..measure.experiment import own_presses
 from ..measure.readout import flattened
 from ..mesh.pixel_coverage import pixel_coverage
+from ..models.heterogeneous.coefficients import ELECTRODES
 from ..models.heterogeneous.elements_model import circuit_of
 from ..models.heterogeneous.materials import gauged
-from ..models.parameters import Variation
+from ..models.parameters import Variation, foam_parts
 from ..models.reduced.cases import Case, strongest_finger
+from ..models.reduced.families.family import resistive
 from ..models.reduced.greedy import reduce
+from ..models.reduced.projection import Projection
 from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.batch import NOTHING, PressBatch
@@ -29,10 +36,140 @@ from ..progress import ProgressCallback, silent
 from ..scene.parts import Meter, Pressing, SceneParts, Setup, Skin
 from ..scene.readout.meter import Readout
 from ..sweeps import InputError
-from . import base64_arrays
-from .page_model import packed_model
 from .plan import plan
 from .raster import Raster, raster_fields
+
+
+def exact_array(values: Real) -> dict[str, Any]:
+    """Array as text, exact to 1.5e-11.
+
+    It is little-endian, row after row: the upper six of eight bytes, rounded.
+    """
+    whole = np.ascontiguousarray(values, "<f8").view("<u8") + np.uint64(1 << 15)
+    return _text(whole.view("u1").reshape(-1, 8)[:, 2:], "float48")
+
+
+def single_precision_array(values: Real) -> dict[str, Any]:
+    """Array as text in single precision, little-endian, row after row."""
+    return _text(np.ascontiguousarray(values, "<f4").view("u1"), "float32")
+
+
+def _text(numbers: NDArray[np.uint8], kind: str) -> dict[str, Any]:
+    return {"type": kind, "base64": base64.b64encode(numbers.tobytes()).decode()}
+
+
+KRYLOV_RTOL = 1e-12
+"""Relative error of Rs and of Cp that Lanczos' method leaves on a page."""
+ROUNDING = 1e-13
+
+
+def packed_model(skin: ReducedSkin) -> dict[str, Any]:
+    """M and the excitations in the coordinates in which K is the identity.
+
+    See `dense.UnpressedMass` and `dense.DenseExcitation`.
+    """
+    rest, reduced = skin.unpressed_mass, skin.reduced
+    full = np.abs(rest.factors).max(axis=2) > 0
+    rows, columns = reduced.grid
+    return {
+        "grid": {"rows": rows, "columns": columns},
+        "steps": {"fewest": MIN_LANCZOS_STEPS, "most": MAX_LANCZOS_STEPS, "rtol": KRYLOV_RTOL},
+        "terminals": len(rest.rows),
+        "size": rest.rows.shape[1],
+        "rows": exact_array(rest.rows),
+        "diagonal": exact_array(rest.diagonal),
+        "ranks": full.sum(axis=1).tolist(),
+        "factors": exact_array(rest.factors[full]),
+        "feeds": [
+            {
+                "conductance": feed.conductance,
+                "driven": feed.driven.tolist(),
+                "tied": feed.tied.tolist(),
+                "tiedInverse": feed.tied_inverse.tolist(),
+                "common": feed.common.tolist(),
+                "allowed": allowed[0].T.tolist(),
+                "allowedAtNoCurrent": allowed[1].tolist(),
+            }
+            for feed, allowed in zip(skin.dense_excitations, _allowed(reduced), strict=True)
+        ],
+        "fields": reduced.terminal_field.tolist(),
+        "conductance": _conductance(skin).tolist(),
+        "top": exact_array(_top_sheet_matrix(skin)) if reduced.circuit.fields == 2 else None,
+        "gauges": _gauge_data(skin) if gauged(reduced.parts.skin) else None,
+        **_surroundings_data(skin),
+    }
+
+
+def _surroundings_data(skin: ReducedSkin) -> dict[str, Any]:
+    """Surroundings of a skin as numbers; nothing where there is only foam.
+
+    combined: how interfaces are sums of excitations. parts: where the parts of M beyond the foam's
+    begin, see `Parts`. walls: the cells between which there are walls. fixed: M of what no press
+    changes, F, shape (m, m).
+    """
+    parts, combination, fixed = skin.parts, skin.combination, skin.reduced.fixed
+    if not parts.around:
+        return {}
+    whole = skin.turn.T @ fixed.sum(axis=0) @ skin.turn if len(fixed) else None
+    return {
+        "combined": None
+        if combination.one_to_one
+        else [[[int(k), row[k]] for k in np.flatnonzero(row)] for row in combination.weights],
+        "parts": {"fingers": parts.kind[1].start, "thickness": parts.kind[2].start},
+        "across": bool(parts.thickness),
+        **({"walls": _walls(parts)} if parts.walls.count else {}),
+        "fixed": None if whole is None else exact_array(whole),
+    }
+
+
+def _walls(parts: Parts) -> dict[str, Any]:
+    """Start of the walls among the parts of M, and the cells on both sides of each."""
+    return {"start": parts.kind[3].start, "pairs": parts.walls.pairs.ravel().tolist()}
+
+
+def _allowed(reduced: Projection) -> list[tuple[Real, Mask]]:
+    fields = tuple(reduced.terminal_field.tolist())
+    return [allowed_potentials(fields, excitation) for excitation in reduced.circuit.excitations]
+
+
+def _conductance(skin: ReducedSkin) -> Real:
+    """Conductance between terminals at zero frequency, S, shape (N, N)."""
+    terminals = len(skin.unpressed_mass.rows)
+    return (skin.turn.T @ skin.stiffness @ skin.turn)[:terminals, :terminals]
+
+
+def _top_sheet_matrix(skin: ReducedSkin) -> Real:
+    """Part of K due to the top sheet and its foils' films, S, shape (m, m)."""
+    reduced = skin.reduced
+    films = resistive(reduced.circuit)
+    sheets = len(reduced.stiffness) - len(films)
+    of_top = [*range(sheets // 2)]
+    of_top += [sheets + k for k, contact in enumerate(films) if contact.electrode == "top"]
+    return skin.turn.T @ reduced.stiffness[of_top].sum(axis=0) @ skin.turn
+
+
+def _gauge_data(skin: ReducedSkin) -> dict[str, Any]:
+    """Factors F of K = F'F, S, of each field's sheet in each part of the foam.
+
+    piezoresistance: that of each field's sheet.
+    """
+    reduced = skin.reduced
+    own, fields = reduced.parts.skin, reduced.circuit.fields
+    terms = reduced.stiffness[: fields * foam_parts(own)]
+    factors = [_factor(skin.turn.T @ term @ skin.turn) for term in terms]
+    return {
+        "piezoresistance": [own.sheet(name).piezoresistance for name in ELECTRODES[:fields]],
+        "ranks": [len(each) for each in factors],
+        "factors": exact_array(np.concatenate(factors)),
+    }
+
+
+def _factor(K: Real) -> Real:
+    """Factor F with K = F'F to rounding."""
+    power, turn = np.linalg.eigh(K)
+    kept = power > ROUNDING * max(power.max(), 0.0)
+    return np.sqrt(power[kept])[:, None] * turn[:, kept].T
+
 
 RESISTANCE, CAPACITANCE = (0.4, 2.5), (0.5, 2.0)
 """Factors by which a page changes each sheet's resistance, and all capacitance."""
@@ -169,11 +306,11 @@ def page_data(parts: SceneParts, reduced: Reduced, points: int = POINTS) -> dict
             "rows": raster.rows,
             "columns": raster.columns,
             "beside": np.flatnonzero(~picture.on_skin).tolist(),
-            "conductance": base64_arrays.single_precision_array(picture.conductance),
+            "conductance": single_precision_array(picture.conductance),
         },
         "sheets": list(parts.skin.sheet_resistances),
         "model": packed_model(skin),
-        "basis": base64_arrays.single_precision_array(picture.potential.transpose(0, 2, 1)),
+        "basis": single_precision_array(picture.potential.transpose(0, 2, 1)),
         "scene": _scene_tables(parts),
         **({"finger": _finger(parts.skin, parts.plan.press)} if parts.skin.around else {}),
     }

@@ -9,9 +9,9 @@ import numpy as np
 
 from ..scene.form.outline import check_simple
 from ..scene.parts import Pressing, Skin
+from ..scene.pixel_grid import per_pixel
 from ..scene.planar import SAME_LINE
 from ..scene.surroundings import NO_EARTH
-from ..scene.touch_capacitance import per_pixel
 from ..sweeps import UNPRESSED, InputError
 from ..sweeps.press_text import FREE_TOUCH, WrittenStrength, WrittenTouch, parse_touches
 from .finger import finger_of, touched_area

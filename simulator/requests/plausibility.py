@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..models.line import cut_off_frequency
-from ..scene.form.mesh_extent import off_grid
+from ..scene.form.mesh_data import off_grid
 from ..scene.parts import Skin
 from ..scene.scene import Scene
 from .usual_ranges import HERTZ, PER_AREA, SIDE, USUAL

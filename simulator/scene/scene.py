@@ -22,10 +22,10 @@ from ..sweeps import InputError
 from .design_goals import Design
 from .draws.randomisation import Randomisation
 from .foam.foam_in_time import in_ambient
-from .keys.changing import put
-from .multisine.scene_tones import scene_reader
+from .keys.key_paths import put
+from .multisine import scene_reader
 from .parts import SceneParts
-from .pixel_grid import Pixels, Pressing
+from .pixel_grid import Pixels, Pressing, with_drawn_factor, with_factor
 from .readings.contacts import (
     MAX_CONTACTS,
     MAX_INTERFACES,
@@ -33,14 +33,12 @@ from .readings.contacts import (
     Interface,
     check_frequencies,
 )
-from .readings.one_conductor import with_earth, without_earth
 from .readings.readings_short_form import Readings, with_interfaces
-from .readings.wiring_checks import check_wiring
-from .readout.converter import check_readout
+from .readings.wiring_checks import check_wiring, with_earth, without_earth
 from .readout.meter import AnyReadout, Experiment, Leads, Readout, Sweep
+from .readout.readout_tables import check_readout
 from .skin import Name, SkinTable
 from .surroundings import AnySurroundings, check_finger
-from .touch_capacitance import with_drawn_factor, with_factor
 from .validation import Table, one_line
 
 BOTH = {

@@ -18,8 +18,7 @@ from pydantic import (
 )
 
 from .foam.foam import Foam
-from .form.mesh_data import MeshData, read_along
-from .form.mesh_extent import check_extent
+from .form.mesh_data import MeshData, check_extent, read_along
 from .form.outline import Outline, check_outline
 from .form.shape import Shape, Stretch
 from .frequency import penetration_depth

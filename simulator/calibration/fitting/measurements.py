@@ -23,7 +23,7 @@ from ...press.press import (
 )
 from ...press.touch import Touch, place_of
 from ...scene.parts import Pressing, SceneParts, Setup, Skin
-from ...scene.readout.readout_errors import ReadoutErrors
+from ...scene.readout.readout_tables import ReadoutErrors
 from ...sweeps import InputError
 from ...sweeps.inputs import objects
 from ...sweeps.press_text import displayed_press

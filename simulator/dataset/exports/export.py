@@ -19,10 +19,9 @@ from ...sweeps import (
 from ...sweeps.formats.netcdf import write_netcdf
 from ...sweeps.schema import DIMENSIONS
 from . import lerobot
-from .exported_sweeps import Exported
+from .exported_sweeps import Exported, variable_parts
 from .lerobot import write_lerobot
 from .mcap import write_mcap
-from .sweep_parts import variable_parts
 from .tables import write_csv, write_parquet
 
 

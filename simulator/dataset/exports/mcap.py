@@ -22,9 +22,7 @@ from ...sweeps.ros_messages import (
     readings_message,
     touch_message,
 )
-from .episodes import EpisodePart
-from .exported_sweeps import Exported
-from .reading_vector import quantities
+from .exported_sweeps import EpisodePart, Exported, quantities
 
 NANOSECONDS = 10**9
 SHORT = 200

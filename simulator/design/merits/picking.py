@@ -14,7 +14,7 @@ from ...bounds.touch_readings import hypotheses
 from ...measure.readout import errors_of, require_noise
 from ...meters.reading_time import SETTLE, reading_time
 from ...scene.design_goals import Design
-from ...scene.multisine.reader import Multisine
+from ...scene.multisine import Multisine
 from ...scene.parts import Meter, SceneParts, Setup
 from ...scene.readings.contacts import Interface
 from ...sweeps import InputError

@@ -1,13 +1,17 @@
-"""Tables and keys of a scene file, derived from their models."""
+"""Tables and keys of a scene file, derived from their models: their names, changes, suggestions."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
+from os.path import commonprefix
 from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
+
+from ...sweeps import InputError
 
 Location = tuple[int | str, ...]
 """Position of a key: names of tables and keys, and numbers of list items from 0."""
@@ -71,3 +75,65 @@ def paths(table: type[BaseModel], place: Location = ()) -> Iterator[Location]:
         yield (*place, name)
         for inner_table, listed in inner(field):
             yield from paths(inner_table, (*place, name, 0) if listed else (*place, name))
+
+
+def put(table: Any, key: str, value: object) -> None:
+    """Changes a key of nested tables, such as "contact.left-top.resistance"; None removes it.
+
+    Raises InputError naming the key.
+    """
+    *parents, last = key.split(".")
+    for part in parents:
+        place = _place(table, part, key)
+        table = table.setdefault(place, {}) if isinstance(table, dict) else table[place]
+    place = _place(table, last, key)
+    if value is None and isinstance(table, dict):
+        table.pop(place, None)
+    else:
+        table[place] = value
+
+
+def _place(table: Any, part: str, key: str) -> str | int:
+    """Position of a part of a key: a name in a table; in a list a number from 1 or a name."""
+    if isinstance(table, dict):
+        return part
+    for number, item in enumerate(table if isinstance(table, list) else ()):
+        if part == str(number + 1) or (isinstance(item, dict) and part == item.get("name")):
+            return number
+    raise InputError(f"`{key}`: there is no {part!r}")
+
+
+MAX_SUGGESTIONS = 2
+SIMILAR, SIMILAR_ELSEWHERE = 0.6, 0.8
+
+
+def likely_keys(
+    table: type[BaseModel], unknown: Location, missing: Sequence[Location]
+) -> list[Location]:
+    """Likely corrections of an unknown key, the best first, at most MAX_SUGGESTIONS.
+
+    Keys that are missing in the same table come first, then other keys of that table, then keys of
+    other tables, the nearest first.
+    """
+    *place, name = unknown
+    lacking = [str(each[-1]) for each in missing if each[:-1] == tuple(place)]
+    allowed = [key for each in at(table, tuple(place)) for key in keys(each)]
+    for known in (lacking, allowed):
+        close = similar_names(str(name), known, SIMILAR)
+        if close:
+            return [(*place, each) for each in close[:MAX_SUGGESTIONS]]
+    elsewhere = list(dict.fromkeys(paths(table)))
+    close = similar_names(str(name), {str(each[-1]) for each in elsewhere}, SIMILAR_ELSEWHERE)[:1]
+    found = [each for each in elsewhere if each[-1] in close]
+    return sorted(found, key=lambda each: -len(commonprefix([each, unknown])))[:MAX_SUGGESTIONS]
+
+
+def similar_names(name: str, known: Iterable[str], min_similarity: float) -> list[str]:
+    """Names that contain all words of this name, else the name with the most similar spelling."""
+    known = list(known)
+    if name in known:
+        return [name]
+    words = {*name.split("_")}
+    return [each for each in known if words <= {*each.split("_")}] or get_close_matches(
+        name, known, 1, min_similarity
+    )

@@ -19,13 +19,10 @@ from pydantic import (
 from ...arrays import Complex, Real
 from ..foam.foam_in_time import Celsius, Humid
 from ..keys.key_paths import OrTable, OrText
-from ..multisine.noise import multisine_deviation, smallest_deviation
-from ..multisine.reader import Multisine
+from ..multisine import Multisine, multisine_deviation, smallest_deviation
 from ..ranges import Capacitance, Frequency, Inductance, Phase, Resistance, Seed, Share
 from ..validation import Number, Table, Whole, validated, within
-from .converter import Converter
-from .readout_errors import spread_over
-from .readout_tables import DataSheet, SpreadTable
+from .readout_tables import Converter, DataSheet, SpreadTable, spread_over
 
 METERS = Path(__file__).parents[2] / "meters"
 

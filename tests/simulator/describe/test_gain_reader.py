@@ -8,7 +8,7 @@ from rcskin.simulator.describe.multisine_reader import (
 )
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
-from rcskin.simulator.scene.multisine.excitation import output_peak
+from rcskin.simulator.scene.multisine import output_peak
 from rcskin.simulator.scene.scene_files import load_scene
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.scene.form.mesh_extent import check_extent, off_grid
+from rcskin.simulator.scene.form.mesh_data import check_extent, off_grid
 from rcskin.simulator.scene.form.mesh_file import MeshSurface
 
 SQUARE = np.array([[0.0, 0.12, 0.12, 0.0], [0.0, 0.0, 0.12, 0.12]])

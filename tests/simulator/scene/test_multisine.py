@@ -3,21 +3,19 @@
 import numpy as np
 import pytest
 from pydantic import ValidationError
-from rcskin.simulator.scene.multisine.excitation import (
+from rcskin.simulator.scene.multisine import (
+    BOLTZMANN,
+    TEMPERATURE,
+    Multisine,
     amplitudes,
     crest_factor,
     enough_points,
+    multisine_deviation,
+    output_density,
     output_peak,
     schroeder_phases,
     waveform,
 )
-from rcskin.simulator.scene.multisine.noise import (
-    BOLTZMANN,
-    TEMPERATURE,
-    multisine_deviation,
-    output_density,
-)
-from rcskin.simulator.scene.multisine.reader import Multisine
 from rcskin.simulator.scene.validation import one_line
 from rcskin.simulator.sweeps import InputError
 

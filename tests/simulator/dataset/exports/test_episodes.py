@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcskin.simulator.dataset.exports.episodes import episode_parts, episodes_of
+from rcskin.simulator.dataset.exports.exported_sweeps import episode_parts, episodes_of
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -13,7 +13,7 @@ def test_parts_are_all_sweeps_once_and_of_one_episode_each(make_sweeps, monkeypa
     random = np.random.default_rng(seed)
     count = int(random.integers(1, 30))
     chunk = int(random.integers(1, 40)) * 6  # of 2 interfaces and 3 frequencies
-    monkeypatch.setattr("rcskin.simulator.dataset.exports.sweep_parts.VALUES_AT_ONCE", chunk)
+    monkeypatch.setattr("rcskin.simulator.dataset.exports.exported_sweeps.VALUES_AT_ONCE", chunk)
     sweeps = make_sweeps(count, session=np.sort(random.integers(0, 4, count)) % 2)
     expected = [
         len(list(group)) for _, group in itertools.groupby(sweeps["session"].values.tolist())

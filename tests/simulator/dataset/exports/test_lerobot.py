@@ -11,7 +11,7 @@ import pandas as pd
 import pyarrow.parquet as pq
 import pytest
 from rcskin.simulator.dataset.exports.export import export
-from rcskin.simulator.dataset.exports.running_statistics import RunningStatistics
+from rcskin.simulator.dataset.exports.lerobot import RunningStatistics
 from rcskin.simulator.sweeps import write
 
 INFO = {
@@ -132,8 +132,8 @@ def test_statistics_of_parts_are_those_of_the_whole():
 
 
 def test_large_data_sets_fill_several_files(data, sweeps, tmp_path, monkeypatch):
-    monkeypatch.setattr("rcskin.simulator.dataset.exports.parquet_files.MAX_BYTES", 1)
-    monkeypatch.setattr("rcskin.simulator.dataset.exports.sweep_parts.VALUES_AT_ONCE", 1)
+    monkeypatch.setattr("rcskin.simulator.dataset.exports.tables.MAX_BYTES", 1)
+    monkeypatch.setattr("rcskin.simulator.dataset.exports.exported_sweeps.VALUES_AT_ONCE", 1)
     export(data, tmp_path / "out", "lerobot")
     info = _json(tmp_path / "out/meta/info.json")
     files = sorted((tmp_path / "out/data").glob("*/*.parquet"))
