@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import Integer, Mask, Real
-from ..mesh.finger_cells import with_fingers_at, with_fingers_on
-from ..mesh.pixel_coverage import pixel_coverage
+from ..mesh.pixel_coverage import pixel_coverage, with_fingers_at, with_fingers_on
 from ..press.batch import PressBatch
 from ..press.press import rod_text
 from ..press.rasterized import Footprints

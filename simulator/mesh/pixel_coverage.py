@@ -1,4 +1,4 @@
-"""Part of each pixel that is skin."""
+"""Part of each pixel that is skin, and fingers spread over that part."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Integer, Real
+from ..press.batch import PressBatch
 from ..press.press import Press
+from ..press.rasterized import Footprints, spread_finger, with_fingers
 from ..scene.parts import Skin
 
 
@@ -56,3 +58,31 @@ def _cached_coverage(skin: Skin) -> PixelCoverage:
     )
     middle = np.divide([x, y], area, out=np.zeros((2, count)), where=area > 0)
     return PixelCoverage(area * count / (length * width), middle)
+
+
+def part_of_cells(skin: Skin, grid: tuple[int, int]) -> Real | None:
+    """Part of each cell of a grid that is skin, shape (cell,); None on a rectangle."""
+    return None if skin.rectangular else pixel_coverage(skin, grid).part
+
+
+def with_fingers_at(
+    skin: Skin, batch: PressBatch, touches: Integer, placed: Footprints, grid: tuple[int, int]
+) -> PressBatch:
+    """Presses with the fingers of their touches, see `press.rasterized.with_fingers`."""
+    return with_fingers(skin, batch, touches, placed, grid, part_of_cells(skin, grid))
+
+
+def with_fingers_on(
+    skin: Skin, batch: PressBatch, finger: Real, cells: Integer, grid: tuple[int, int]
+) -> PressBatch:
+    """Presses as from `with_fingers_at` for touches of equally many whole cells.
+
+    finger: F, shape (press, touch); 0 where there is none. cells: shape (press, touch, cell).
+    """
+    part = part_of_cells(skin, grid)
+    for own, under in zip(finger.T, np.moveaxis(cells, 1, 0), strict=True):
+        there = own > 0
+        starts = np.concatenate([[0], np.cumsum(there * under.shape[1])])
+        covered = PressBatch(under[there].ravel(), np.ones(starts[-1]), starts)
+        batch = batch.and_(spread_finger(skin, covered, own, grid, part))
+    return batch

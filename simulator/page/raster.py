@@ -20,7 +20,7 @@ from ..models.heterogeneous.materials import Materials
 from ..models.reduced.families.family import Family, Triangulation
 from ..models.reduced.families.uniform_family import UniformFamily
 from ..models.reduced.reduced_skin import ReducedSkin
-from ..scene.parts import Pressing, Skin
+from ..scene.parts import Skin
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Raster:
     rows: int
 
     @classmethod
-    def over(cls, skin: Skin, pressing: Pressing, points: int) -> Raster:
+    def over(cls, skin: Skin, points: int) -> Raster:
         """Raster of about so many points, equally spaced along both sides."""
         length, width = skin.sides
         columns = max(2, round((points * length / width) ** 0.5))

@@ -1,11 +1,12 @@
-"""Many touches rasterized on the cells of a uniform grid; `grid_map` does so for one press.
+"""Presses rasterized on the cells of a uniform grid: of pixels, rectangles and discs.
 
-A touch enters a cell as 1 + (factor - 1) times the fraction of its area that it covers, and factors
-multiply. `grid_map` is the kernel's readable twin, and serves single presses without loading numba.
+A touch enters a cell as 1 + (factor - 1) times the fraction of its area that it covers. Where
+touches overlap, factors multiply, or rises add as capacitances to earth do.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -13,8 +14,15 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Integer, Mask, Real
 from ..scene.parts import Skin
-from ..scene.planar import SAME_LINE
-from .batch import PressBatch
+from ..scene.planar import NO_LINES, SAME_LINE
+from ..sweeps import InputError
+from .batch import NOTHING, PressBatch, TouchedCells, joined_cells
+from .capacitance import lines, touched_box
+from .parts import parts_of
+from .pixels import GridCells
+from .press import Press, check_fingers, pressed_factor
+from .touch import Disc, Indentation, Rectangle, Touch, place_of
+from .walls import require_no_walls
 
 
 class Footprints(NamedTuple):
@@ -46,38 +54,143 @@ class Footprints(NamedTuple):
         given = (np.broadcast_to(each, x.shape) for each in (width, height, factor, finger))
         return cls(np.zeros(x.shape, dtype=bool), x, y, *given)
 
+    @property
+    def boxes(self) -> Real:
+        """Left, right, bottom and top of each touch, m, shape (press, touch, 4)."""
+        x, y, wide, high = self.x, self.y, self.width / 2, self.height / 2
+        return np.stack([x - wide, x + wide, y - high, y + high], axis=-1)
+
+    @property
+    def radii(self) -> Real:
+        """Radius of each disc, m; 0 of rectangles."""
+        return np.where(self.disc, self.width / 2, 0.0)
+
+
+def footprints_of(skin: Skin, press: Press) -> Footprints:
+    """Footprints of one press, shape (1, touch). Raises InputError for other shapes."""
+    touches = press.touches
+    boxes = [each.box if isinstance(each, Disc) else touched_box(skin, each) for each in touches]
+    left, right, bottom, top = np.array(boxes).reshape(1, -1, 4).transpose(2, 0, 1)
+    acts = np.array([(each.factor, each.finger) for each in touches]).reshape(1, -1, 2)
+    disc = np.array([[isinstance(each, Disc) for each in touches]], dtype=bool)
+    middle = (left + right) / 2, (bottom + top) / 2
+    return Footprints(disc, *middle, right - left, top - bottom, *acts.transpose(2, 0, 1))
+
 
 def rasterized(
-    skin: Skin, touches: Integer, footprints: Footprints, grid: tuple[int, int]
+    skin: Skin,
+    touches: Integer,
+    footprints: Footprints,
+    grid: tuple[int, int],
+    adds: bool = False,
 ) -> PressBatch:
     """Cells in which presses raise c, and the rise relative to the unpressed c.
 
-    touches: number in each press, shape (press,). grid: rows and columns.
+    touches: number in each press, shape (press,). grid: rows and columns; sides of rectangles snap
+    to lines that they nearly coincide with. adds: see `Press`.
     """
-    from .overlap_kernel import touched
+    from .cell_kernel import cells_of_patches
 
-    x, y = (np.linspace(0, side, n + 1) for side, n in zip(skin.sides, grid[::-1], strict=True))
-    disc = footprints.disc
-    boxes = np.stack(
-        [
-            *_ends(footprints.x, footprints.width, x, disc),
-            *_ends(footprints.y, footprints.height, y, disc),
-        ],
-        axis=-1,
+    cells, boxes, radii = GridCells.of(skin, grid), footprints.boxes, footprints.radii
+    for ends, line in ((boxes[..., :2], cells.x), (boxes[..., 2:], cells.y)):
+        last = len(line) - 1
+        near = line[np.clip(np.rint(ends / line[-1] * last), 0, last).astype(np.int64)]
+        same = (radii == 0)[..., None] & (np.abs(near - ends) <= SAME_LINE * line[-1])
+        ends[...] = np.where(same, near, ends)
+    rises = np.ascontiguousarray(footprints.factor - 1)
+    return cells_of_patches(touches, boxes, radii, rises, not adds, cells)
+
+
+def with_fingers(
+    skin: Skin,
+    batch: PressBatch,
+    touches: Integer,
+    footprints: Footprints,
+    grid: tuple[int, int],
+    part: Real | None = None,
+) -> PressBatch:
+    """Presses with the fingers of their touches, as parts of M that rise by F; see `Parts`.
+
+    touches, grid: see `rasterized`. part: see `spread_finger`.
+    """
+    for number in range(footprints.finger.shape[1] if footprints.finger.any() else 0):
+        own = Footprints._make(each[:, number : number + 1] for each in footprints)
+        there = (touches > number) & (own.finger[:, 0] > 0)
+        whole = own._replace(factor=np.full_like(own.factor, 2.0))
+        covered = rasterized(skin, there.astype(np.int64), whole, grid)
+        batch = batch.and_(spread_finger(skin, covered, own.finger[:, 0], grid, part))
+    return batch
+
+
+def spread_finger(
+    skin: Skin,
+    covered: PressBatch,
+    finger: Real,
+    grid: tuple[int, int],
+    part: Real | None = None,
+) -> PressBatch:
+    """Finger of one touch of each press, spread uniformly over the skin that it covers.
+
+    covered: cells, and the covered fraction of each. finger: F, shape (press,). part: of each cell
+    that is skin, shape (cell,); None if all is.
+    """
+    press, area = covered.press, covered.rises
+    area = area if part is None else area * part[covered.cells]
+    whole = np.bincount(press, area, covered.count)
+    cells = parts_of(skin, grid).finger(covered.cells)
+    return PressBatch(cells, finger[press] * area / whole[press], covered.starts)
+
+
+def touched_cells(skin: Skin, press: Press, grid: tuple[int, int] | None = None) -> TouchedCells:
+    """Cells of a uniform grid, by default the pixels, where a press raises c.
+
+    Fingers follow, numbered as in `Parts`. Raises InputError for a finger if the scene has no
+    earth, and for walls around touches that are not whole cells.
+    """
+    check_fingers(press, skin)
+    shape = grid or skin.pixels.shape
+    _check_walls(skin, press, shape)
+    if press.indented:
+        return joined_cells(_under_applicators(skin, press), fingers(skin, press, shape))
+    touches, placed = np.array([len(press.touches)]), footprints_of(skin, press)
+    raised = rasterized(skin, touches, placed, shape, press.adds)
+    return with_fingers(skin, raised, touches, placed, shape).one(0)
+
+
+def fingers(skin: Skin, press: Press, grid: tuple[int, int] | None = None) -> TouchedCells:
+    """Fingers of a press on such a grid, numbered as in `Parts`, F."""
+    own = press.of(replace(place_of(t), finger=t.finger) for t in press.touches if t.finger)
+    none, touches = PressBatch.of([NOTHING]), np.array([len(own.touches)])
+    placed = footprints_of(skin, own)
+    return with_fingers(skin, none, touches, placed, grid or skin.pixels.shape).one(0)
+
+
+def _check_walls(skin: Skin, press: Press, grid: tuple[int, int]) -> None:
+    if skin.around is None or not skin.around.edges:
+        return
+    for touch in press.touches:
+        if isinstance(touch, Touch | Indentation) or touch.factor == 1:
+            continue
+        if not isinstance(touch, Rectangle) or lines(skin, Press((touch,)), grid) != NO_LINES:
+            require_no_walls(skin, f"press {touch} on pixels")
+
+
+def _under_applicators(skin: Skin, press: Press) -> TouchedCells:
+    """Pixels, and the rise of c under their applicators.
+
+    Raises InputError for other touches.
+    """
+    places = [each.place for each in press.indented if isinstance(each.place, Touch)]
+    if len(places) < len(press.touches):
+        raise needs_factors(press)
+    cells = [(each.row - 1) * skin.pixels.columns + each.column - 1 for each in places]
+    rises = [pressed_factor(skin, each) - 1 for each in press.indented]
+    return TouchedCells(np.array(cells, dtype=np.int64), np.array(rises))
+
+
+def needs_factors(press: Press) -> InputError:
+    """Error for a depth or a force where only a factor can be rasterized."""
+    return InputError(
+        f"press {press}: needs a capacitance factor here; a depth is possible only for whole "
+        "pixels of a scene with `press.depth`"
     )
-    radius = np.where(disc, footprints.width / 2, 0.0)
-    factor = np.ascontiguousarray(footprints.factor)
-    return PressBatch(*touched(touches, boxes, radius, factor, x, y))
-
-
-def _ends(middle: Real, extent: Real, lines: Real, disc: Mask) -> tuple[Real, Real]:
-    """Start and end of touches along an axis, m; rectangles snap to lines that they nearly coincide
-    with."""
-    low, high = (_on_lines(middle + side * extent / 2, lines, disc) for side in (-1, 1))
-    return low, high
-
-
-def _on_lines(ends: Real, lines: Real, disc: Mask) -> Real:
-    cells = len(lines) - 1
-    near = lines[np.clip(np.rint(ends / lines[-1] * cells), 0, cells).astype(np.int64)]
-    return np.where(~disc & (np.abs(near - ends) <= SAME_LINE * lines[-1]), near, ends)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compiled import compiled
-from ..press.overlap_kernel import covered_fraction
+from ..press.cell_kernel import covered_fraction
 
 ROUNDING = 1e-9
 PER_SIDE, MOST_PER_SIDE = 6, 24

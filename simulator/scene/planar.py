@@ -168,33 +168,6 @@ def covered(start: ArrayLike, stop: ArrayLike, cells: Real) -> Real:
     return np.maximum(last - first, 0.0) / np.diff(cells)
 
 
-def disc_fraction(x: float, y: float, radius: float, columns: Real, rows: Real) -> Real:
-    """Fraction of each cell within the disc around (x, y), shape (row, column); all in m.
-
-    columns, rows: ascending limits of the cells. The areas are exact except for rounding errors of
-    1e-16 radius².
-    """
-    u, v = (columns - x) / radius, (rows - y) / radius
-    areas = np.diff(np.diff(_area_below(u, v[:, None]), axis=0), axis=1)
-    return np.clip(areas / np.multiply.outer(np.diff(v), np.diff(u)), 0.0, 1.0)
-
-
-def _area_below(u: Real, v: Real) -> Real:
-    """Area of the unit disc where its coordinates are <= u and <= v.
-
-    It is the integral of w(t) + clip(v, -w, w) over t from -1 to u, w(t) = sqrt(1 - t²).
-    """
-    u, v = np.clip(u, -1.0, 1.0), np.clip(v, -1.0, 1.0)
-    w = np.sqrt(1 - v**2)
-    remainder = _under_arc(np.minimum(u, -w)) + _under_arc(np.maximum(u, w)) - _under_arc(w)
-    return _under_arc(u) + np.sign(v) * remainder + v * (np.clip(u, -w, w) + w)
-
-
-def _under_arc(u: Real) -> Real:
-    """Integral of sqrt(1 - t²) over t from -1 to u."""
-    return (u * np.sqrt(1 - u**2) + np.arcsin(u)) / 2 + np.pi / 4
-
-
 SAME_LINE = 1e-9
 SAME_EDGE = 1e-8
 """Distance, over the skin's side, below which edges of touches count as equal: in thinner elements

@@ -13,9 +13,10 @@ from ..method_cache import cached_method
 from ..models.mechanics.force_depths import press_by_depths
 from ..models.reduced.indentation.indentation_draws import spreads
 from ..press.batch import PressBatch
-from ..press.capacitance import touched_box, touched_cells
+from ..press.capacitance import touched_box
 from ..press.parts import foam_parts
 from ..press.press import Press, check_press, label_of, press_on, pressed_factor
+from ..press.rasterized import touched_cells
 from ..press.touch import AnyTouch, Depth, Disc, Force, Indentation, Rectangle, Touch
 from ..scene.parts import Pressing, Skin
 from ..sweeps import UNPRESSED, InputError

@@ -22,10 +22,10 @@ from rcskin.simulator.models.parameters import Variation, own_values
 from rcskin.simulator.models.reduced.cases import pixel_touches
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch
-from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.parts import foam_parts
 from rcskin.simulator.press.pixels import pixels_with_skin
 from rcskin.simulator.press.press import press_on
+from rcskin.simulator.press.rasterized import touched_cells
 from rcskin.simulator.scene.frequency import Loss
 from rcskin.simulator.sweeps import impedance, open_zarr, parallel_capacitance
 from rcskin.tests.library.scenes import ALIKE, KINDS

@@ -18,9 +18,9 @@ from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.reduced.slopes import sensitivities, sensitivity
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import NOTHING
-from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.parts import parts_of
 from rcskin.simulator.press.press import Press, parse_press, press_on
+from rcskin.simulator.press.rasterized import touched_cells
 from rcskin.simulator.scene.draws.draw_distributions import Uniform
 from rcskin.simulator.scene.frequency import Loss
 from rcskin.simulator.sweeps import InputError

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from rcskin.simulator.measure.skins import DrawnSkin, drawn_skin
 from rcskin.simulator.models.reduced.reduced_model import Reduced
 from rcskin.simulator.models.reduced.reduced_skin import ReducedSkin
-from rcskin.simulator.press.capacitance import touched_box, touched_cells
+from rcskin.simulator.press.capacitance import touched_box
 from rcskin.simulator.press.press import Press, check_press, parse_press
+from rcskin.simulator.press.rasterized import touched_cells
 from rcskin.simulator.press.touch import AnyTouch, Rectangle
 from rcskin.simulator.scene.scene import Scene
 

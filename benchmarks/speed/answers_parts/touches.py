@@ -15,8 +15,8 @@ from rcskin.benchmarks.speed.answers_parts.solving import FIRST, Asked
 from rcskin.simulator.models.reduced.cases import Case
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.press.rasterized import touched_cells
 from rcskin.simulator.press.touch import Touch
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene

@@ -12,8 +12,7 @@ import numpy as np
 
 from ...arrays import Integer, Real
 from ...chebyshev import Interpolant, refined
-from ...mesh.finger_cells import with_fingers_at
-from ...mesh.pixel_coverage import pixel_coverage
+from ...mesh.pixel_coverage import pixel_coverage, with_fingers_at
 from ...models.mechanics.lattice_presses import NOBODY, raised
 from ...models.mechanics.relaxation_kernel import Bodies
 from ...models.mechanics.skin_lattice import Lattice, Window

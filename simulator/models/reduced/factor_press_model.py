@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import cached_property
 
 from ...arrays import Integer, Real
-from ...press.capacitance import touched_cells
 from ...press.press import Press
+from ...press.rasterized import touched_cells
 from ...press.touch import AnyTouch, Touch
 from ...scene.parts import Plan, SceneParts, Skin
 from ...sweeps import InputError

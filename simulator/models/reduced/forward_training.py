@@ -9,10 +9,10 @@ from dataclasses import replace
 import numpy as np
 
 from ...arrays import Real
-from ...press.capacitance import touched_cells
 from ...press.parts import parts_of
 from ...press.press import Press
 from ...press.random_presses import random_presses
+from ...press.rasterized import touched_cells
 from ...scene.parts import Plan, SceneParts, Setup, Skin
 from ...scene.readout.meter import FrequencyGrid
 from ..cosine_modes import random_amplitudes, variation_with_modes

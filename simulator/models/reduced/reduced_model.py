@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from ...arrays import Complex, Real
 from ...notebook_display import SmallChart, Tabular
 from ...press.batch import TouchedCells
-from ...press.capacitance import needs_factors, touched_cells
 from ...press.press import Press, press_on
+from ...press.rasterized import needs_factors, touched_cells
 from ...scene.parts import SceneParts
 from ..parameters import Variation
 from .indentation.indentation_draws import spreads

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...arrays import Real
-from ...mesh.finger_cells import with_fingers_at
+from ...mesh.pixel_coverage import with_fingers_at
 from ...press.batch import PressBatch
 from ...press.finger import finger_over
 from ...press.rasterized import Footprints

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 from ...compiled import compiled
 from ...models.mechanics.foam_law import FoamTables, rise_at, strain_under
 from ...press.batch import PressBatch
+from ...press.cell_kernel import FAINT, empty_batch, moved_to_batch
+from ...press.pixels import SAMPLES, GridCells
 from .cell_shares import add_point
-from .grid_cells import SAMPLES, GridCells
 from .moment_kernel import PARTS
-from .stack_kernel import FAINT, empty_batch, moved_to_batch
 
 FINE, BAD_VALUE = range(2)
 ImageFault = tuple[int, int, int, int]

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from ...compiled import compiled
 from ...models.mechanics.foam_law import FoamTables
 from ...press.batch import PressBatch
+from ...press.cell_kernel import CELLS_AT_FIRST, FAINT, empty_batch, moved_to_batch
+from ...press.pixels import SAMPLES, GridCells
 from .cell_shares import add_point
-from .grid_cells import SAMPLES, GridCells
 from .patch_kernel import (
     FINE,
     Fault,
@@ -26,7 +27,6 @@ from .patch_kernel import (
     within_skin,
 )
 from .shared_patches import all_flat, contacts_over, joint_minus_sum, overlap_box
-from .stack_kernel import CELLS_AT_FIRST, FAINT, empty_batch, moved_to_batch
 from .winkler_kernel import winkler_stacks
 
 PARTS = 4

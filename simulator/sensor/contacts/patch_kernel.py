@@ -1,4 +1,4 @@
-"""Patches under contacts, and the part of cells that they cover, compiled."""
+"""Patches under contacts, compiled: their boxes, their area on the skin, and their faults."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiled import compiled
-from ...press.overlap_kernel import covered_fraction
+from ...press.cell_kernel import Box, box_cells, covered_part
+from ...press.pixels import GridCells
 from ...sweeps.press_text import MAX_FACTOR, MIN_FACTOR
-from .grid_cells import SAMPLES, GridCells
 
 X, Y, STRENGTH, RADIUS, CURVATURE, WIDTH, HEIGHT = range(7)
 """Columns of a contact's numbers, see `contact_types.COLUMNS`."""
@@ -19,10 +19,6 @@ FORCE, DEPTH, FACTOR, ADDED = range(4)
 """How a contact is given; ADDED: factors of touches that add a capacitance to earth."""
 ROUNDING = 1e-9
 
-Box = tuple[float, float, float, float]
-"""Left, right, bottom and top, m."""
-Span = tuple[int, int, int, int]
-"""First and end of columns, first and end of rows."""
 Fault = tuple[int, int, int]
 """Press, contact and reason of the first invalid contact; the reason is FINE if there is none."""
 
@@ -54,44 +50,6 @@ def patch_box(contact: NDArray, radius: float) -> Box:
     if radius == 0.0:
         wide, high = contact[WIDTH] / 2, contact[HEIGHT] / 2
     return contact[X] - wide, contact[X] + wide, contact[Y] - high, contact[Y] + high
-
-
-@compiled()
-def box_cells(box: Box, cells: GridCells) -> Span:
-    """Cells that a rectangle meets."""
-    rows, columns = cells.cut.shape
-    along, across = columns / cells.x[columns], rows / cells.y[rows]
-    return (
-        min(max(int(np.floor(box[0] * along)), 0), columns),
-        max(min(int(np.ceil(box[1] * along)), columns), 0),
-        min(max(int(np.floor(box[2] * across)), 0), rows),
-        max(min(int(np.ceil(box[3] * across)), rows), 0),
-    )
-
-
-@compiled()
-def covered_part(box: Box, radius: float, i: int, j: int, cells: GridCells) -> float:
-    """Part of the skin in a cell that a patch covers; from samples where the skin's edge passes."""
-    x, y, own = cells.x, cells.y, cells.cut[i, j]
-    if own < 0:
-        if box[0] >= x[j] and box[1] <= x[j + 1] and box[2] >= y[i] and box[3] <= y[i + 1]:
-            area = (box[1] - box[0]) * (box[3] - box[2]) * (np.pi / 4 if radius > 0.0 else 1.0)
-            return area / ((x[j + 1] - x[j]) * (y[i + 1] - y[i]))
-        return covered_fraction(box, radius, (x[j], x[j + 1], y[i], y[i + 1]))
-    middle_x, middle_y = (box[0] + box[1]) / 2, (box[2] + box[3]) / 2
-    there, under = 0, 0
-    for k in range(SAMPLES):
-        at_y = y[i] + (k + 0.5) / SAMPLES * (y[i + 1] - y[i])
-        for m in range(SAMPLES):
-            if not cells.mask[own, k, m]:
-                continue
-            there += 1
-            at_x = x[j] + (m + 0.5) / SAMPLES * (x[j + 1] - x[j])
-            if radius == 0.0:
-                under += box[0] <= at_x <= box[1] and box[2] <= at_y <= box[3]
-            else:
-                under += (at_x - middle_x) ** 2 + (at_y - middle_y) ** 2 <= radius * radius
-    return under / there if there else 0.0
 
 
 @compiled()

@@ -12,12 +12,12 @@ from ...arrays import Mask, Real
 from ...models.mechanics.foam_law import FoamTables, foam_tables
 from ...models.reduced.indentation.indentation_draws import spreads
 from ...press.batch import NOTHING, PressBatch
+from ...press.pixels import GridCells
 from ...scene.parts import Pressing, Skin
 from ...sweeps import InputError
 from ..cell_spreading import PARTS, CellSpreading
 from .contact_types import STRENGTHS, Contacts, PointContacts, PressureImage
 from .fingers import with_fingers
-from .grid_cells import GridCells, grid_cells
 from .patch_kernel import ADDED, FACTOR, FINE, Fault, Stacks
 from .refusals import invalid_contact, invalid_value, refusals, too_deep_message
 
@@ -82,7 +82,7 @@ class ContactRasterizer:
         if too_deep not in ("limit", "refuse"):
             raise InputError(f"too_deep must be 'limit' or 'refuse', got {too_deep!r}")
         grid = grid or skin.pixels.shape
-        foam, cells = foam_tables(skin.foam, highest), grid_cells(skin, grid)
+        foam, cells = foam_tables(skin.foam, highest), GridCells.on(skin, grid)
         refused, spread = refusals(skin, pressing), None
         if spreads(skin) and "force" not in refused:
             from .spread_contacts import SpreadContacts

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ...compiled import compiled
 from ...models.mechanics.foam_law import FoamTables, rise_at, strain_under, stress
+from ...press.cell_kernel import Box
 from .patch_kernel import (
     ADDED,
     CURVATURE,
@@ -16,7 +17,6 @@ from .patch_kernel import (
     RADIUS,
     ROUNDING,
     WIDTH,
-    Box,
     Stacks,
     X,
     Y,

@@ -17,9 +17,9 @@ from ...models.mechanics.lattice_presses import pressed, touched, under_pressure
 from ...models.mechanics.relaxation_kernel import Bodies
 from ...models.mechanics.skin_lattice import Lattice, lattice_of
 from ...press.batch import NOTHING, TouchedCells
+from ...press.pixels import GridCells
 from ...scene.parts import Skin
 from .contact_types import PointContacts, PressureImage
-from .grid_cells import GridCells
 from .patch_kernel import (
     CURVATURE,
     DEPTH,

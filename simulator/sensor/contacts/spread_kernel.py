@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...compiled import compiled
-from .grid_cells import GridCells
+from ...press.cell_kernel import box_cells
+from ...press.pixels import GridCells
 from .patch_kernel import (
     CURVATURE,
     DEPTH,
@@ -18,7 +19,6 @@ from .patch_kernel import (
     Stacks,
     X,
     Y,
-    box_cells,
     patch_box,
     reason_invalid,
     within_borders,

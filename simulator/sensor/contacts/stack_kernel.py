@@ -8,24 +8,18 @@ from numpy.typing import NDArray
 from ...compiled import compiled
 from ...models.mechanics.foam_law import FoamTables
 from ...press.batch import PressBatch
-from .grid_cells import SAMPLES, GridCells
-from .patch_kernel import (
-    FACTOR,
+from ...press.cell_kernel import (
+    CELLS_AT_FIRST,
+    FAINT,
     Box,
-    Span,
-    Stacks,
+    add_patch,
     box_cells,
-    covered_part,
-    of_press,
-    patch_box,
-    skin_of_cell,
+    empty_batch,
+    moved_to_batch,
 )
+from ...press.pixels import SAMPLES, GridCells
+from .patch_kernel import FACTOR, Stacks, of_press, patch_box, skin_of_cell
 from .shared_patches import joint_minus_sum, overlap_box
-
-FAINT = 1e-12
-"""Rises below this are rounding errors."""
-CELLS_AT_FIRST = 16
-"""Cells of a press for which a batch has room at first."""
 
 
 @compiled()
@@ -49,62 +43,18 @@ def cells_of_stacks(
     unpressed = 1.0 if by == FACTOR else 0.0
     total = np.full((rows, columns), unpressed)
     for press in range(presses):
-        left, right, bottom, top = columns, 0, rows, 0
+        span = columns, 0, rows, 0
         for k in range(counts[press]):
             for disc in range(stacks.discs[press, k]):
                 radius, rise = stacks.radii[press, k, disc], stacks.rises[press, k, disc]
                 box = patch_box(values[press, k], radius)
-                span = box_cells(box, cells)
-                left, right = min(left, span[0]), max(right, span[1])
-                bottom, top = min(bottom, span[2]), max(top, span[3])
-                for i in range(span[2], span[3]):
-                    for j in range(span[0], span[1]):
-                        covered = covered_part(box, radius, i, j, cells)
-                        if by == FACTOR:
-                            total[i, j] *= (1 - covered) + (1 + rise) * covered
-                        else:
-                            total[i, j] += rise * covered
+                span = add_patch(total, span, box, radius, rise, by == FACTOR, cells)
         if by < FACTOR and counts[press] > 1:
             contacts, own = values[press, : counts[press]], of_press(stacks, press)
             limited[press] |= _add_overlaps(contacts, by, own, foam, cells, total)
-        batch, found = moved_to_batch(
-            total, (left, right, bottom, top), unpressed, FAINT, batch, found
-        )
+        batch, found = moved_to_batch(total, span, unpressed, FAINT, batch, found)
         batch.starts[press + 1] = found
     return PressBatch(batch.cells[:found], batch.rises[:found], batch.starts)
-
-
-@compiled()
-def empty_batch(presses: int, room: int) -> PressBatch:
-    """Batch with room for a number of cells."""
-    return PressBatch(np.empty(room, np.int64), np.empty(room), np.zeros(presses + 1, np.int64))
-
-
-@compiled()
-def moved_to_batch(
-    total: NDArray, span: Span, unpressed: float, faint: float, batch: PressBatch, found: int
-) -> tuple[PressBatch, int]:
-    """Batch with the pressed cells of a span behind the `found` first ones, and their new number.
-
-    The span of `total` becomes `unpressed` again. faint: largest rise that is left out. A batch
-    without room is replaced by a longer one.
-    """
-    left, right, bottom, top = span
-    rows, columns = total.shape
-    cells, rises, starts = batch.cells, batch.rises, batch.starts
-    if found + max(right - left, 0) * max(top - bottom, 0) > len(cells):
-        more = 2 * len(cells) + rows * columns
-        old_cells, old_rises = cells, rises
-        cells, rises = np.empty(more, np.int64), np.empty(more)
-        for k in range(found):
-            cells[k], rises[k] = old_cells[k], old_rises[k]
-    for i in range(bottom, top):
-        for j in range(left, right):
-            rise, total[i, j] = total[i, j] - unpressed, unpressed
-            if abs(rise) > faint:
-                cells[found], rises[found] = i * columns + j, rise
-                found += 1
-    return PressBatch(cells, rises, starts), found
 
 
 @compiled()

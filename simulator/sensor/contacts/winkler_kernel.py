@@ -16,7 +16,7 @@ from ...models.mechanics.foam_law import (
     strain_under,
     stress,
 )
-from .grid_cells import GridCells
+from ...press.pixels import GridCells
 from .patch_kernel import (
     CURVATURE,
     DEPTH,

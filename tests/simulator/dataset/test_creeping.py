@@ -11,8 +11,8 @@ from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.mechanics.force_depths import pressed_by_factors
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch
-from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.press import press_on
+from rcskin.simulator.press.rasterized import touched_cells
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError, impedance
 from rcskin.tests.library.scenes import ALIKE

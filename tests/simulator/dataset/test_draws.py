@@ -11,12 +11,13 @@ from rcskin.simulator.dataset.drawn_presses import (
 from rcskin.simulator.dataset.skin_model import reduced
 from rcskin.simulator.measure.skins import drawn_skin
 from rcskin.simulator.measure.streams import PRESSES, SKIN, stream
-from rcskin.simulator.press.capacitance import capacitance_map, grid_map
+from rcskin.simulator.press.capacitance import capacitance_map
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.press.touch import Touch
 from rcskin.simulator.scene.draws.draw_distributions import Uniform
 from rcskin.simulator.scene.draws.randomisation import CUT, SLOW_MODES
 from rcskin.simulator.scene.scene_files import load_scene
+from rcskin.tests.library.rasters import twin_map
 
 SCENE = load_scene("sheet-3x3")
 GRID = (6, 9)
@@ -100,7 +101,7 @@ def test_touches_anywhere_are_on_the_skin_and_match_the_foam():
     for text, cells in zip(presses.text, maps(presses, (12, 12)), strict=True):
         press = parse_press(text, default=np.nan)
         assert str(press) == text
-        np.testing.assert_allclose(cells, grid_map(scene.parts.skin, press, 12, 12), rtol=1e-13)
+        np.testing.assert_allclose(cells, twin_map(scene.parts.skin, press, 12, 12), rtol=1e-13)
         for touch in press.touches:
             box = touch.box
             assert min(box.left, box.bottom) >= -1e-6

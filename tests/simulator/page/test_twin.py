@@ -9,8 +9,9 @@ from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.page.document import document
 from rcskin.simulator.page.raster import Raster, raster_fields
 from rcskin.simulator.press.batch import PressBatch, TouchedCells, joined_cells
-from rcskin.simulator.press.capacitance import patch, touched_cells
+from rcskin.simulator.press.capacitance import patch
 from rcskin.simulator.press.press import Press, parse_press, press_on
+from rcskin.simulator.press.rasterized import touched_cells
 from rcskin.simulator.press.touch import Rectangle, Touch
 from rcskin.simulator.scene.frequency import Loss, laplace_variable
 from rcskin.simulator.sweeps import parallel_capacitance
@@ -255,8 +256,6 @@ def test_at_rest_and_low_frequency_the_sheets_are_1_v_apart(glove):
     skin = glove.reduced.skin(None)
     none = np.empty(0, dtype=np.int64), np.empty(0)
     ((u, _),) = skin.solved(*none, np.array([1e-2j]))
-    at_points = raster_fields(
-        skin, Raster.over(glove.scene.parts.skin, glove.scene.press, 200)
-    ).potential
+    at_points = raster_fields(skin, Raster.over(glove.scene.parts.skin, 200)).potential
     own = np.linalg.solve(skin.turn, u[:, 0])
     assert at_points[0] @ own == pytest.approx(1.0, abs=1e-6)

@@ -1,17 +1,11 @@
 import numpy as np
 import pytest
-from rcskin.simulator.press.capacitance import (
-    capacitance_map,
-    grid_map,
-    lines,
-    patch,
-    tile_map,
-    touched_box,
-)
+from rcskin.simulator.press.capacitance import capacitance_map, lines, patch, tile_map, touched_box
 from rcskin.simulator.press.pixels import pixel_lines
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.foam.foam import VACUUM_PERMITTIVITY, Foam
 from rcskin.simulator.sweeps import InputError
+from rcskin.tests.library.rasters import cell_map
 
 SIZE = {"length": 0.1, "width": 0.08, "rows": 4, "columns": 5, "c": 1.0}
 
@@ -64,7 +58,7 @@ def test_capacitance_is_given_one_way_or_the_other(given):
 
 def test_a_cell_is_touched_by_the_area_covered(make_scene):
     scene = make_scene(**SIZE)
-    factors = grid_map(scene.parts.skin, parse_press("rect(0.04,0.02,0.02,0.04):3", 2.0), 2, 5)
+    factors = cell_map(scene.parts.skin, parse_press("rect(0.04,0.02,0.02,0.04):3", 2.0), 2, 5)
     np.testing.assert_allclose(factors, [[1, 2, 2, 1, 1], [1, 1, 1, 1, 1]], atol=1e-12)
 
 
@@ -72,7 +66,7 @@ def test_factors_multiply_where_touches_overlap(make_scene):
     scene, press = make_scene(**SIZE), parse_press("1,2:3+rect(0.03,0.02,0.02,0.04):3", 2.0)
     factors, _, _ = exact(scene, press)
     assert sorted(set(factors.ravel().round(12))) == [1, 3, 9]
-    assert grid_map(scene.parts.skin, press, 4, 5)[0, 1] == pytest.approx(3 * 3)
+    assert cell_map(scene.parts.skin, press, 4, 5)[0, 1] == pytest.approx(3 * 3)
 
 
 @pytest.mark.parametrize(
@@ -88,14 +82,14 @@ def test_the_whole_capacitance_is_that_of_the_area(make_scene, text, area):
     assert (factors - 1).sum(axis=None, where=factors < 1) == 0
     assert np.diff(y) @ (factors - 1) @ np.diff(x) == pytest.approx(area, rel=1e-9)
     for rows, columns in ((1, 1), (3, 7), (40, 50)):
-        covered = (grid_map(scene.parts.skin, press, rows, columns) - 1).mean() * 0.1 * 0.08
+        covered = (cell_map(scene.parts.skin, press, rows, columns) - 1).mean() * 0.1 * 0.08
         assert covered == pytest.approx(area, rel=1e-7)
 
 
 def test_a_disc_is_round(make_scene):
     """Cells count whole or not at all but along the rim."""
     scene = make_scene(**SIZE)
-    factors = grid_map(
+    factors = cell_map(
         scene.parts.skin,
         parse_press("disc(0.05,0.04,0.03):2", 2.0),
         160,
@@ -134,7 +128,6 @@ def test_plain_maps_hold_no_depth_force_or_polygon(make_scene, text):
     x, y = pixel_lines(scene.parts.skin, 0), pixel_lines(scene.parts.skin, 1)
     for asked in (
         lambda: capacitance_map(scene.parts.skin, press),
-        lambda: grid_map(scene.parts.skin, press, 4, 5),
         lambda: tile_map(scene.parts.skin, press, x, y),
         lambda: lines(scene.parts.skin, press),
         lambda: patch(scene.parts.skin, press.touches[0]),

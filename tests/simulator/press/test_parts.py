@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import rcskin
 from rcskin.simulator.press.batch import PressBatch
-from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.parts import parts_of
 from rcskin.simulator.press.press import press_on
+from rcskin.simulator.press.rasterized import touched_cells
 from rcskin.simulator.press.walls import step_capacitance
 from rcskin.simulator.sweeps import InputError
 

@@ -1,14 +1,17 @@
-"""Touches rasterized all at once are those rasterized press by press."""
+"""Touches on the cells of a grid: by the kernel, by its readable twin, and by closed forms."""
+
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.simulator.dataset.anywhere.touch_places import place_texts
-from rcskin.simulator.press.capacitance import touched_cells
+from rcskin.simulator.press.cell_kernel import covered_fraction
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.press.rasterized import Footprints, rasterized
 from rcskin.simulator.scene.scene_files import load_scene
+from rcskin.tests.library.rasters import cell_map, twin_map
 
 SCENE = load_scene("sheet-3x3")
 SIDE = 0.12
@@ -30,18 +33,18 @@ def placed(draw):
 
 @pytest.mark.kernel
 @given(placed=placed(), grid=st.tuples(st.integers(1, 4), st.integers(1, 4)))
-def test_all_at_once_is_press_by_press(placed, grid):
+def test_many_presses_are_each_of_them_and_the_twin(placed, grid):
     touches, where = placed
     grid = 3 * grid[0], 3 * grid[1]
     batch = rasterized(SCENE.parts.skin, touches, where, grid)
     assert batch.starts[-1] == len(batch.cells)
     for own, text in zip(batch.each(), place_texts(touches, where, where.factor, ""), strict=True):
-        found, expected = np.zeros((2, grid[0] * grid[1]))
+        found, press = np.ones(grid), parse_press(text, np.nan)
         assert (np.diff(own.cells) > 0).all()
-        found[own.cells] = own.rises
-        at, by = touched_cells(SCENE.parts.skin, parse_press(text, np.nan), grid)
-        expected[at] = by
-        np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-9)
+        found.ravel()[own.cells] += own.rises
+        np.testing.assert_allclose(found, twin_map(SCENE.parts.skin, press, *grid), rtol=1e-9)
+        alone = cell_map(SCENE.parts.skin, press, *grid)
+        np.testing.assert_allclose(alone, found, rtol=1e-9)
 
 
 def test_no_cell_beside_a_touch_is_counted():
@@ -53,3 +56,40 @@ def test_no_cell_beside_a_touch_is_counted():
     whole = rasterized(SCENE.parts.skin, count, disc, (24, 24))
     assert whole.cells.size < 8 * 8
     assert whole.rises.sum() * (SIDE / 24) ** 2 == pytest.approx(np.pi * 0.02**2, rel=1e-12)
+
+
+def fractions(x, y, radius, columns, rows):
+    """Part of each cell between lines that a disc covers, shape (row, column)."""
+    box = x - radius, x + radius, y - radius, y + radius
+    sides = [(*along, *across) for across in pairwise(rows) for along in pairwise(columns)]
+    found = [covered_fraction(box, radius, each) for each in sides]
+    return np.reshape(found, (len(rows) - 1, len(columns) - 1))
+
+
+LINES = st.lists(st.integers(-1500, 1500), max_size=6, unique=True).map(
+    lambda at: np.array([-2000, *sorted(at), 2000]) / 1000
+)
+
+
+@given(columns=LINES, rows=LINES)
+def test_parts_of_a_disc_add_up_to_it(columns, rows):
+    areas = np.multiply.outer(np.diff(rows), np.diff(columns))
+    fraction = fractions(0.3, -0.2, 0.7, columns, rows)
+    np.testing.assert_allclose((areas * fraction).sum(), np.pi * 0.49, rtol=1e-12)
+
+
+def test_a_quarter_and_a_segment_of_a_disc():
+    """The part beyond half the radius is r² (pi / 3 - sqrt(3) / 4)."""
+    quarter = fractions(1.0, 2.0, 3.0, np.array([1.0, 4.0]), np.array([2.0, 5.0]))
+    np.testing.assert_allclose(quarter, np.pi / 4, rtol=1e-14)
+    segment = fractions(0.0, 0.0, 1.0, np.array([0.5, 1.0]), np.array([-1.0, 1.0]))
+    np.testing.assert_allclose(segment, np.pi / 3 - np.sqrt(3) / 4, rtol=1e-14)
+
+
+def test_cells_against_counted_points():
+    columns, rows = np.linspace(0, 1, 6), np.linspace(0, 1, 5)
+    x, y = np.meshgrid((np.arange(2000) + 0.5) / 2000, (np.arange(2000) + 0.5) / 2000)
+    inside = np.hypot(x - 0.4, y - 0.55) < 0.33
+    counted = inside.reshape(4, 500, 5, 400).mean(axis=(1, 3))
+    fraction = fractions(0.4, 0.55, 0.33, columns, rows)
+    np.testing.assert_allclose(fraction, counted, atol=1e-3)

@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from ....arrays import Integer, Real
-from ....press.capacitance import fingers
 from ....press.press import Press
+from ....press.rasterized import fingers
 from ....press.touch import Depth, Indentation, Touch
 from ....scene.parts import SceneParts
 from ....sweeps import InputError

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from rcskin.simulator.models.mechanics.indentation import deformation
-from rcskin.simulator.press.capacitance import grid_map
 from rcskin.simulator.press.press import parse_press
+from rcskin.tests.library.rasters import cell_map
 from scipy.integrate import solve_bvp
 
 D, E, L, W = 4e-3, 30e3, 0.12, 0.04
@@ -112,7 +112,7 @@ def test_factors_of_touches_multiply(make_scene, rng):
     in_pixel &= ((i - 1) * width / m <= y) & (y <= i * width / m)
     in_rect = (abs(x - X) <= WIDTH / 2) & (abs(y - Y) <= HEIGHT / 2)
     factor = np.where(in_pixel, k1, 1.0) * np.where(in_rect, k2, 1.0)
-    found = grid_map(scene.parts.skin, press, rows, columns)
+    found = cell_map(scene.parts.skin, press, rows, columns)
     whole = np.isin(found.round(12), np.array([1, k1, k2, k1 * k2]).round(12))
     assert whole.mean() > 0.98
     np.testing.assert_allclose(found[whole], factor[whole])

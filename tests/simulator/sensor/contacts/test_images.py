@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from rcskin import DepthImage, PressureImage
 from rcskin.simulator.press.batch import PressBatch
-from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.press import press_on
+from rcskin.simulator.press.rasterized import touched_cells
 from rcskin.simulator.sensor.contacts.rasterizer import ContactRasterizer, to_cells
 
 GRID = 10, 15

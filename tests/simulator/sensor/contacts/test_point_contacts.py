@@ -5,8 +5,8 @@ import pytest
 from rcskin import PointContacts, Sensor
 from rcskin.simulator.models.mechanics.indentation import deformation
 from rcskin.simulator.press.batch import PressBatch
-from rcskin.simulator.press.capacitance import touched_cells
 from rcskin.simulator.press.press import press_on
+from rcskin.simulator.press.rasterized import touched_cells
 from rcskin.simulator.sensor.contacts.rasterizer import ContactRasterizer, to_cells
 
 GRID = 15, 20

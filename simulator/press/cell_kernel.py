@@ -1,0 +1,192 @@
+"""Rectangles and discs on the cells of a grid, compiled; for `press.rasterized` and for sensors."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..compiled import compiled
+from .batch import PressBatch
+from .pixels import SAMPLES, GridCells
+
+Box = tuple[float, float, float, float]
+"""Left, right, bottom and top, m."""
+Span = tuple[int, int, int, int]
+"""First and end of columns, first and end of rows."""
+FAINT = 1e-12
+"""Rises of sums below this are rounding errors."""
+CELLS_AT_FIRST = 16
+"""Cells of a press for which a batch has room at first."""
+
+
+@compiled()
+def cells_of_patches(
+    counts: NDArray,
+    boxes: NDArray,
+    radii: NDArray,
+    rises: NDArray,
+    multiply: bool,
+    cells: GridCells,
+) -> PressBatch:
+    """Presses of rectangles and discs on the cells of a grid.
+
+    counts: patches of each press, the first in their row. boxes: left, right, bottom and top, m,
+    shape (press, patch, 4). radii: of discs, m, 0 of rectangles; rises of c: shape (press, patch).
+    multiply: True if factors 1 + rise multiply where patches overlap; False if rises add.
+    """
+    rows, columns = cells.cut.shape
+    batch, found = empty_batch(len(counts), CELLS_AT_FIRST * len(counts)), 0
+    unpressed = 1.0 if multiply else 0.0
+    total = np.full((rows, columns), unpressed)
+    for press in range(len(counts)):
+        span = columns, 0, rows, 0
+        for k in range(counts[press]):
+            own = boxes[press, k]
+            box, radius = (own[0], own[1], own[2], own[3]), radii[press, k]
+            span = add_patch(total, span, box, radius, rises[press, k], multiply, cells)
+        batch, found = moved_to_batch(total, span, unpressed, 0.0, batch, found)
+        batch.starts[press + 1] = found
+    return PressBatch(batch.cells[:found], batch.rises[:found], batch.starts)
+
+
+@compiled()
+def add_patch(
+    total: NDArray,
+    span: Span,
+    box: Box,
+    radius: float,
+    rise: float,
+    multiply: bool,
+    cells: GridCells,
+) -> Span:
+    """Raise `total` under a patch; returns the span of cells widened by its own.
+
+    A cell takes 1 + rise or the rise by the part of its skin that the patch covers; see
+    `cells_of_patches`.
+    """
+    left, right, bottom, top = box_cells(box, cells)
+    for i in range(bottom, top):
+        for j in range(left, right):
+            covered = covered_part(box, radius, i, j, cells)
+            if multiply:
+                total[i, j] *= (1 - covered) + (1 + rise) * covered
+            else:
+                total[i, j] += rise * covered
+    return min(span[0], left), max(span[1], right), min(span[2], bottom), max(span[3], top)
+
+
+@compiled()
+def empty_batch(presses: int, room: int) -> PressBatch:
+    """Batch with room for a number of cells."""
+    return PressBatch(np.empty(room, np.int64), np.empty(room), np.zeros(presses + 1, np.int64))
+
+
+@compiled()
+def moved_to_batch(
+    total: NDArray, span: Span, unpressed: float, faint: float, batch: PressBatch, found: int
+) -> tuple[PressBatch, int]:
+    """Batch with the pressed cells of a span behind the `found` first ones, and their new number.
+
+    The span of `total` becomes `unpressed` again. faint: largest rise that is left out. A batch
+    without room is replaced by a longer one.
+    """
+    left, right, bottom, top = span
+    rows, columns = total.shape
+    cells, rises, starts = batch.cells, batch.rises, batch.starts
+    if found + max(right - left, 0) * max(top - bottom, 0) > len(cells):
+        more = 2 * len(cells) + rows * columns
+        old_cells, old_rises = cells, rises
+        cells, rises = np.empty(more, np.int64), np.empty(more)
+        for k in range(found):
+            cells[k], rises[k] = old_cells[k], old_rises[k]
+    for i in range(bottom, top):
+        for j in range(left, right):
+            rise, total[i, j] = total[i, j] - unpressed, unpressed
+            if abs(rise) > faint:
+                cells[found], rises[found] = i * columns + j, rise
+                found += 1
+    return PressBatch(cells, rises, starts), found
+
+
+@compiled()
+def box_cells(box: Box, cells: GridCells) -> Span:
+    """Cells that a rectangle meets."""
+    rows, columns = cells.cut.shape
+    along, across = columns / cells.x[columns], rows / cells.y[rows]
+    return (
+        min(max(int(np.floor(box[0] * along)), 0), columns),
+        max(min(int(np.ceil(box[1] * along)), columns), 0),
+        min(max(int(np.floor(box[2] * across)), 0), rows),
+        max(min(int(np.ceil(box[3] * across)), rows), 0),
+    )
+
+
+@compiled()
+def covered_part(box: Box, radius: float, i: int, j: int, cells: GridCells) -> float:
+    """Part of the skin in a cell that a patch covers; from samples where the skin's edge passes."""
+    x, y, own = cells.x, cells.y, cells.cut[i, j]
+    if own < 0:
+        if box[0] >= x[j] and box[1] <= x[j + 1] and box[2] >= y[i] and box[3] <= y[i + 1]:
+            area = (box[1] - box[0]) * (box[3] - box[2]) * (np.pi / 4 if radius > 0.0 else 1.0)
+            return area / ((x[j + 1] - x[j]) * (y[i + 1] - y[i]))
+        return covered_fraction(box, radius, (x[j], x[j + 1], y[i], y[i + 1]))
+    middle_x, middle_y = (box[0] + box[1]) / 2, (box[2] + box[3]) / 2
+    there, under = 0, 0
+    for k in range(SAMPLES):
+        at_y = y[i] + (k + 0.5) / SAMPLES * (y[i + 1] - y[i])
+        for m in range(SAMPLES):
+            if not cells.mask[own, k, m]:
+                continue
+            there += 1
+            at_x = x[j] + (m + 0.5) / SAMPLES * (x[j + 1] - x[j])
+            if radius == 0.0:
+                under += box[0] <= at_x <= box[1] and box[2] <= at_y <= box[3]
+            else:
+                under += (at_x - middle_x) ** 2 + (at_y - middle_y) ** 2 <= radius * radius
+    return under / there if there else 0.0
+
+
+@compiled()
+def covered_fraction(box: Box, radius: float, sides: Box) -> float:
+    """Fraction of a cell within a patch. sides: left, right, bottom, top of the cell, m.
+
+    Areas under a disc are exact except for rounding errors of 1e-16 radius².
+    """
+    left, right, bottom, top = sides
+    if radius == 0.0:
+        wide = (min(right, box[1]) - max(left, box[0])) / (right - left)
+        high = (min(top, box[3]) - max(bottom, box[2])) / (top - bottom)
+        return max(wide, 0.0) * max(high, 0.0)
+    x, y = (box[0] + box[1]) / 2, (box[2] + box[3]) / 2
+    u0, u1, v0, v1 = (
+        (left - x) / radius,
+        (right - x) / radius,
+        (bottom - y) / radius,
+        (top - y) / radius,
+    )
+    near_u, near_v = max(u0, -u1, 0.0), max(v0, -v1, 0.0)
+    if near_u * near_u + near_v * near_v >= 1.0:
+        return 0.0
+    far_u, far_v = max(-u0, u1), max(-v0, v1)
+    if far_u * far_u + far_v * far_v <= 1.0:
+        return 1.0
+    area = (_below(u1, v1) - _below(u0, v1)) - (_below(u1, v0) - _below(u0, v0))
+    return min(max(area / ((u1 - u0) * (v1 - v0)), 0.0), 1.0)
+
+
+@compiled()
+def _below(u: float, v: float) -> float:
+    """Area of the unit disc where its coordinates are <= u and <= v.
+
+    It is the integral of w(t) + clip(v, -w, w) over t from -1 to u, w(t) = sqrt(1 - t²).
+    """
+    u, v = min(max(u, -1.0), 1.0), min(max(v, -1.0), 1.0)
+    w = np.sqrt(1 - v * v)
+    beside = _under_arc(min(u, -w)) + _under_arc(max(u, w)) - _under_arc(w)
+    return _under_arc(u) + np.sign(v) * beside + v * (min(max(u, -w), w) + w)
+
+
+@compiled()
+def _under_arc(u: float) -> float:
+    """Integral of sqrt(1 - t²) over t from -1 to u."""
+    return (u * np.sqrt(1 - u * u) + np.arcsin(u)) / 2 + np.pi / 4
