@@ -20,7 +20,7 @@ from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.localization.twin_parts.hands import TALK, TURN
 from rcskin.benchmarks.localization.twin_parts.training import CHANGE
 from rcskin.hardware.virtual.hioki.meter_state import Settings, conditions
-from rcskin.localization.filtering.adaptive_policy import AdaptivePolicy
+from rcskin.localization.filtering.adaptive import AdaptivePolicy
 from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train
 from rcskin.simulator.measure.readout import read_out

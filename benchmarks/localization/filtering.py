@@ -37,7 +37,7 @@ from rcskin.hardware.live.live_meter import LiveMeter
 from rcskin.hardware.live.live_session import LiveSession
 from rcskin.hardware.live.session_log import SessionLog
 from rcskin.hardware.live.touch_answer import NOTHING_PRESSED
-from rcskin.localization.filtering.adaptive_policy import AdaptivePolicy
+from rcskin.localization.filtering.adaptive import AdaptivePolicy
 from rcskin.localization.filtering.follower import Follower
 from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...localization.commands.model_notes import note_version
-from ...localization.filtering.adaptive_policy import AdaptivePolicy, inverter_for
+from ...localization.filtering.adaptive import AdaptivePolicy, inverter_for
 from ...localization.filtering.follower import MAX_CHANGE_PROBABILITY, FollowedAnswer, Follower
 from ...localization.inputs.features import needs_baseline
 from ...localization.model.localizer_file import load
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from numpy.typing import NDArray
 
-    from ...localization.filtering.adaptive_sweep import AdaptiveSweep
+    from ...localization.filtering.adaptive import AdaptiveSweep
     from ...localization.filtering.touch_dynamics import TouchDynamics
     from ...localization.inversion.region import Region
     from ...localization.model.localizer_model import Model

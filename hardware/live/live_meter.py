@@ -23,8 +23,7 @@ from ..record.measured_sweep import (
 )
 from ..record.recording_journal import RecordingHeader, RecordingJournal
 from ..record.sweep_checks import ConditionsOf, ErrorTable, SweepChecker, SweepLimits
-from ..switch.errors import NoSwitchError, SwitchError
-from ..switch.switch import Switch
+from ..switch.switch import NoSwitchError, Switch, SwitchError
 from .touch_answer import frequencies_of
 
 if TYPE_CHECKING:

@@ -25,7 +25,7 @@ from .touch_answer import TouchAnswer
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ...localization.filtering.adaptive_sweep import AdaptiveSweep
+    from ...localization.filtering.adaptive import AdaptiveSweep
     from ...localization.model.localizer_model import Model
     from .live_localizer import LiveLocalizer
 

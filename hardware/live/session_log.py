@@ -19,14 +19,13 @@ from ...simulator.sweeps.schema import complex_readings
 from ..meter.meter_reading import MeterReading
 from ..record.measured_sweep import InterfaceTrace, MeasuredSweep, now
 from ..record.press_order import UNKNOWN
-from ..record.recording_dataset import measured_mask, sweep_dataset
 from ..record.recording_journal import (
     JournalEntry,
     RecordingHeader,
     RecordingJournal,
     warn_if_clock_set_back,
 )
-from ..record.recording_output import finish, write_all
+from ..record.recording_output import finish, measured_mask, sweep_dataset, write_all
 from .live_baseline import LiveBaseline
 from .touch_answer import TouchAnswer, frequencies_of
 

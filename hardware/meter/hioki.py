@@ -6,21 +6,22 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from ...simulator.meters.accuracy_table import (
+    METER_BANDS,
     RANGES,
     AccuracyTable,
     GeneratorLevel,
     ReadingConditions,
 )
-from ...simulator.meters.meter_bands import METER_BANDS
 from .errors import GarbledError
 from .lcr_meter import LcrMeter
 from .meter_reading import MeterReading, parse_reading
-from .setting import MeterProperty, Setting
-from .setting_formats import (
+from .setting import (
     IntegerFormat,
+    MeterProperty,
     NumberFormat,
     OnOffFormat,
     RegisterFormat,
+    Setting,
     WordFormat,
 )
 

@@ -9,7 +9,7 @@ from .keysight_lcr import KEYSIGHT_LCR
 from .lcr_meter import LcrMeter
 from .link.connection import Connection, connect
 from .link.conversation import Conversation
-from .meter_identity import MeterIdentity, parse_identity
+from .meter_reading import MeterIdentity, parse_identity
 
 INSTRUMENTS: dict[str, type[LcrMeter]] = {
     each.model: each for each in (*HIOKI, *KEYSIGHT_LCR, E4990A)

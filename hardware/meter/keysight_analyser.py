@@ -9,8 +9,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
-from ...simulator.meters.accuracy_table import OUTPUT_RESISTANCE, AccuracyTable, ReadingConditions
-from ...simulator.meters.meter_bands import METER_BANDS
+from ...simulator.meters.accuracy_table import (
+    METER_BANDS,
+    OUTPUT_RESISTANCE,
+    AccuracyTable,
+    ReadingConditions,
+)
 from ...simulator.sweeps import InputError
 from .errors import FailedReadingError
 from .keysight_meter import (
@@ -22,8 +26,15 @@ from .keysight_meter import (
     state_of,
 )
 from .meter_reading import MeterReading
-from .setting import MeterProperty, Setting
-from .setting_formats import IntegerFormat, NumberFormat, OnOffFormat, TokenFormat, WordFormat
+from .setting import (
+    IntegerFormat,
+    MeterProperty,
+    NumberFormat,
+    OnOffFormat,
+    Setting,
+    TokenFormat,
+    WordFormat,
+)
 
 SEGMENT_HEADER = (7, 0, 0, 0, 0, 0, 0, 0)
 """Start of a table of segments that have start, stop and number of points, and nothing else."""

@@ -13,12 +13,12 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...simulator.meters.accuracy_table import (
+    METER_BANDS,
     OUTPUT_RESISTANCE,
     RANGES,
     AccuracyTable,
     ReadingConditions,
 )
-from ...simulator.meters.meter_bands import METER_BANDS
 from ...simulator.sweeps import InputError
 from .errors import FailedReadingError
 from .keysight_meter import (
@@ -31,13 +31,14 @@ from .keysight_meter import (
     state_of,
 )
 from .meter_reading import MeterReading, ReadingStatus
-from .setting import Setting, SettingPart
-from .setting_formats import (
+from .setting import (
     ChoiceFormat,
     IntegerFormat,
     NumberFormat,
     OnOffFormat,
     PartsFormat,
+    Setting,
+    SettingPart,
     TokenFormat,
     WordFormat,
 )

@@ -10,8 +10,7 @@ from typing import Any, ClassVar
 from .errors import GarbledError, RefusedError
 from .lcr_meter import SEARCHES, LcrMeter
 from .meter_reading import MeterReading, ReadingStatus
-from .setting import MeterProperty, Setting, SettingsOwner
-from .setting_formats import NumberFormat, StateFormat, ValueFormat
+from .setting import MeterProperty, NumberFormat, Setting, SettingsOwner, StateFormat, ValueFormat
 
 NO_VALUE = 9e37
 """The meter writes 9.9E37 where it has no number."""

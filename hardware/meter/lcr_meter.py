@@ -8,12 +8,12 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
 
-from ...simulator.meters.meter_bands import METER_BANDS
+from ...simulator.meters.accuracy_table import METER_BANDS
 from ...simulator.sweeps import InputError
 from .errors import MeterError, NoAnswerError, changed_setting
 from .link.connection import Connection
 from .link.conversation import Conversation
-from .meter_identity import MeterIdentity, parse_identity
+from .meter_reading import MeterIdentity, parse_identity
 from .reading_source import SettingValue
 from .restoring.original_settings import (
     SETTINGS_STORE,

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
-from .meter_identity import MeterIdentity
-from .meter_reading import MeterReading
+from .meter_reading import MeterIdentity, MeterReading
 
 SettingValue = str | int | float | bool
 

@@ -15,8 +15,7 @@ from ...simulator.sweeps import InputError
 from ...simulator.sweeps.reading_quantities import MAGNITUDE, ReadingKind
 from ..event_counter import Report
 from ..meter.errors import GarbledError, LostConnectionError, MeterError, NoAnswerError
-from ..meter.meter_identity import VIRTUAL_SERIAL, MeterIdentity
-from ..meter.meter_reading import MeterReading
+from ..meter.meter_reading import VIRTUAL_SERIAL, MeterIdentity, MeterReading
 from ..meter.reading_source import SettingValue
 from ..meter.restoring.termination import raise_pending_signal
 from .line_format import LineFormat

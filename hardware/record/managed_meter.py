@@ -13,7 +13,7 @@ from typing import Any, Self
 from ...simulator.safe_text import say
 from ..meter.errors import MeterError, WrongMeterError
 from ..meter.link.conversation import ANSWER_TIMES
-from ..meter.meter_identity import MeterIdentity
+from ..meter.meter_reading import MeterIdentity
 from ..meter.reading_source import ReadingSource
 from ..meter.restoring.original_settings import (
     SETTINGS_STORE,

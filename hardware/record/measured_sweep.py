@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...simulator.meters.meter_bands import outside_band
+from ...simulator.meters.accuracy_table import outside_band
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.reading_quantities import ReadingKind
 from ...simulator.sweeps.same_frequency import SAME_FREQUENCY

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
-from .errors import GarbledSwitchError, NoSwitchError, SilentSwitchError
+from .switch import GarbledSwitchError, NoSwitchError, SilentSwitchError
 
 if TYPE_CHECKING:
     from serial import Serial

@@ -9,7 +9,7 @@ from typing import TypeVar
 
 from ..meter.errors import GarbledError, LostConnectionError, MeterError, NoAnswerError
 from ..meter.link.connection import Connection, connect
-from .errors import (
+from .switch import (
     GarbledSwitchError,
     NoSwitchError,
     RefusedSwitchError,

@@ -12,8 +12,7 @@ from ...simulator.sweeps import InputError
 from ..command_template import CommandTemplate
 from ..control_client import checked_address, send_request
 from ..meter.errors import PressError
-from .errors import NoSwitchError, RefusedSwitchError, SilentSwitchError
-from .switch import DeviceSwitch, Switch
+from .switch import DeviceSwitch, NoSwitchError, RefusedSwitchError, SilentSwitchError, Switch
 
 ASK = "ask"
 SETTLE = 0.05

@@ -12,7 +12,7 @@ from typing import Any
 
 from ...simulator.sweeps import InputError
 from ..event_counter import Report
-from ..page.request_head import WORD
+from ..page.page_connection import WORD
 
 MAX_LINE = 8192
 """Longest line, bytes. A list of 201 frequencies or segments fits."""

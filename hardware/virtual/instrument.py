@@ -12,11 +12,10 @@ from copy import deepcopy
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from ..meter.meter_identity import VIRTUAL_SERIAL
+from ..meter.meter_reading import VIRTUAL_SERIAL
 from .faults import GARBAGE, ON_ANSWERS, Fault
 from .interpreter import answer
-from .language.meter_command import MeterCommand
-from .language.parser import SYNTAX_ERROR, CommandError, LanguageError
+from .language import SYNTAX_ERROR, CommandError, LanguageError, MeterCommand
 from .measurement import NO_RESULT, MeasurementResult, MeasurementSetup, MeterSettings
 from .virtual_device import VirtualDevice
 

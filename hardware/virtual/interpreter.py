@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 from typing import TYPE_CHECKING
 
-from .language.parser import UNDEFINED_HEADER, CommandError, ExecutionError, Message, messages
+from .language import UNDEFINED_HEADER, CommandError, ExecutionError, Message, messages
 
 if TYPE_CHECKING:
     from .instrument import Instrument

@@ -8,8 +8,13 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...simulator.meters.accuracy_table import DERIVED_TABLE, read_table
-from ...simulator.meters.meter_bands import VIRTUAL_MODEL, outside_band, reaching
+from ...simulator.meters.accuracy_table import (
+    DERIVED_TABLE,
+    VIRTUAL_MODEL,
+    outside_band,
+    reaching,
+    read_table,
+)
 from ...simulator.sweeps import UNPRESSED, InputError
 from ...simulator.sweeps.reading_quantities import IMPEDANCE
 from .instrument import Instrument

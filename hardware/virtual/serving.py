@@ -79,8 +79,7 @@ def serve(
 @asynccontextmanager
 async def serve_page(control: ControlPort, page_options: PageOptions) -> AsyncIterator[PageAddress]:
     """Serve the skin's page while the block runs. Raises InputError if the port is taken."""
-    from ..page.latest_state import LatestState, keep_updated, post_if_changed
-    from ..page.page_server import PageServer
+    from ..page.page_server import LatestState, PageServer, keep_updated, post_if_changed
 
     board = LatestState()
 

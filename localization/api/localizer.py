@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ..evaluation.result import Evaluation
-    from ..inputs.feature_arrays import Features
+    from ..inputs.features import Features
     from ..inputs.targets import Target
     from ..inversion.estimators import EstimatorName
     from ..model.localizer_model import Model
@@ -41,7 +41,7 @@ def features(
     presses have no baseline sweep before them, Rs and Cp. Raises InputError for a target or a
     quantity that these sweeps do not have.
     """
-    from ..inputs.feature_arrays import Features
+    from ..inputs.features import Features
     from ..inputs.samples import samples_of
 
     samples = samples_of(sweeps_of(sweeps), target, quantities)

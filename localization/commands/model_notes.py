@@ -51,7 +51,7 @@ def note_version(model: Model, path: Path) -> None:
 def accuracy_meaning(problem: LocalizationProblem, scored: str, sweeps: xr.Dataset) -> str:
     """Line on the kind of sweeps that an accuracy applies to. scored: see `accuracy_text`."""
     from ...simulator.sweeps.accuracy_text import CHANGES, accuracy_text
-    from ..inputs.feature_names import are_changes
+    from ..inputs.features import are_changes
 
     used = ", ".join(problem.quantities)
     features = CHANGES if are_changes(problem.quantities) else used
@@ -61,7 +61,7 @@ def accuracy_meaning(problem: LocalizationProblem, scored: str, sweeps: xr.Datas
 
 def note_features(requested: str | None, used: Sequence[str]) -> None:
     """Print a note if the features are a default other than changes from the unpressed skin."""
-    from ..inputs.feature_names import RELATIVE, names_beside
+    from ..inputs.features import RELATIVE, names_beside
 
     if requested is None and not set(used) & set(RELATIVE):
         changes = names_beside(used).relative[: len(used)]

@@ -91,7 +91,7 @@ def _hints(model: Model, sweeps: xr.Dataset) -> list[str]:
     """Hint to use changes from the unpressed skin, if the sweeps allow it."""
     import numpy as np
 
-    from ..inputs.feature_names import names_of
+    from ..inputs.features import names_of
 
     if not model.guards_use_changes or np.unique(sweeps["session"]).size < 2:
         return []

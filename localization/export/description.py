@@ -7,14 +7,14 @@ from importlib.metadata import version
 
 from ...simulator.sweeps.reading_quantities import DESCRIBED
 from ..model.localizer_model import Model
-from .graph_features import OPENING, RECENT
+from .graph_parts import OPENING_SWEEPS, RECENT
 from .portable import PortableModel
 
 FEATURES_VERSION = 1
 """Version of the definitions of features; a new number means that one has changed."""
 BASELINES = {
     RECENT: "latest sweeps of the unpressed skin before the sweep, up to 3",
-    OPENING: "first sweeps of the unpressed skin in the session, up to 8",
+    OPENING_SWEEPS: "first sweeps of the unpressed skin in the session, up to 8",
 }
 OUTPUTS = {
     "probabilities": "probability of each of `labels`",

@@ -14,7 +14,7 @@ from ..inputs.baselines import log_baselines
 from ..inputs.features import at_interfaces
 from ..model.localizer_model import Model
 from ..trust.answers import CANNOT_TELL
-from .graph_features import OPENING, RECENT
+from .graph_parts import OPENING_SWEEPS, RECENT
 from .portable import PortableModel
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ def inputs_of(
     frequency = used["frequency"].values
     found = {}
     for name in names:
-        prefix = next((each for each in (RECENT, OPENING) if name.startswith(each)), "")
+        prefix = next((each for each in (RECENT, OPENING_SWEEPS) if name.startswith(each)), "")
         if not prefix:
             found[name] = used[name].transpose("sweep", "interface", "frequency").values
             continue

@@ -12,8 +12,7 @@ from ..model.localizer_model import Model
 from ..parts.parts import LogProbabilities
 from .description import described
 from .graph import Graph
-from .graph_features import GraphFeatures
-from .graph_parts import add_deviations, add_distance, add_part
+from .graph_parts import GraphFeatures, add_deviations, add_distance, add_part
 from .portable import PortableModel
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...simulator.arrays import Real
 from ...simulator.sweeps import InputError
-from ..inputs.feature_names import names_beside
+from ..inputs.features import names_beside
 from ..inputs.samples import LocalizationProblem
 from ..learners.registry import learners
 from ..model.localizer_model import Model

@@ -10,9 +10,8 @@ from scipy.stats import norm
 
 from ...simulator.arrays import Real
 from ..inversion.position import BLUR, GRID
-from ..inversion.region import PlaceDistribution
+from ..inversion.region import PlaceDistribution, SkinMask
 from ..inversion.regions import INVERTING_POSITIONS, sides_of
-from ..inversion.skin_mask import SkinMask
 from ..model.localizer_model import Model
 from ..trust.fitted import Regressor
 

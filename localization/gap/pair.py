@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
 from ...simulator.measure.simulate import resimulated
 from ...simulator.scene.scene import Scene
@@ -15,15 +16,94 @@ from ...simulator.sweeps import InputError
 from ...simulator.sweeps.reading_quantities import kind_of
 from ...simulator.sweeps.reading_subset import read_mask, restricted, with_named_interface
 from ...simulator.sweeps.same_frequency import same_frequencies
+from ...simulator.sweeps.same_skin import check_same_skin
+from ...simulator.sweeps.schema import MEASURED, VIRTUAL
 from ..inputs.features import at_interfaces
-from .side_label import SideLabel, check_other, check_simulated, label_of_side
-from .subsampling import subsampled
 
 if TYPE_CHECKING:
-    import xarray as xr
+    from numpy.typing import NDArray
 
     from ...simulator.arrays import Integer
     from ..model.localizer_model import Model
+
+VIRTUAL_SERIAL = "000000000"
+"""Serial number of the virtual meter; older recordings are recognized only by it."""
+
+
+@dataclass(frozen=True)
+class SideLabel:
+    """Names of the other side in the report: `the measurement`, `measured sweeps`."""
+
+    name: str
+    adjective: str
+
+
+MEASUREMENT = SideLabel("measurement", "measured")
+TWIN = SideLabel("twin", "twin")
+SECOND = SideLabel("second simulation", "second simulated")
+
+
+def label_of_side(sweeps: xr.Dataset) -> SideLabel:
+    """The label, from the attributes: `twin`, the virtual meter, or a simulation's tolerance."""
+    attributes = sweeps.attrs
+    virtual = VIRTUAL_SERIAL in str(attributes.get("meter", "")).split(",")
+    if "twin" in attributes or virtual or attributes.get("model") == VIRTUAL:
+        return TWIN
+    simulated = "rtol" in attributes and attributes.get("model") != MEASURED
+    return SECOND if simulated else MEASUREMENT
+
+
+def check_simulated(sweeps: xr.Dataset, path: object) -> None:
+    """Raises InputError if sweeps given as simulated are marked as measured."""
+    if sweeps.attrs.get("model") in (MEASURED, VIRTUAL) or "twin" in sweeps.attrs:
+        called = label_of_side(sweeps).adjective
+        raise InputError(f"{path}: contains {called} sweeps; name the simulated sweeps first")
+
+
+def check_other(sweeps: xr.Dataset, scene: str, path: object) -> None:
+    """Raises InputError if the other side's sweeps are of another skin than the scene's.
+
+    scene: TOML text, empty if unknown.
+    """
+    check_same_skin(str(sweeps.attrs.get("scene", "")), scene, str(path))
+
+
+MAX_SWEEPS = 1000
+"""Maximum number of sweeps: the cost of kernel machines grows with the square."""
+SESSION_EXCESS = 2
+"""The sessions drawn have this multiple of MAX_SWEEPS sweeps, so that each keeps enough of them."""
+BASELINES_PER_SESSION = 5
+"""Number of first unpressed sweeps that are kept of each session, as its baseline."""
+
+
+def subsampled(sweeps: xr.Dataset, random: np.random.Generator) -> xr.Dataset:
+    """At most MAX_SWEEPS of the sweeps, of sessions drawn at random; the unpressed ones first."""
+    if sweeps.sizes["sweep"] <= MAX_SWEEPS:
+        return sweeps
+    session = sweeps["session"].values
+    among = np.flatnonzero(np.isin(session, _drawn(session, random)))
+    rest = _first_baselines(among, session, sweeps["row"].values)[:MAX_SWEEPS]
+    others = np.setdiff1d(among, rest)
+    more = random.choice(others, min(MAX_SWEEPS - rest.size, others.size), replace=False)
+    return sweeps.isel(sweep=np.union1d(rest, more))
+
+
+def _drawn(session: Integer, random: np.random.Generator) -> Integer:
+    """Random sessions that together have SESSION_EXCESS times MAX_SWEEPS sweeps, or all."""
+    names, counts = np.unique(session, return_counts=True)
+    order = random.permutation(names.size)
+    before = np.cumsum(counts[order]) - counts[order]
+    return names[order[before < SESSION_EXCESS * MAX_SWEEPS]]
+
+
+def _first_baselines(order: NDArray[np.intp], session: Integer, row: Integer) -> NDArray[np.intp]:
+    """Indices of the first BASELINES_PER_SESSION unpressed sweeps of each session."""
+    unpressed = order[row[order] == 0]
+    parts = [
+        unpressed[session[unpressed] == each][:BASELINES_PER_SESSION]
+        for each in np.unique(session[unpressed])
+    ]
+    return np.concatenate([np.zeros(0, dtype=np.intp), *parts])
 
 
 @dataclass(frozen=True, eq=False)

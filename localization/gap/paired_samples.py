@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...simulator.arrays import Integer, Mask, Real
-from ..inputs.feature_names import OF_IMPEDANCE, names_of
+from ..inputs.features import OF_IMPEDANCE, names_of
 from ..inputs.samples import LocalizationProblem
 from ..inputs.samples import samples_of as learnable
 from ..inputs.targets import labels

@@ -2,30 +2,93 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Container, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import xarray as xr
 
 from ...simulator.sweeps import InputError
-from ...simulator.sweeps.reading_quantities import kind_of
+from ...simulator.sweeps.reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, ReadingKind, kind_of
 from ...simulator.sweeps.schema import complex_readings, taken_of
 from .baselines import check_baselines, finite_sweeps, has_baseline_before, log_baselines
-from .feature_names import (
-    BASELINE,
-    PAPER,
-    QUANTITIES,
-    READ,
-    RELATIVE,
-    check_kind,
-    names_of,
-)
 
 if TYPE_CHECKING:
-    import xarray as xr
     from numpy.typing import NDArray
 
     from ...simulator.arrays import Complex, Mask, Real
+    from .samples import Samples
+
+PAPER = ("Rs", "Cp")
+"""The paper's choice, and the default where the unpressed skin was not measured."""
+
+
+@dataclass(frozen=True)
+class FeatureNames:
+    """Names of the features of one kind of readings.
+
+    read: readings as the sweeps store them, in SI units. absolute: logarithm of the magnitude, and
+    phase in rad. relative: both relative to recent baseline sweeps of the same session; the meter's
+    errors of the session and most differences between skins cancel. baseline: both of the unpressed
+    skin at the start of the session; they identify the skin. default: without a baseline.
+    """
+
+    read: tuple[str, ...]
+    absolute: tuple[str, ...]
+    relative: tuple[str, ...]
+    baseline: tuple[str, ...]
+    default: tuple[str, ...]
+
+    @property
+    def all(self) -> tuple[str, ...]:
+        """All names."""
+        return *self.read, *self.absolute, *self.relative, *self.baseline
+
+
+OF_IMPEDANCE = FeatureNames(
+    ("Rs", "X", "Cp"), ("lnZ", "phase"), ("dlnZ", "dphase"), ("lnZ0", "phase0"), PAPER
+)
+OF_GAIN = FeatureNames(
+    ("gain",), ("lnG", "phaseG"), ("dlnG", "dphaseG"), ("lnG0", "phaseG0"), ("lnG", "phaseG")
+)
+OF_MAGNITUDE = FeatureNames(("gain",), ("lnG",), ("dlnG",), ("lnG0",), ("lnG",))
+NAMES = {IMPEDANCE.name: OF_IMPEDANCE, GAIN.name: OF_GAIN, MAGNITUDE.name: OF_MAGNITUDE}
+
+READ = (*OF_IMPEDANCE.read, *OF_GAIN.read)
+ABSOLUTE = (*OF_IMPEDANCE.absolute, *OF_GAIN.absolute)
+RELATIVE = (*OF_IMPEDANCE.relative, *OF_GAIN.relative)
+BASELINE = (*OF_IMPEDANCE.baseline, *OF_GAIN.baseline)
+"""Names of all kinds; the last three have the same order of quantities."""
+QUANTITIES = (*READ, *ABSOLUTE, *RELATIVE, *BASELINE)
+
+
+def names_of(variables: Container[object]) -> FeatureNames:
+    """Names of the features of sweeps with variables of these names."""
+    return NAMES[kind_of(variables).name]
+
+
+def names_beside(quantities: Sequence[str]) -> FeatureNames:
+    """Names of the kind of readings that some features are of."""
+    return OF_GAIN if set(quantities) & set(OF_GAIN.all) else OF_IMPEDANCE
+
+
+def are_changes(quantities: Sequence[str]) -> bool:
+    """True if these features are all changes from the unpressed skin, and nothing else."""
+    return tuple(quantities) in [each.relative for each in NAMES.values()]
+
+
+def check_kind(quantities: Sequence[str], kind: ReadingKind) -> None:
+    """Raises InputError for a feature that readings of a kind do not have."""
+    allowed = NAMES[kind.name].all
+    for name in quantities:
+        if name not in allowed:
+            needed = "impedance" if name in OF_IMPEDANCE.all else "complex gain"
+            raise InputError(
+                f"the feature {name} needs the {needed}, and the sweeps hold the {kind.name}; "
+                f"choose of {', '.join(allowed)}"
+            )
+
 
 BLOCK = 10_000
 """Approximate number of sweeps per block; computing features takes ten times their memory."""
@@ -251,3 +314,39 @@ def _read(sweeps: xr.Dataset, name: str) -> Real:
 def _parts(logarithm: Complex, names: tuple[str, ...]) -> dict[str, Real]:
     """Real and imaginary parts by name; the real ones alone for one name."""
     return dict(zip(names, (np.real(logarithm), np.imag(logarithm)), strict=False))
+
+
+class Features(tuple["NDArray[Any]", "NDArray[Any]"]):
+    """The features X and the targets y of sweeps; unpacks into these two arrays.
+
+    X: shape (sweep, feature). y: shape (sweep,), for positions (sweep, 3). index: numbers of these
+    sweeps among the given ones, from 0, ascending, shape (sweep,). left_out: text on the sweeps
+    that were left out, with the reasons.
+    """
+
+    index: NDArray[Any]
+    left_out: str
+    _about: str
+
+    @classmethod
+    def of(cls, samples: Samples) -> Features:
+        """The features and the targets of samples."""
+        found, problem = cls((samples.X, samples.y)), samples.problem
+        found.index = samples.rows
+        found.left_out = samples.left_out.describe(problem.target)
+        found._about = f"{problem.target}: {', '.join(problem.quantities)}"
+        return found
+
+    @property
+    def X(self) -> NDArray[Any]:
+        """Features, shape (sweep, feature)."""
+        return self[0]
+
+    @property
+    def y(self) -> NDArray[Any]:
+        """Targets, shape (sweep,), for positions (sweep, 3)."""
+        return self[1]
+
+    def __repr__(self) -> str:
+        shape = "x".join(map(str, self.X.shape))
+        return f"Features of {self._about}; X is {shape} (sweep, feature); sweeps {self.left_out}"

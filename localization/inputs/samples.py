@@ -12,13 +12,14 @@ from ...simulator.measure.sweep_touches import counts_of
 from ...simulator.sweeps import InputError
 from ..parts.plain import Plain
 from .baselines import check_baselines, finite_sweeps
-from .feature_names import RELATIVE, names_beside
 from .features import (
+    RELATIVE,
     Quantities,
     at_interfaces,
     available_features,
     baseline_changes,
     chosen_quantities,
+    names_beside,
     packed,
     taken_rows,
 )

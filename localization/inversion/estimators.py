@@ -12,7 +12,7 @@ from ...simulator.arrays import Real
 from ...simulator.scene.scene_files import carried_scene
 from ...simulator.sweeps import InputError
 from ..inputs.baselines import MIN_BASELINES
-from ..inputs.feature_names import NAMES, OF_IMPEDANCE, FeatureNames, names_beside
+from ..inputs.features import NAMES, OF_IMPEDANCE, FeatureNames, names_beside
 from ..inputs.samples import LocalizationProblem
 from ..inputs.targets import CLASSES, TARGETS
 from ..learners.classifiers import REFERENCE

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...simulator.arrays import Real
 from ...simulator.sweeps import InputError
-from ..inputs.feature_names import ABSOLUTE, BASELINE, READ, RELATIVE
+from ..inputs.features import ABSOLUTE, BASELINE, READ, RELATIVE
 from ..inputs.samples import LocalizationProblem
 from ..parts.parts import Components, Decoding, KernelSum, PairwiseSVMs, Scaling
 from ..parts.predictor import Chain

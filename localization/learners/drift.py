@@ -12,8 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...simulator.arrays import Real
-from ..inputs.feature_names import ABSOLUTE, BASELINE, RELATIVE
-from ..inputs.features import in_blocks
+from ..inputs.features import ABSOLUTE, BASELINE, RELATIVE, in_blocks
 from ..inputs.samples import LocalizationProblem
 
 DRIFT = 0.02

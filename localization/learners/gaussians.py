@@ -7,6 +7,13 @@ a quadratic function of the baseline curve. b is the curvature of the response i
 function of the baseline curve. t is the strength of the touch, normal about 1. The residual is
 normal too: it has a few directions of most spread, where presses and skins differ, and one variance
 in all other directions, which prevents overfitting. The parts share patterns, see `shared`.
+
+Coefficients of all classes shrink towards the few patterns that they share.
+
+Few baseline sweeps come shortly before a touch, and their noise is in its change. A skin drifts
+along the few directions in which skins differ most: as a whole it gets stiffer, or conducts less.
+Along these directions only the latest baseline sweeps count. Across them the opening sweeps, which
+are more, count too, as long as the difference there is no larger than noise.
 """
 
 from __future__ import annotations
@@ -17,11 +24,54 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...simulator.arrays import Real
-from ..parts.normal_densities import ClassDensities, NormalDensities, terms
+from ..parts.normal_densities import BaselineCorrection, ClassDensities, NormalDensities, terms
 from ..parts.parts import AffineMap
 from .drift import DRIFT, add_drift
-from .drift_directions import FOLLOWED, fitted_correction
-from .shrinkage import shared
+
+FOLLOWED = 2
+"""Number of directions in which skins differ most and drift is followed: foam and sheets."""
+NOISE_QUANTILE = 0.99
+"""Share of the training sweeps, which do not drift, whose squared length is within `noise`."""
+
+
+def fitted_correction(opening: Real, recent: Real, count: int = FOLLOWED) -> BaselineCorrection:
+    """The correction of `normal_densities`, with the directions of skins that do not drift.
+
+    opening, recent: means of the opening and of the latest baseline sweeps, each of shape
+    (sweep, feature). count: maximum number of directions.
+    """
+    differences = opening - opening.mean(axis=0)
+    power, axes = np.linalg.eigh(differences.T @ differences)
+    ways = np.asarray(axes[:, np.argsort(power)[::-1][:count]], np.float64)
+    across = BaselineCorrection(ways, 0.0).across(recent - opening)
+    squares = np.square(across).sum(axis=1)
+    return BaselineCorrection(ways, float(np.quantile(squares, NOISE_QUANTILE)))
+
+
+def shared(coefficients: Real, errors: Real, noise: Real) -> Real:
+    """Coefficients with less noise, by shrinking the singular values of all classes together.
+
+    Neighbouring touches change a skin similarly: the matrix of all coefficients, a row for each
+    class, has few large singular values, and noise has many small ones. Each value y becomes
+    sqrt((y² - b - 1)² - 4 b)/y, 0 below 1 + sqrt(b), of a matrix of shape (b n, n) in units of the
+    noise times sqrt(n): M. Gavish, D. L. Donoho, IEEE Trans. Inf. Theory 63 (2017) 2137-2152, for
+    the least squared error.
+
+    coefficients: shape (class, term, number). errors: variance of each term in units of the noise,
+    equal for all classes, shape (term,), > 0. noise: covariance of numbers, shape (number, number).
+    """
+    unit = np.linalg.inv(np.linalg.cholesky(noise)).T
+    scale = np.sqrt(errors)[:, None]
+    whitened = coefficients @ unit / scale
+    left, values, right = np.linalg.svd(whitened.reshape(len(whitened), -1), full_matrices=False)
+    short, long = sorted((len(whitened), whitened[0].size))
+    y, b = values / np.sqrt(long), short / long
+    above = y > 1 + np.sqrt(b)
+    squared = np.square(np.square(y) - b - 1) - 4 * b
+    kept = np.sqrt(np.where(above, squared, 0.0)) / np.where(above, y, 1.0) * np.sqrt(long)
+    found = ((left * kept) @ right).reshape(whitened.shape)
+    return np.linalg.solve(unit.T, (found * scale).swapaxes(1, 2)).swapaxes(1, 2)
+
 
 COMPONENTS, OF_CURVE, SQUARED, SPREAD = 16, 12, 3, 4
 """Numbers of components and directions.
@@ -79,7 +129,7 @@ def fitted(
     X: shape (sweep, feature). index: number of the class of each sweep, (sweep,). curve: indices of
     the features of the baseline curve; the other features have equal noise and show the press.
     absolute: indices of the features of the sweep as it was read; with them changes are taken from
-    all baseline sweeps, see `drift_directions`. Drift and `absolute` are used if each of the three
+    all baseline sweeps, see above. Drift and `absolute` are used if each of the three
     kinds has as many features, in the same order. drift, spread, strengths, followed: as DRIFT,
     SPREAD, STRENGTHS, FOLLOWED.
     """

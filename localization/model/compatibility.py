@@ -10,8 +10,7 @@ from ...simulator.sweeps import InputError
 from ...simulator.sweeps.reading_quantities import kind_of
 from ...simulator.sweeps.same_frequency import same_frequencies
 from ...simulator.sweeps.same_skin import check_same_skin
-from ..inputs.feature_names import NAMES
-from ..inputs.features import at_interfaces, taken_rows
+from ..inputs.features import NAMES, at_interfaces, taken_rows
 
 if TYPE_CHECKING:
     import xarray as xr

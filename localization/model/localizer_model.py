@@ -14,8 +14,13 @@ from ...simulator.notebook_display import SmallChart, Tabular
 from ...simulator.scene.scene_files import carried_scene
 from ...simulator.sweeps import InputError
 from ..inputs.baselines import check_baselines, finite_sweeps
-from ..inputs.feature_names import QUANTITIES, names_beside
-from ..inputs.features import at_interfaces, available_features, baseline_changes
+from ..inputs.features import (
+    QUANTITIES,
+    at_interfaces,
+    available_features,
+    baseline_changes,
+    names_beside,
+)
 from ..inputs.fingerprints import fingerprints_of
 from ..inputs.samples import LocalizationProblem, Samples, samples_of
 from ..inversion.adapted import Adapted

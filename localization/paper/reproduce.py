@@ -19,7 +19,7 @@ from ...simulator.scene.scene_files import load_scene
 from ...simulator.sweeps import checked_folder, made_folder, write
 from ..evaluation.confusion import Confusion, write_csv
 from ..evaluation.evaluation import cross_validate, unchecked
-from ..inputs.feature_names import PAPER
+from ..inputs.features import PAPER
 from ..model.localizer_file import save
 from ..model.training import train
 from . import figures

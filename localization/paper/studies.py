@@ -25,7 +25,7 @@ from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import load_scene
 from ..evaluation.confusion import Confusion
 from ..evaluation.evaluation import cross_validate
-from ..inputs.feature_names import PAPER
+from ..inputs.features import PAPER
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -14,7 +14,7 @@ from torch.utils.data import IterableDataset, get_worker_info
 from ...simulator.dataset.dataset_plan import DatasetPlan
 from ...simulator.dataset.memory_dataset import sweeps_of_sessions
 from ...simulator.dataset.skin_model import reduced
-from ...simulator.measure.streams import ORDER, stream
+from ...simulator.measure.skins import ORDER, stream
 from ...simulator.models.mechanics.force_depths import pressed_by_factors
 from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import load_scene

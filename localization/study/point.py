@@ -18,7 +18,7 @@ from ...simulator.dataset.memory_dataset import in_memory
 from ...simulator.dataset.skin_model import SkinFamily, nominal_skin, reduced
 from ...simulator.measure.experiment import own_presses
 from ...simulator.measure.simulate import check_fits
-from ...simulator.measure.streams import AUDIT, stream
+from ...simulator.measure.skins import AUDIT, stream
 from ...simulator.measure.symmetry import representative
 from ...simulator.press.pixels import pixels_with_skin
 from ...simulator.press.press import Press, every_press, pressed_factor

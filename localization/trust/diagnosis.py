@@ -10,8 +10,7 @@ import numpy as np
 
 from ...simulator.measure.skin_faults import kind_of_fault, place_of_fault
 from ...simulator.sweeps.schema import FAULT
-from ..inputs.feature_names import names_of
-from ..inputs.features import available_features
+from ..inputs.features import available_features, names_of
 from ..parts.plain import Plain, Sizes, require
 from .answers import CANNOT_TELL
 from .folds import splits_of

@@ -15,8 +15,7 @@ from ..measure.creeping_sweeps import OF_NODES, Interpolation, interpolation
 from ..measure.drawn_faults import faulty_skin
 from ..measure.readout import MeterSession, shown_values
 from ..measure.skin_faults import SkinFault
-from ..measure.skins import DrawnSkin
-from ..measure.streams import AUDIT, METER, PRESSES, stream
+from ..measure.skins import AUDIT, METER, PRESSES, DrawnSkin, stream
 from ..models.parameters import Variation
 from ..scene.parts import Meter, SceneParts, Setup
 from ..sweeps import ToleranceError

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import BaseModel
 
 from ..measure.symmetry import describe_repeated
-from ..meters.meter_bands import VIRTUAL_MODEL, outside_band
+from ..meters.accuracy_table import VIRTUAL_MODEL, outside_band
 from ..models.line import cut_off_frequency
 from ..press.pixels import pixels_with_skin
 from ..scene.extent import surface

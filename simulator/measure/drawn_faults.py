@@ -14,8 +14,7 @@ from ..scene.draws.randomisation import FaultOdds
 from ..scene.parts import Plan, SceneParts, Skin
 from ..scene.readings.contacts import EDGES
 from .skin_faults import AgedGain, DeadFoil, HalfFoil, SkinFault, StuckSpot, TornSheet
-from .skins import DrawnSkin, drawn_skin
-from .streams import FAULT, TEAR, stream
+from .skins import FAULT, TEAR, DrawnSkin, drawn_skin, stream
 
 MIDDLE = 0.1, 0.9
 """Range of the place of a tear along its edge."""

@@ -1,4 +1,4 @@
-"""Random skin of a session: sheets, foam, contacts and leads."""
+"""Random skin of a session: sheets, foam, contacts and leads, from its own random generators."""
 
 from __future__ import annotations
 
@@ -15,7 +15,15 @@ from ..scene.draws.randomisation import CUT
 from ..scene.foam.foam_in_time import AMBIENT, ambient_factors
 from ..scene.parts import Plan, SceneParts, Skin
 from ..scene.readout.meter import Leads
-from .streams import SKIN, stream
+
+SKIN, PRESSES, METER, AUDIT, CELLS, ORDER, FAULT, TEAR = range(8)
+
+
+def stream(seed: int, session: int, purpose: int) -> np.random.Generator:
+    """Random generator of one purpose (such as SKIN or METER) in one session."""
+    return np.random.Generator(
+        np.random.Philox(np.random.SeedSequence(seed, spawn_key=(session, purpose)))
+    )
 
 
 @dataclass(frozen=True)

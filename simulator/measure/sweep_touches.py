@@ -6,16 +6,35 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+import xarray as xr
 
+from ..models.mechanics.indentation import deformation
+from ..press.press import parse_press, press_on, strength_of
+from ..scene.parts import Pressing, Skin
 from ..scene.scene_files import scene_of_sweeps
 from ..sweeps import InputError
-from ..sweeps.press_text import WrittenTouch, parse_touches
+from ..sweeps.press_text import JOINT, WrittenTouch, parse_touches
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from ..arrays import Integer, Real
-    from ..scene.parts import SceneParts, Skin
+    from ..scene.parts import SceneParts
+
+FACTOR_RTOL = 1e-3
+"""Tolerance of the deflection next to an applicator of a given force, which sets its depth."""
+
+
+def factors_under(skin: Skin, pressing: Pressing, press: str) -> list[float]:
+    """Factor under each touch, in their order in the text.
+
+    Raises InputError for a press that does not fit the scene, and what `deformation` raises.
+    """
+    whole, default = press_on(skin, pressing, press), strength_of(pressing)
+    known = {str(touch): touch.factor for touch in whole.sharp.touches}
+    if whole.indented:
+        under = skin.pressed_factors(np.array(deformation(skin, whole, FACTOR_RTOL).depth))
+        known |= dict(zip(map(str, whole.indented), under.tolist(), strict=True))
+    return [known[str(parse_press(part, default, skin, pressing))] for part in JOINT.split(press)]
+
 
 MAX_TOUCHES = 2
 """Maximum number of touches that a localizer distinguishes."""
@@ -107,7 +126,6 @@ def _factors(written: list[WrittenTouch], text: str, parts: SceneParts | None) -
     stated = (known if each.strength is None else not each.strength.unit for each in written)
     if parts is None or all(stated):
         return [_factor(each, text, parts) for each in written]
-    from .touch_factors import factors_under
 
     return factors_under(parts.skin, parts.plan.press, text)
 

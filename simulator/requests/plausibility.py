@@ -1,14 +1,121 @@
-"""Warnings for numbers of a scene that no real skin has, with the likely intended value."""
+"""Warnings for numbers of a scene that no real skin has, with the likely intended value.
+
+The warning limits lie beyond every skin in the literature and every data sheet, so that any
+measured scene passes.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
+from typing import NamedTuple
 
 from ..models.line import cut_off_frequency
 from ..scene.form.mesh_data import off_grid
 from ..scene.parts import Skin
 from ..scene.scene import Scene
-from .usual_ranges import HERTZ, PER_AREA, SIDE, USUAL
+
+
+class UsualRange(NamedTuple):
+    """Usual range (low to high) of one quantity, and the limits beyond which a value is a mistake.
+
+    factors: conversions from other units of the quantity, the most likely first.
+    """
+
+    unit: str
+    minimum: float
+    low: float
+    high: float
+    maximum: float
+    factors: tuple[float, ...]
+
+    def suggestion(self, value: float, near: float | None = None) -> float | None:
+        """The usual value that a wrong unit probably stands for; the one nearest to `near`."""
+        usual = [value * by for by in self.factors if self.low <= abs(value * by) <= self.high]
+        if near is not None and self.minimum <= near <= self.maximum:
+            usual.sort(key=lambda each: abs(math.log(each / near)))
+        return usual[0] if usual else None
+
+    def slip(self, key: str, value: float | None, near: float | None = None) -> Iterator[str]:
+        """A warning for an implausible value; nothing for a plausible one."""
+        if value is None or value == 0 or self.minimum <= abs(value) <= self.maximum:
+            return
+        suggested = self.suggestion(value, near)
+        hint = "" if suggested is None else f"; did you mean {suggested:.6g}?"
+        usual = f"{self.minimum:g} to {self.maximum:g} {self.unit}".rstrip()
+        yield f"{key} = {' '.join(f'{value:g} {self.unit}'.split())}{hint} (skins have {usual})"
+
+
+MILLI, CENTI, MICRO, NANO, PICO = 1e-3, 1e-2, 1e-6, 1e-9, 1e-12
+KILO, MEGA = 1e3, 1e6
+DEGREE = math.pi / 180
+SIDE = UsualRange("m", 1e-3, 5e-3, 3.0, 4.0, (MILLI, CENTI, MICRO, KILO))
+THICKNESS = UsualRange("m", 1e-6, 1e-5, 3e-2, 0.2, (MILLI, MICRO, CENTI, KILO))
+PER_AREA = UsualRange("F/m²", 1e-10, 2e-10, 1e-6, 1e-4, (NANO, PICO, MICRO, MEGA, 1 / NANO))
+SHEET = UsualRange("ohm/sq", 1e-3, 1e2, 1e7, 1e10, (KILO, MEGA, MILLI))
+FARAD = UsualRange("F", 1e-16, 1e-14, 1e-8, 1e-6, (PICO, NANO, MICRO))
+HERTZ = UsualRange("Hz", 1e-4, 1.0, 1e9, 1e9, (KILO, MILLI))
+SHARE = UsualRange("of |Z|", 1e-8, 1e-5, 0.05, 0.1, (CENTI,))
+"""A data sheet rates no range of an LCR meter worse than 10 %."""
+TURN = UsualRange("rad", 1e-8, 1e-5, 0.05, 0.1, (DEGREE,))
+"""0.1 rad is 5.7 degrees, comparable to 10 % of |Z|."""
+ANGLE = UsualRange("rad", 0.0, 0.0, math.pi, 2 * math.pi, (DEGREE,))
+
+USUAL = {
+    "skin.top.sheet_resistance": SHEET,
+    "skin.bottom.sheet_resistance": SHEET,
+    "skin.foam.thickness": THICKNESS,
+    # Solids have at most a few; filled rubber of percolating carbon some thousand.
+    "skin.foam.relative_permittivity": UsualRange("", 1.0, 1.0, 100.0, 1e4, (CENTI,)),
+    # tan d of polymers is 1e-4 to 0.1, of wet foam up to 1; in per cent a hundred times that.
+    "skin.foam.loss_tangent": UsualRange("", 1e-7, 1e-5, 0.5, 1.0, (CENTI,)),
+    # Young's moduli: foams of 1 kPa to 10 MPa, rubber up to 0.1 GPa, glassy polymers 3 GPa.
+    "skin.foam.mechanics.modulus": UsualRange("Pa", 500.0, 1e3, 1e8, 1e9, (KILO, MEGA, MILLI)),
+    "skin.foam.mechanics.solid_modulus": UsualRange(
+        "Pa", 1e4, 1e5, 1e10, 1e11, (MEGA, KILO, 1e9, MILLI)
+    ),
+    "skin.foam.mechanics.plateau_stress": UsualRange(
+        "Pa", 10.0, 50.0, 1e7, 1e8, (KILO, MEGA, MILLI)
+    ),
+    # 1 m of film stretched by less than it breaks at: fabric holds 1e4 N/m.
+    "skin.foam.mechanics.tension": UsualRange("N/m", 1e-3, 0.1, 1e3, 1e4, (MILLI,)),
+    "skin.top.anisotropy.angle": ANGLE,
+    "skin.bottom.anisotropy.angle": ANGLE,
+    "skin.shape.radius": UsualRange("m", 1e-3, 2e-3, 1.0, 2.0, (MILLI, CENTI)),
+    "leads.stray_capacitance": FARAD,
+    # A coil has a millihenry; a metre of cable a microhenry and a tenth of an ohm.
+    "leads.inductance": UsualRange("H", 1e-10, 1e-9, 1e-4, 1e-3, (MICRO, NANO, MILLI)),
+    "leads.resistance": UsualRange("ohm", 1e-5, 1e-3, 1e3, 1e5, (MILLI,)),
+    # A foil of 0.1 m with 1e5 ohm m puts a megohm before the skin.
+    "contact.resistance": UsualRange("ohm m", 1e-9, 1e-6, 1e3, 1e5, (MILLI, MICRO)),
+    # Copper foil under tape overlaps a sheet by a tenth of a millimetre to a few centimetres.
+    "contact.width": UsualRange("m", 1e-6, 1e-5, 0.1, 0.5, (MILLI, CENTI, MICRO)),
+    # From the liner of a sleeve to where air adds no more than a thousandth to thin foam.
+    "surroundings.body.distance": UsualRange("m", 1e-6, 1e-5, 0.3, 0.5, (MILLI, CENTI, MICRO)),
+    "surroundings.cover.thickness": THICKNESS,
+    "surroundings.cover.relative_permittivity": UsualRange("", 1.0, 1.0, 100.0, 1e4, (CENTI,)),
+    "surroundings.air": UsualRange("m", 1e-6, 1e-5, 0.3, 0.5, (MILLI, CENTI, MICRO)),
+    "press.depth": THICKNESS,
+    # A finger presses by 0.1 to 50 N; in grams a force is a hundred times that.
+    "press.force": UsualRange("N", 1e-3, 1e-2, 200.0, 1e3, (MILLI, 9.81e-3)),
+    # Foam pressed to a tenth of its thickness has 10; in per cent a factor is a hundred times that.
+    "press.capacitance_factor": UsualRange("times", 0.01, 1.0, 20.0, 50.0, (CENTI,)),
+    "readout.magnitude_accuracy": SHARE,
+    "readout.magnitude_noise": SHARE,
+    "readout.phase_accuracy": TURN,
+    "readout.phase_noise": TURN,
+    "design.within": UsualRange("m", 1e-5, 1e-4, 0.2, 0.5, (MILLI, CENTI)),
+    "design.seconds": UsualRange("s", 1e-3, 1e-2, 1e4, 1e5, (MILLI,)),
+    "design.sheet_resistance": SHEET,
+    "design.foam_thickness": THICKNESS,
+    "design.band": HERTZ,
+    "dataset.press.depth": THICKNESS,
+    "dataset.session.loss_tangent": UsualRange("", 0.0, 1e-5, 0.5, 1.0, (CENTI,)),
+    "dataset.session.stray_capacitance": FARAD,
+    "dataset.session.lead_resistance": UsualRange("ohm", 0.0, 1e-3, 1e3, 1e5, (MILLI,)),
+}
+"""Usual ranges by key, without item numbers and parts of distributions."""
+
 
 FAR = 1e4
 """Factor by which the cut-off may lie beyond either end of the sweep."""

@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 
 from ..arrays import Complex, Real
-from ..measure.streams import METER, stream
+from ..measure.skins import METER, stream
 from ..scene.parts import Meter, Setup
 from ..sweeps.reading_quantities import KINDS
 

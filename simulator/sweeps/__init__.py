@@ -2,7 +2,6 @@
 
 from .errors import InputError, OutputError, ToleranceError
 from .formats.zarr import loaded, open_zarr
-from .impedance import parallel_capacitance
 from .input_files import read, sizes_text
 from .joining import concatenate, read_joined, side_by_side
 from .laws.passivity import violations
@@ -15,6 +14,7 @@ from .output_files import (
     whole_file,
     write,
 )
+from .reading_quantities import parallel_capacitance
 from .schema import (
     OPENING,
     UNPRESSED,

@@ -8,7 +8,7 @@ from rcskin.simulator.dataset.drawn_presses import drawn_presses
 from rcskin.simulator.dataset.memory_dataset import in_memory
 from rcskin.simulator.dataset.skin_model import nominal_skin, reduced
 from rcskin.simulator.inversion.touch_templates import templates
-from rcskin.simulator.measure.streams import PRESSES, stream
+from rcskin.simulator.measure.skins import PRESSES, stream
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.scene_files import load_scene

@@ -23,7 +23,7 @@ MUTATIONS = [  # file, the line's text, the fault
     ("simulator/surroundings/rim.py", "C[:, 0].sum() - bottom", "C[:, 0].sum()"),
     ("simulator/surroundings/charges.py", "+ (permittivity - 1)", "+ (permittivity + 1)"),
     ("simulator/surroundings/panels.py", "(a + c + d) / 3", "(a + c + d) / 4"),
-    ("simulator/sweeps/impedance.py", "magnitude / omega", "magnitude / (1.01 * omega)"),
+    ("simulator/sweeps/reading_quantities.py", "magnitude / omega", "magnitude / (1.01 * omega)"),
     ("simulator/scene/frequency.py", "(loss.tangent + 1j)", "(1.1 * loss.tangent + 1j)"),
     ("simulator/scene/foam/foam_mechanics.py", "- strain) / (1 - strain)", "- strain)"),
     ("simulator/models/mechanics/no_tension.py", "by.value / own", "by.value"),

@@ -11,7 +11,7 @@ from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.meter_server import run_in_thread
 from rcskin.hardware.virtual.served_skin import instrument, simulated
 from rcskin.simulator.measure.readout import read_out
-from rcskin.simulator.measure.touch_factors import factors_under
+from rcskin.simulator.measure.sweep_touches import factors_under
 from rcskin.simulator.models.mechanics.force_depths import depths_in_words, forces_as_depths
 from rcskin.simulator.models.mechanics.indentation import deformation
 from rcskin.simulator.press.press import press_on

@@ -12,7 +12,7 @@ from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.record.operators import MachineOperator, press_virtual_skin
 from rcskin.hardware.record.press_order import parse_step
 from rcskin.hardware.record.recorder import RecordingTask, record
-from rcskin.hardware.record.recording_dataset import recording_dataset
+from rcskin.hardware.record.recording_output import recording_dataset
 from rcskin.hardware.record.recording_terminal import RecordingScreen
 from rcskin.hardware.record_command import header_of
 from rcskin.hardware.virtual.control import ControlPort

@@ -116,7 +116,7 @@ def _serve_page(localizer: LiveLocalizer, port: int) -> Iterator[SessionDisplay]
     from ...event_counter import counted_events
     from ...page.page_document import PageDocument
     from ...page.page_server import serve_in_thread
-    from ...record.recording_dataset import measured_mask
+    from ...record.recording_output import measured_mask
     from ..touch_answer import frequencies_of
     from .page_display import PageDisplay
 

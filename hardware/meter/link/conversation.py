@@ -18,7 +18,7 @@ from ..errors import (
     RefusedError,
     RestartedError,
 )
-from ..meter_identity import MAKERS
+from ..meter_reading import MAKERS
 from ..restoring.termination import raise_pending_signal
 from .connection import Connection
 

@@ -8,7 +8,7 @@ from itertools import chain
 
 from ..errors import MeterError
 from ..instruments import identify
-from ..meter_identity import MeterIdentity
+from ..meter_reading import MeterIdentity
 from .connection import connect, resource_manager
 
 

@@ -17,7 +17,7 @@ from ..errors import (
     RestartedError,
     changed_setting,
 )
-from ..meter_identity import MeterIdentity
+from ..meter_reading import MeterIdentity
 from ..reading_source import ReadingSource, SettingValue
 from ..setting import Setting, SettingsOwner
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..event_registers import Standard
-from ..language.meter_command import MeterCommand
-from ..language.values import integer
+from ..language import MeterCommand, integer
 
 if TYPE_CHECKING:
     from .im3523 import VirtualHioki

@@ -10,12 +10,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cache
 
-from ....simulator.meters.meter_bands import METER_BANDS, VIRTUAL_MODEL
+from ....simulator.meters.accuracy_table import METER_BANDS, VIRTUAL_MODEL
 from ..event_registers import Standard
 from ..instrument import Instrument
-from ..language.meter_command import MeterCommand
-from ..language.parser import CommandError, ExecutionError, LanguageError
-from ..language.vocabulary import Vocabulary
+from ..language import CommandError, ExecutionError, LanguageError, MeterCommand, Vocabulary
 from ..measurement import NO_RESULT, OVERFLOW, UNDERFLOW, MeasurementResult
 from .meter_state import Measuring, Registers, Settings, conditions
 from .reading_text import measurement_text

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from ..language.meter_command import MeterCommand, matched_word
-from ..language.parser import CommandError
-from ..language.values import integer
+from ..language import CommandError, MeterCommand, integer, matched_word
 from .virtual_corrections import SETTINGS
 
 if TYPE_CHECKING:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from ..language.values import engineering
+from ..language import engineering
 from ..measurement import UNDERFLOW, WITHOUT_NUMBERS, MeasurementResult, quantity
 from .meter_state import ITEMS, Settings
 

@@ -6,11 +6,8 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from ....simulator.meters.accuracy_table import RANGES
-from ....simulator.meters.meter_bands import METER_BANDS, VIRTUAL_MODEL
-from ..language.meter_command import MeterCommand, matched_word
-from ..language.parser import CommandError
-from ..language.values import engineering, integer, number
+from ....simulator.meters.accuracy_table import METER_BANDS, RANGES, VIRTUAL_MODEL
+from ..language import CommandError, MeterCommand, engineering, integer, matched_word, number
 from .meter_state import PARAMETERS, SPEEDS
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from ..faults import Faults
-from ..language.parser import ExecutionError
+from ..language import ExecutionError
 from .meter_state import Measuring, Registers, Settings
 
 SECONDS = {"ALL": 4.0, "SPOT": 1.0}

@@ -8,8 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from ..language.meter_command import MeterCommand
-from ..language.parser import SUFFIX_OUT_OF_RANGE, CommandError, ExecutionError
+from ..language import SUFFIX_OUT_OF_RANGE, CommandError, ExecutionError, MeterCommand
 from .analyser_settings import BAND, CURRENT, POINTS, VOLTAGE, AnalyserSettings, parse_segments
 from .e4990a import numbers_text
 from .error_queue import ILLEGAL_VALUE

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ....simulator.meters.accuracy_table import OUTPUT_RESISTANCE, AccuracyTable, ReadingConditions
-from ..language.parser import PARAMETER_NOT_ALLOWED, CommandError
+from ..language import PARAMETER_NOT_ALLOWED, CommandError
 from ..measurement import NORMAL
 from .error_queue import ILLEGAL_VALUE
 from .scpi_values import integer, number

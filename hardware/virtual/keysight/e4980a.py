@@ -13,8 +13,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import ClassVar
 
-from ..language.parser import ExecutionError
-from ..language.vocabulary import Vocabulary
+from ..language import ExecutionError, Vocabulary
 from ..measurement import MeasurementResult
 from .error_queue import STALE_DATA
 from .keysight_instrument import KeysightInstrument

@@ -13,8 +13,7 @@ from dataclasses import dataclass, field
 from functools import cache
 from typing import Any, ClassVar
 
-from ..language.parser import SUFFIX_OUT_OF_RANGE, CommandError
-from ..language.vocabulary import Vocabulary
+from ..language import SUFFIX_OUT_OF_RANGE, CommandError, Vocabulary
 from .analyser_settings import BAND, AnalyserSettings
 from .keysight_instrument import KeysightInstrument
 from .lcr_settings import shown_quantity

@@ -6,8 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from ..language.meter_command import MeterCommand
-from ..language.parser import SUFFIX_OUT_OF_RANGE, CommandError
+from ..language import SUFFIX_OUT_OF_RANGE, CommandError, MeterCommand
 from .scpi_values import nr3, number, switch, switch_text
 
 if TYPE_CHECKING:

@@ -14,9 +14,7 @@ from typing import ClassVar
 
 from ..event_registers import EventRegisters, Standard
 from ..instrument import Instrument
-from ..language.meter_command import MeterCommand
-from ..language.parser import TRIGGER_IGNORED, ExecutionError, LanguageError
-from ..language.vocabulary import Vocabulary
+from ..language import TRIGGER_IGNORED, ExecutionError, LanguageError, MeterCommand, Vocabulary
 from ..measurement import NO_RESULT, MeasurementResult, MeterSettings
 from .error_queue import (
     DEVICE_ERROR,

@@ -10,8 +10,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from ..language.meter_command import MeterCommand, all_forms, matched_word
-from ..language.parser import ExecutionError
+from ..language import ExecutionError, MeterCommand, all_forms, matched_word
 from .error_queue import ILLEGAL_VALUE, STALE_DATA, TOO_MUCH_DATA
 from .keysight_corrections import correction_commands, spot_commands
 from .lcr_settings import FUNCTIONS, fitting_range, rounded_frequency

@@ -7,12 +7,14 @@ import re
 from collections.abc import Callable
 from typing import Any
 
-from ..language.meter_command import MeterCommand, matched_word, short_form
-from ..language.parser import (
+from ..language import (
     DATA_OUT_OF_RANGE,
     SUFFIX_OUT_OF_RANGE,
     CommandError,
     ExecutionError,
+    MeterCommand,
+    matched_word,
+    short_form,
 )
 from .error_queue import DATA_TYPE, ILLEGAL_VALUE, INVALID_SUFFIX
 

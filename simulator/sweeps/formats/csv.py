@@ -20,15 +20,19 @@ from .. import inputs
 from ..csv_cells import guarded_comment, unguarded, write_cells
 from ..digests import OWN_KEYS, UNSEALED, check_text, seal_text
 from ..errors import InputError
-from ..impedance import (
+from ..importing.readings.branch import branch_attributes, choose_branches
+from ..reading_quantities import (
+    GAIN,
+    IMPEDANCE,
+    KINDS,
+    MAGNITUDE,
     UNRELATED,
     branch_reactance,
     contradicting,
     contradiction_text,
+    kind_of,
     parallel_capacitance,
 )
-from ..importing.readings.branch import branch_attributes, choose_branches
-from ..reading_quantities import GAIN, IMPEDANCE, KINDS, MAGNITUDE, kind_of
 from ..schema import (
     DIMENSIONS,
     SESSIONS,

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...arrays import Complex, Mask, Real
 from ..errors import InputError
-from ..impedance import contradicting
+from ..reading_quantities import contradicting
 from ..reading_subset import read_at
 from ..schema import DIMENSIONS, impedance
 from .kramers_kronig import RESOLUTION, fit_passive

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..impedance import parallel_capacitance, series_capacitance
+from ..reading_quantities import parallel_capacitance, series_capacitance
 from ..schema import impedance
 
 if TYPE_CHECKING:

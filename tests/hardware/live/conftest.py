@@ -13,7 +13,7 @@ from rcskin.hardware.live.session_log import SessionLog
 from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.record.sweep_checks import SweepLimits
 from rcskin.simulator.meters.accuracy_table import read_table
-from rcskin.simulator.requests.overwrite_options import with_overwrite_options
+from rcskin.simulator.requests.options import with_overwrite_options
 from rcskin.tests.hardware.live import live_rig
 from typer.testing import CliRunner
 

@@ -11,7 +11,7 @@ from rcskin.hardware.live.touch_answer import answer_of_classes
 from rcskin.hardware.meter.errors import MeterError
 from rcskin.simulator.cli import app
 from rcskin.simulator.command_line import run
-from rcskin.simulator.requests.overwrite_options import with_overwrite_options
+from rcskin.simulator.requests.options import with_overwrite_options
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import OPENING, impedance
 from rcskin.tests.hardware.pillow import C, Pillow, document

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from rcskin.hardware.control_client import send_request
 from rcskin.hardware.record.measured_sweep import measure_readings, measure_sweep
-from rcskin.hardware.switch.errors import NoSwitchError, StuckSwitchError
-from rcskin.hardware.switch.switch import DeviceSwitch
+from rcskin.hardware.switch.switch import DeviceSwitch, NoSwitchError, StuckSwitchError
 from rcskin.hardware.switch.switch_options import VirtualSwitch
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import impedance, read

@@ -4,7 +4,7 @@ import pytest
 from rcskin.hardware.meter.errors import GarbledError, RefusedError, RestartedError
 from rcskin.hardware.meter.instruments import start
 from rcskin.hardware.meter.keysight_analyser import E4990A
-from rcskin.hardware.meter.meter_identity import parse_identity
+from rcskin.hardware.meter.meter_reading import parse_identity
 from rcskin.simulator.sweeps import InputError
 
 IDENTITY = parse_identity("Keysight Technologies,E4990A,MY54100123,A.02.12")

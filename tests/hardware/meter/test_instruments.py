@@ -3,9 +3,9 @@
 import pytest
 from rcskin.hardware.meter.errors import WrongMeterError
 from rcskin.hardware.meter.instruments import INSTRUMENTS, instrument_of
-from rcskin.hardware.meter.meter_identity import parse_identity
+from rcskin.hardware.meter.meter_reading import parse_identity
 from rcskin.hardware.meter.setting import MeterProperty, Setting
-from rcskin.simulator.meters.meter_bands import METER_BANDS
+from rcskin.simulator.meters.accuracy_table import METER_BANDS
 from rcskin.tests.pages.reading import blocks
 
 PAGE = "docs/how-to/add-a-meter.md"

@@ -9,8 +9,7 @@ from rcskin.hardware.meter.errors import (
 )
 from rcskin.hardware.meter.instruments import start
 from rcskin.hardware.meter.keysight_lcr import E4980A, E4980AL, HP4284A
-from rcskin.hardware.meter.meter_identity import parse_identity
-from rcskin.hardware.meter.meter_reading import ReadingStatus
+from rcskin.hardware.meter.meter_reading import ReadingStatus, parse_identity
 from rcskin.simulator.sweeps import InputError
 
 IDENTITY = parse_identity("Keysight Technologies,E4980A,MY46618801,B.07.05")

@@ -6,9 +6,8 @@ from contextlib import asynccontextmanager
 
 import pytest
 from rcskin.benchmarks.live.page_parts import hostile
-from rcskin.hardware.page.latest_state import LatestState, state_json
 from rcskin.hardware.page.page_document import PageDocument
-from rcskin.hardware.page.page_server import PageServer
+from rcskin.hardware.page.page_server import LatestState, PageServer, state_json
 from rcskin.simulator.sweeps import InputError
 from websockets.asyncio.client import connect
 

@@ -7,10 +7,9 @@ import socket
 from http import HTTPStatus
 
 import pytest
-from rcskin.hardware.page.latest_state import LatestState, state_json
 from rcskin.hardware.page.page_address import PageAddress
 from rcskin.hardware.page.page_connection import MAX_VIEWERS
-from rcskin.hardware.page.page_server import PageServer
+from rcskin.hardware.page.page_server import LatestState, PageServer, state_json
 from rcskin.simulator.sweeps import InputError
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 

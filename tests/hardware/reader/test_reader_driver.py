@@ -17,7 +17,7 @@ from rcskin.hardware.meter.errors import (
     NoAnswerError,
     NoConnectionError,
 )
-from rcskin.hardware.meter.meter_identity import sweep_origin
+from rcskin.hardware.meter.meter_reading import sweep_origin
 from rcskin.hardware.reader import line_parser, line_port
 from rcskin.hardware.reader.line_format import LineFormat
 from rcskin.hardware.reader.line_port import check_line_resource, is_line_resource

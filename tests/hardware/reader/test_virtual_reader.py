@@ -15,7 +15,7 @@ from rcskin.hardware.reader.line_format import LineFormat
 from rcskin.hardware.record.operators import MachineOperator, press_virtual_skin
 from rcskin.hardware.record.press_order import standard_order
 from rcskin.hardware.record.recorder import RecordingTask, record
-from rcskin.hardware.record.recording_dataset import recording_dataset
+from rcskin.hardware.record.recording_output import recording_dataset
 from rcskin.hardware.record.source_options import SourceOptions, source_setup
 from rcskin.hardware.record.sweep_checks import SweepLimits
 from rcskin.hardware.record_command import header_of

@@ -12,7 +12,7 @@ from rcskin.hardware.meter.errors import NoAnswerError
 from rcskin.hardware.record.measured_sweep import check_frequencies
 from rcskin.hardware.record.press_order import parse_step
 from rcskin.hardware.record.recorder import record
-from rcskin.hardware.record.recording_dataset import recording_dataset
+from rcskin.hardware.record.recording_output import recording_dataset
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
 from rcskin.simulator.sweeps import InputError, impedance

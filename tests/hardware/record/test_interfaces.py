@@ -11,8 +11,7 @@ import pytest
 from rcskin.hardware.control_client import send_request
 from rcskin.hardware.record.operators import MachineOperator
 from rcskin.hardware.record.recording_journal import RecordingHeader, RecordingJournal
-from rcskin.hardware.switch.errors import StuckSwitchError
-from rcskin.hardware.switch.switch import DeviceSwitch
+from rcskin.hardware.switch.switch import DeviceSwitch, StuckSwitchError
 from rcskin.hardware.tokens import read_token
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.localization.inputs.features import features

@@ -7,12 +7,12 @@ import pytest
 from rcskin.hardware.meter.meter_reading import MeterReading, ReadingStatus
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
 from rcskin.hardware.record.recorder import record
-from rcskin.hardware.record.recording_dataset import recording_dataset
 from rcskin.hardware.record.recording_journal import (
     JournalEntry,
     RecordingHeader,
     RecordingJournal,
 )
+from rcskin.hardware.record.recording_output import recording_dataset
 from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
 from rcskin.simulator.sweeps.digests import sealed_json, unsealed_json

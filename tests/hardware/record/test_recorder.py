@@ -12,8 +12,8 @@ from rcskin.hardware.meter.errors import (
 from rcskin.hardware.record.operators import MachineOperator
 from rcskin.hardware.record.press_order import UNPRESSED_STEP, PressStep, parse_step, standard_order
 from rcskin.hardware.record.recorder import record
-from rcskin.hardware.record.recording_dataset import recording_dataset
 from rcskin.hardware.record.recording_journal import RecordingJournal
+from rcskin.hardware.record.recording_output import recording_dataset
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import InputError, impedance, read, write
 

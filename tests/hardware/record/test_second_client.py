@@ -10,8 +10,8 @@ import pytest
 from rcskin.hardware.meter.link.connection import VisaConnection
 from rcskin.hardware.record.press_order import parse_step
 from rcskin.hardware.record.recorder import record
-from rcskin.hardware.record.recording_dataset import recording_dataset
-from rcskin.hardware.virtual.language.parser import messages
+from rcskin.hardware.record.recording_output import recording_dataset
+from rcskin.hardware.virtual.language import messages
 from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
 from rcskin.simulator.sweeps import impedance
 from rcskin.tests.hardware.instrument_cases import CASES

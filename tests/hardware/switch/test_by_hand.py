@@ -5,7 +5,7 @@ import shlex
 import sys
 
 import pytest
-from rcskin.hardware.switch.errors import (
+from rcskin.hardware.switch.switch import (
     NoSwitchError,
     RefusedSwitchError,
     SilentSwitchError,

@@ -1,7 +1,7 @@
 """Relay boards, each a state machine at the other end of a real serial line."""
 
 import pytest
-from rcskin.hardware.switch.errors import (
+from rcskin.hardware.switch.switch import (
     GarbledSwitchError,
     NoSwitchError,
     SilentSwitchError,

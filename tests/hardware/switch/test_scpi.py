@@ -2,7 +2,7 @@
 
 import pytest
 from pymeasure.instruments.keithley import Keithley2700
-from rcskin.hardware.switch.errors import (
+from rcskin.hardware.switch.switch import (
     GarbledSwitchError,
     NoSwitchError,
     RefusedSwitchError,

@@ -7,8 +7,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.hardware.virtual.hioki.im3523 import vocabulary
 from rcskin.hardware.virtual.interpreter import answer
-from rcskin.hardware.virtual.language.meter_command import all_forms, matched_word, short_form
-from rcskin.hardware.virtual.language.parser import CommandError, messages
+from rcskin.hardware.virtual.language import (
+    CommandError,
+    all_forms,
+    matched_word,
+    messages,
+    short_form,
+)
 
 CME, EXE = 32, 16
 HEADERS = sorted({c.header for c in vocabulary().commands if not c.header.startswith("*")})

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.hardware.virtual.hioki.reading_text import OVER, measured_text
-from rcskin.hardware.virtual.language.values import engineering
+from rcskin.hardware.virtual.language import engineering
 from rcskin.hardware.virtual.measurement import quantity
-from rcskin.simulator.sweeps.impedance import parallel_capacitance, series_capacitance
+from rcskin.simulator.sweeps.reading_quantities import parallel_capacitance, series_capacitance
 
 SIX_DIGITS = re.compile(r"[ -]\d{1,3}\.\d{3,5}E[+-]\d{2}")
 magnitudes = st.floats(1e-18, 1e18)

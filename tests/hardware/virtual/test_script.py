@@ -11,8 +11,7 @@ from rcskin.hardware.meter.errors import (
 )
 from rcskin.hardware.meter.hioki import IM3523, IM3533, IM3536, IM3570
 from rcskin.hardware.meter.instruments import start
-from rcskin.hardware.meter.meter_identity import parse_identity
-from rcskin.hardware.meter.meter_reading import ReadingStatus, parse_reading
+from rcskin.hardware.meter.meter_reading import ReadingStatus, parse_identity, parse_reading
 from rcskin.simulator.sweeps import InputError
 
 OK = ("*ESR?", "0")

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from rcskin.localization.evaluation.skin_outline import draw_skin_outline
+from rcskin.localization.evaluation.report import draw_skin_outline
 from rcskin.simulator.scene.scene_files import load_scene
 
 GLOVE = load_scene("glove")

@@ -6,8 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.localization.export.c_file import TOLERANCE, c_files
-from rcskin.localization.export.c_tables import comment, identifier, number, string
+from rcskin.localization.export.c_file import (
+    TOLERANCE,
+    c_files,
+    comment,
+    identifier,
+    number,
+    string,
+)
 from rcskin.localization.export.onnx_check import inputs_of
 from rcskin.localization.export.portable import portable
 from rcskin.localization.model.training import train

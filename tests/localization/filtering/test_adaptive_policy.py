@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rcskin.localization.filtering.adaptive_policy import AdaptivePolicy
+from rcskin.localization.filtering.adaptive import AdaptivePolicy
 from rcskin.localization.filtering.cell_grid import cell_grid_of
 from rcskin.localization.filtering.follower import Follower
 from rcskin.localization.inversion.classifier import InversionPlan, ModelBased

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.filtering.adaptive_policy import AdaptivePolicy
+from rcskin.localization.filtering.adaptive import AdaptivePolicy
 from rcskin.localization.filtering.follower import Follower
 from rcskin.localization.filtering.touch_dynamics import TouchDynamics
 from rcskin.localization.inversion.estimators import MODEL_BASED

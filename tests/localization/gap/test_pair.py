@@ -2,15 +2,17 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.gap.pair import pair_sweeps, pixel_of
-from rcskin.localization.gap.side_label import (
+from rcskin.localization.gap.pair import (
+    MAX_SWEEPS,
     MEASUREMENT,
     SECOND,
+    SESSION_EXCESS,
     TWIN,
     check_simulated,
     label_of_side,
+    pair_sweeps,
+    pixel_of,
 )
-from rcskin.localization.gap.subsampling import MAX_SWEEPS, SESSION_EXCESS
 from rcskin.localization.inputs.features import available_features
 from rcskin.simulator.scene.scene_files import parse_scene
 from rcskin.simulator.sweeps import InputError

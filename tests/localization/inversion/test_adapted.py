@@ -6,12 +6,17 @@ from threading import Event
 import numpy as np
 import pytest
 from rcskin.localization.inputs.samples import LocalizationProblem
-from rcskin.localization.inversion.adapted import AdaptedClassifier, AdaptedPosition
+from rcskin.localization.inversion.adapted import (
+    MAX_SKINS,
+    SAME_SKIN_RMS,
+    AdaptedClassifier,
+    AdaptedPosition,
+    SkinCache,
+)
 from rcskin.localization.inversion.classifier import InversionPlan, ModelBased
 from rcskin.localization.inversion.estimators import MODEL_ADAPTED, MODEL_BASED, estimators
 from rcskin.localization.inversion.position import ModelBasedPosition
 from rcskin.localization.inversion.regions import regions_of
-from rcskin.localization.inversion.skin_cache import MAX_SKINS, SAME_SKIN_RMS, SkinCache
 from rcskin.localization.trust.fitted import Regressor
 from rcskin.simulator.scene.scene_files import builtin_text
 from rcskin.simulator.sweeps import InputError

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcskin.localization.inversion.class_posterior import ClassPosterior
 from rcskin.localization.inversion.classifier import InversionPlan, ModelBased
+from rcskin.localization.inversion.sequential_posterior import ClassPosterior
 
 _rig = runpy.run_path(str(Path(__file__).with_name("test_classifier.py")))
 builder, change, NOISE, REST = (_rig[name] for name in ("builder", "change", "NOISE", "REST"))

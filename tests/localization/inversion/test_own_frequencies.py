@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.filtering.adaptive_policy import AdaptivePolicy, inverter_for
+from rcskin.localization.filtering.adaptive import AdaptivePolicy, inverter_for
 from rcskin.localization.inputs.features import features
 from rcskin.localization.model.training import train
 from rcskin.simulator.measure.readout import read_out

@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rcskin.localization.inversion.classifier import InversionPlan
-from rcskin.localization.inversion.place_posterior import PlacePosterior, log_prior_of
 from rcskin.localization.inversion.position import ModelBasedPosition, cells_of
 from rcskin.localization.inversion.region import region_of
+from rcskin.localization.inversion.sequential_posterior import PlacePosterior, log_prior_of
 
 _rig = runpy.run_path(str(Path(__file__).with_name("test_position.py")))
 builder, change, touches = (_rig[name] for name in ("builder", "change", "touches"))

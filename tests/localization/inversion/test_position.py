@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 from rcskin.localization.inversion.classifier import InversionPlan
-from rcskin.localization.inversion.position import ModelBasedPosition
+from rcskin.localization.inversion.position import ModelBasedPosition, response_surface
 from rcskin.localization.inversion.region import region_of
-from rcskin.localization.inversion.response_surface import response_surface
 
 SIDE, TOUCH, NUMBERS = 0.12, 0.015, 12
 NOISE, REST = 0.003, 20

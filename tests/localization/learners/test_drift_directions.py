@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from rcskin.localization.inputs.samples import LocalizationProblem
 from rcskin.localization.learners.classifiers import curve_and_absolute
-from rcskin.localization.learners.drift_directions import FOLLOWED, fitted_correction
-from rcskin.localization.learners.gaussians import fitted
+from rcskin.localization.learners.gaussians import FOLLOWED, fitted, fitted_correction
 from rcskin.localization.parts.normal_densities import OPENING
 
 FEATURES, SWEEPS, NOISE = 40, 4000, 0.01

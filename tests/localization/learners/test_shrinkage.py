@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.learners.shrinkage import shared
+from rcskin.localization.learners.gaussians import shared
 
 CLASSES, TERMS, NUMBERS, RANK = 30, 8, 10, 3
 

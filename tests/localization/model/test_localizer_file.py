@@ -9,8 +9,7 @@ from zipfile import ZipFile
 
 import numpy as np
 import pytest
-from rcskin.localization.inputs.feature_names import PAPER
-from rcskin.localization.inputs.features import features
+from rcskin.localization.inputs.features import PAPER, features
 from rcskin.localization.model.localizer_file import load, save
 from rcskin.localization.model.training import train
 from rcskin.simulator.sweeps import InputError, digests, write

@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.dataset.audit import Audit, combined_audit
 from rcskin.simulator.dataset.drawn_presses import drawn_presses
 from rcskin.simulator.dataset.drawn_session import audited, drawn_sessions
-from rcskin.simulator.measure.streams import AUDIT, PRESSES, stream
+from rcskin.simulator.measure.skins import AUDIT, PRESSES, stream
 from rcskin.simulator.sweeps import ToleranceError, open_zarr
 
 

@@ -9,8 +9,7 @@ from rcskin.simulator.dataset.drawn_presses import (
     session_presses,
 )
 from rcskin.simulator.dataset.skin_model import reduced
-from rcskin.simulator.measure.skins import drawn_skin
-from rcskin.simulator.measure.streams import PRESSES, SKIN, stream
+from rcskin.simulator.measure.skins import PRESSES, SKIN, drawn_skin, stream
 from rcskin.simulator.press.capacitance import capacitance_map
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.press.touch import Touch

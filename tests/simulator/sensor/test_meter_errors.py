@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import rcskin
 from rcskin.simulator.measure.readout import shown_values, with_errors
-from rcskin.simulator.measure.streams import METER, stream
+from rcskin.simulator.measure.skins import METER, stream
 from rcskin.simulator.sensor.meter_errors import MeterErrors
 
 GAIN = {"reader": "gain", "series_resistance": 1e5}

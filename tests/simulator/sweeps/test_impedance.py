@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.simulator.sweeps import InputError
-from rcskin.simulator.sweeps.impedance import (
+from rcskin.simulator.sweeps.reading_quantities import (
     branch_reactance,
     parallel_capacitance,
     series_capacitance,

@@ -434,7 +434,7 @@ def test_a_writer_that_still_runs_bears_with_one_that_puts_back(make_sweeps, tmp
 
 def test_every_command_that_writes_has_the_options(run):
     from rcskin.__main__ import app
-    from rcskin.simulator.requests.overwrite_options import OUTPUTS
+    from rcskin.simulator.requests.options import OUTPUTS
 
     meter = next(group.typer_instance for group in app.registered_groups)
     for command in [*app.registered_commands, *meter.registered_commands]:

@@ -9,9 +9,9 @@ import numpy as np
 
 from ....arrays import Complex, Mask, Real
 from ...errors import InputError
-from ...impedance import UNRELATED
+from ...reading_quantities import UNRELATED
 from ..tables.columns import UNITS, Column
-from ..tables.number_format import failed
+from ..tables.header import failed
 from ..tables.table import ImportedTable
 from .quantities import GAINS, PAIRS, derived, deviation
 

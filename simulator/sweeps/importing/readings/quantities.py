@@ -13,7 +13,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ....arrays import Complex, Real
-from ...impedance import branch_reactance
+from ...reading_quantities import branch_reactance
 from ..tables.columns import ANGLES
 
 Convert = Callable[[Real, Real], Real]

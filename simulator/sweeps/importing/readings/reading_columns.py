@@ -9,8 +9,7 @@ import numpy as np
 
 from ....arrays import Complex, Mask, Real
 from ...errors import InputError
-from ...impedance import parallel_capacitance
-from ...reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, ReadingKind
+from ...reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, ReadingKind, parallel_capacitance
 from ..tables.columns import ANGLES, UNITS, Column
 from ..tables.table import ImportedTable
 from .agreement import agreeing_columns, all_zeros, bare_letters, refuse

@@ -15,11 +15,11 @@ from .header import (
     has_number,
     header_readings,
     misfit_text,
+    number_like,
     recognised_all,
     take_units_above,
     unit_row,
 )
-from .number_format import number_like
 from .text_lines import (
     ALL_SEPARATORS,
     SEPARATORS,

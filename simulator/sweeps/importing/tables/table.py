@@ -11,8 +11,15 @@ import numpy as np
 from ....arrays import Real
 from ...errors import InputError
 from .columns import Column
-from .header import MAX_SHOWN, with_whole_headers
-from .number_format import NUMBERISH, POINT, NumberNotation, failed, possible_formats
+from .header import (
+    MAX_SHOWN,
+    NUMBERISH,
+    POINT,
+    NumberNotation,
+    failed,
+    possible_formats,
+    with_whole_headers,
+)
 from .scanning import first_header, scanned
 from .sources import WORKBOOKS, sources
 from .text_lines import Lines

@@ -13,8 +13,7 @@ from pathlib import Path
 
 from ...errors import InputError
 from .columns import UNITS, recognised
-from .header import recognised_all
-from .number_format import number_like
+from .header import number_like, recognised_all
 from .text_lines import SEPARATORS, SPACE, Lines, line_cells, trimmed
 
 TRACE = re.compile(r'"?TRACE:\s*(?P<name>[AB])"?\s*', re.IGNORECASE)

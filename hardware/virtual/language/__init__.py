@@ -1,1 +1,0 @@
-"""Forms of commands, numbers and messages that the languages of meters share."""
