@@ -11,8 +11,7 @@ import typer
 from ..simulator.requests.options import complete_scene
 from ..simulator.safe_text import say
 from .options import Accuracy, Baud, ControlAddress, Interfaces, ReaderFile, Resource, Timeout
-from .record.recording_output import gather
-from .record_command import record
+from .record_command import gather, record
 
 if TYPE_CHECKING:
     from .virtual.instrument import Instrument

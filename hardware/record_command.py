@@ -1,8 +1,10 @@
-"""The command `rcskin meter record`."""
+"""The commands `rcskin meter record` and `rcskin meter gather`."""
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -23,13 +25,12 @@ from .options import (
     SwitchWith,
     Timeout,
 )
-from .record.recording_output import explain_resuming, finish, summary_remarks
 
 if TYPE_CHECKING:
     from ..simulator.scene.parts import SceneParts, Setup, Skin
     from .record.operators import Operator
     from .record.press_order import PressStep
-    from .record.recording_journal import RecordingHeader
+    from .record.recording_journal import RecordingHeader, RecordingJournal
     from .record.recording_terminal import RecordingScreen
 
 
@@ -86,6 +87,7 @@ def record(
     from .record.recorder import RecordingTask
     from .record.recorder import record as record_task
     from .record.recording_journal import RecordingJournal
+    from .record.recording_output import explain_resuming, finish, summary_remarks
     from .record.source_options import SourceOptions, source_setup
     from .record.sweep_checks import SweepLimits
     from .switch.switch_options import switch_from_options
@@ -256,3 +258,44 @@ def _operator(
 
 def _press_nothing(step: PressStep) -> None:
     """Leave the skin untouched."""
+
+
+def gather(
+    recording: Annotated[Path, typer.Argument(help="Output file of the recording.")],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", help="Another OUT.nc or OUT.csv.")
+    ] = None,
+) -> None:
+    """Write the sweeps that a recording or a live session has so far.
+
+    The recording can continue afterwards.
+    """
+    from ..simulator.sweeps import InputError, checked_output, sizes_text
+    from .record.recording_journal import RecordingJournal
+    from .record.recording_output import write_all
+
+    journal = RecordingJournal(recording)
+    header = journal.header()
+    entries = journal.entries(header) if header else {}
+    if header is None or not entries:
+        raise InputError(f"{journal.folder}: holds no sweep of a recording")
+    path = checked_output(output or recording)
+    sweeps = write_all(path, header, entries)
+    whole = f" of {len(header.order)}" if header.order else ""
+    say(f"{len(entries)}{whole} sweeps: {sizes_text(sweeps.sizes)} -> {path}")
+    _warn_if_meter_changed(journal)
+
+
+def _warn_if_meter_changed(journal: RecordingJournal) -> None:
+    """Log the original settings of a meter that a killed command left changed."""
+    from ..simulator.sweeps import InputError
+    from .meter.restoring.original_settings import settings_text
+
+    with suppress(InputError), journal.lock():  # a running recording has the lock
+        if found := journal.original_settings():
+            logging.getLogger(__name__).warning(
+                "%s: a killed command left the meter's settings changed; the same command restores "
+                "the original ones: %s",
+                journal.folder,
+                settings_text(found[1]),
+            )

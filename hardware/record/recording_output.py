@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import json
-import logging
 from collections.abc import Iterable, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import typer
-import xarray as xr
 
 from ...simulator.safe_text import say
 from ...simulator.sweeps import build
@@ -24,6 +21,8 @@ from .recording_journal import JournalEntry, RecordingHeader
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
+
+    import xarray as xr
 
     from ...simulator.arrays import Mask, Real
     from .recording_journal import RecordingJournal
@@ -128,9 +127,6 @@ def _step(press: str, header: RecordingHeader) -> PressStep:
     return parse_step(press, header.rows, header.columns)
 
 
-LOG = logging.getLogger(__name__)
-
-
 def finish(
     journal: RecordingJournal, header: RecordingHeader, entries: Mapping[int, JournalEntry]
 ) -> xr.Dataset:
@@ -138,46 +134,6 @@ def finish(
     sweeps = write_all(journal.output, header, entries)
     journal.remove()
     return sweeps
-
-
-def gather(
-    recording: Annotated[Path, typer.Argument(help="Output file of the recording.")],
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Another OUT.nc or OUT.csv.")
-    ] = None,
-) -> None:
-    """Write the sweeps that a recording or a live session has so far.
-
-    The recording can continue afterwards.
-    """
-    from ...simulator.sweeps import InputError, checked_output, sizes_text
-    from .recording_journal import RecordingJournal
-
-    journal = RecordingJournal(recording)
-    header = journal.header()
-    entries = journal.entries(header) if header else {}
-    if header is None or not entries:
-        raise InputError(f"{journal.folder}: holds no sweep of a recording")
-    path = checked_output(output or recording)
-    sweeps = write_all(path, header, entries)
-    whole = f" of {len(header.order)}" if header.order else ""
-    say(f"{len(entries)}{whole} sweeps: {sizes_text(sweeps.sizes)} -> {path}")
-    _warn_if_meter_changed(journal)
-
-
-def _warn_if_meter_changed(journal: RecordingJournal) -> None:
-    """Log the original settings of a meter that a killed command left changed."""
-    from ...simulator.sweeps import InputError
-    from ..meter.restoring.original_settings import settings_text
-
-    with suppress(InputError), journal.lock():  # a running recording has the lock
-        if found := journal.original_settings():
-            LOG.warning(
-                "%s: a killed command left the meter's settings changed; the same command restores "
-                "the original ones: %s",
-                journal.folder,
-                settings_text(found[1]),
-            )
 
 
 def write_all(

@@ -28,6 +28,10 @@ MAX_CACHED_NODES = 100_000
 """Maximum count of membrane nodes in the cache, all places together."""
 
 
+class PressError(InputError):
+    """A press that no model takes."""
+
+
 class PressPlace:
     """One pressed place, shared by presses of several depths: their first guesses."""
 
@@ -62,7 +66,7 @@ class GivenPress:
     """A press on a skin: as it is given, and as models take it.
 
     rtol: tolerance of Rs and Cp, or of gains. places: cache of pressed places. callback: see
-    `ProgressCallback`.
+    `ProgressCallback`. What depends on a deformation raises PressError if none is possible.
     """
 
     def __init__(
@@ -106,7 +110,10 @@ class GivenPress:
         from .mechanics.indentation import deformation
 
         rtol, known = min(COARSEST_FACTOR, FACTOR_SHARE * self.rtol), self.place.deflections
-        found = deformation(self.skin, self.press, rtol, self._callback, known)
+        try:
+            found = deformation(self.skin, self.press, rtol, self._callback, known)
+        except InputError as error:
+            raise PressError(str(error)) from error
         if found.sharp is None:
             return self.press.on_patches, found
         return found.sharp, None

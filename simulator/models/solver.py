@@ -20,7 +20,7 @@ from ..arrays import Real
 from ..press.press import Press, check_fingers
 from ..scene.parts import SceneParts
 from ..sweeps import InputError, ToleranceError
-from .model import GivenPress, Model, PressCache
+from .model import GivenPress, Model, PressCache, PressError
 from .solution import Solution, SolutionProgress
 from .time_estimate import TimeEstimate
 
@@ -115,14 +115,18 @@ class Solver:
         for model in self._models:
             try:
                 model.check(given)
+            except PressError:
+                raise
             except InputError as reason:
-                outside = outside or reason
+                outside = outside or reason.with_traceback(None)  # which refers to this frame
                 continue
             failed = None
             try:
                 model.solve(given, progress)
+            except PressError:
+                raise
             except (InputError, ToleranceError) as reason:
-                failed = reason
+                failed = reason.with_traceback(None)
                 progress.reject(f"{model.name}: {reason}")
             if progress.done:
                 return progress.answer()

@@ -23,7 +23,6 @@ from scipy.linalg import solve
 
 from ..arrays import Real
 from ..scene.foam.foam import VACUUM_PERMITTIVITY
-from .influence_kernel import fill_far_influence, fill_influence
 from .panels import PanelBlock
 from .reflections import Layer, images
 
@@ -69,6 +68,8 @@ def influence(block: PanelBlock, below: Layer | None, above: Layer | None = None
     and of the side faces, by the last index's panel in each symmetric part of the foam. Fields are
     the mean of both sides; they are zero on sheets.
     """
+    from .influence_kernel import fill_far_influence, fill_influence
+
     points = block.points
     found = np.zeros((2, len(block.mirrors), len(points), len(points)))  # by panel, then point
     along_z = images(below, above, block.thickness, block.size)
