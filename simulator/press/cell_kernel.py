@@ -1,4 +1,7 @@
-"""Rectangles and discs on the cells of a grid, compiled; for `press.rasterized` and for sensors."""
+"""Rectangles, discs and points on the cells of a grid, compiled.
+
+`press.rasterized` and sensors take them.
+"""
 
 from __future__ import annotations
 
@@ -190,3 +193,37 @@ def _below(u: float, v: float) -> float:
 def _under_arc(u: float) -> float:
     """Integral of sqrt(1 - t²) over t from -1 to u."""
     return (u * np.sqrt(1 - u * u) + np.arcsin(u)) / 2 + np.pi / 4
+
+
+@compiled()
+def axis_shares(at: float, count: int, extent: float) -> tuple[int, float, float, float]:
+    """First of three cells along an axis and the share of each, as in `cell_spreading`.
+
+    at: position over the side of a cell. extent: of what is shared, over that side.
+    """
+    cell = min(max(int(at), 0), count - 1)
+    t = at - cell - 0.5
+    if count == 1:
+        return -1, 0.0, 1.0, 0.0
+    if cell == 0:
+        return -1, 0.0, 1 - t, t
+    if cell == count - 1:
+        return cell - 1, -t, 1 + t, 0.0
+    second = t * t + (extent * extent - 1) / 12
+    return cell - 1, (second - t) / 2, 1 - second, (second + t) / 2
+
+
+@compiled()
+def add_point(total: NDArray, u: float, v: float, amount: float, wide: float, high: float) -> None:
+    """Share an amount at u along x and v along y, over the sides of a cell."""
+    rows, columns = total.shape
+    row, low, middle, up = axis_shares(v, rows, high)
+    column, left, centre, right = axis_shares(u, columns, wide)
+    for k in range(3):
+        own = amount * (low if k == 0 else middle if k == 1 else up)
+        if own != 0.0:
+            if left != 0.0:
+                total[row + k, column] += own * left
+            total[row + k, column + 1] += own * centre
+            if right != 0.0:
+                total[row + k, column + 2] += own * right

@@ -15,9 +15,8 @@ import numpy as np
 
 from ..compiled import compiled
 from ..press.batch import PressBatch
-from ..press.cell_kernel import FAINT, empty_batch, moved_to_batch
+from ..press.cell_kernel import FAINT, add_point, empty_batch, moved_to_batch
 from ..scene.parts import Skin
-from .contacts.cell_shares import add_point
 
 PARTS = 4
 """Fine cells along each side of a coarse one."""

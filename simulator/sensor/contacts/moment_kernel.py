@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from ...compiled import compiled
 from ...models.mechanics.foam_law import FoamTables
 from ...press.batch import PressBatch
-from ...press.cell_kernel import CELLS_AT_FIRST, FAINT, empty_batch, moved_to_batch
+from ...press.cell_kernel import CELLS_AT_FIRST, FAINT, add_point, empty_batch, moved_to_batch
 from ...press.pixels import SAMPLES, GridCells
-from .cell_shares import add_point
 from .patch_kernel import (
     FINE,
     Fault,
@@ -26,7 +25,7 @@ from .patch_kernel import (
     patch_box,
     within_skin,
 )
-from .shared_patches import all_flat, contacts_over, joint_minus_sum, overlap_box
+from .stack_kernel import all_flat, contacts_over, joint_minus_sum, overlap_box
 from .winkler_kernel import winkler_stacks
 
 PARTS = 4

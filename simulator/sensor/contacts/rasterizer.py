@@ -1,23 +1,30 @@
-"""Contacts of a moment as cells of a grid and rises of c."""
+"""Contacts of a moment as cells of a grid and rises of c there, with their fingers."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...arrays import Mask, Real
-from ...models.mechanics.foam_law import FoamTables, foam_tables
+from ...compiled import compiled
+from ...mesh.pixel_coverage import with_fingers_at
+from ...models.mechanics.foam_law import FoamTables, foam_tables, rise_at, strain_under
 from ...models.reduced.indentation.indentation_draws import spreads
 from ...press.batch import NOTHING, PressBatch
-from ...press.pixels import GridCells
+from ...press.cell_kernel import FAINT, axis_shares
+from ...press.finger import finger_over
+from ...press.pixels import SAMPLES, GridCells
+from ...press.rasterized import Footprints
 from ...scene.parts import Pressing, Skin
+from ...scene.planar import shared
 from ...sweeps import InputError
 from ..cell_spreading import PARTS, CellSpreading
-from .contact_types import STRENGTHS, Contacts, PointContacts, PressureImage
-from .fingers import with_fingers
+from .contact_types import STRENGTHS, Contacts, DepthImage, PointContacts, PressureImage
 from .patch_kernel import ADDED, FACTOR, FINE, Fault, Stacks
 from .refusals import invalid_contact, invalid_value, refusals, too_deep_message
 
@@ -156,28 +163,83 @@ class ContactRasterizer:
     def _on_coarse(self, fine: PressBatch) -> PressBatch:
         return fine if self.spreading is None else self.spreading(fine)
 
-    def _image(self, contacts: Contacts) -> ContactCells:
-        from .image_kernel import imaged_cells
-
-        by_pressure = isinstance(contacts, PressureImage)
+    def _image(self, image: DepthImage | PressureImage) -> ContactCells:
+        by_pressure = isinstance(image, PressureImage)
         if by_pressure and self.spread is not None:
-            return self._spread_image(contacts)
-        grid, moments = self.coarse or self.grid, self.coarse is not None
-        batch, limited, fault = imaged_cells(
-            contacts.values, by_pressure, self.foam, self.cells, grid, moments
-        )
-        if fault[3] != FINE:
-            raise InputError(invalid_value(contacts, *fault[:3]))
-        return ContactCells(batch, limited)
+            if (bad := ~((image.values >= 0) & (image.values < np.inf))).any():
+                raise InputError(invalid_value(image, *np.argwhere(bad)[0].tolist()))
+            each = [self.spread.under_pressure(image, skin) for skin in range(image.skins)]
+            batch = PressBatch.of(touched for touched, _ in each)
+            return ContactCells(self._on_coarse(batch), np.array([limited for _, limited in each]))
+        rises, limited, bad = image_rises(image.values, by_pressure, self.foam)
+        if bad[0] >= 0:
+            raise InputError(invalid_value(image, *bad))
+        return ContactCells(self._of_image(rises), limited)
 
-    def _spread_image(self, image: PressureImage) -> ContactCells:
-        assert self.spread is not None
-        bad = ~((image.values >= 0) & (image.values < np.inf))
-        if bad.any():
-            raise InputError(invalid_value(image, *np.argwhere(bad)[0].tolist()))
-        each = [self.spread.under_pressure(image, skin) for skin in range(image.skins)]
-        batch = PressBatch.of(touched for touched, _ in each)
-        return ContactCells(self._on_coarse(batch), np.array([limited for _, limited in each]))
+    def _of_image(self, rises: Real) -> PressBatch:
+        """Rises of images, shape (press, row, column), on cells: sums along rows and columns."""
+        grid, own = self.coarse or self.grid, image_shares if self.coarse else image_means
+        across, along = (own(n, count) for n, count in zip(rises.shape[1:], grid, strict=True))
+        found = across @ rises @ along.T
+        if self.coarse is None and not self.cells.whole:
+            row, column = (
+                (2 * np.arange(count * SAMPLES) + 1).reshape(-1, SAMPLES)
+                * n
+                // (2 * count * SAMPLES)
+                for n, count in zip(rises.shape[1:], grid, strict=True)
+            )
+            i, j = np.nonzero(self.cells.cut >= 0)
+            there, mask = self.cells.part[i, j], self.cells.mask[self.cells.cut[i, j]]
+            for image, mean in zip(rises, found, strict=True):
+                on_skin = np.where(mask, image[row[i][:, :, None], column[j][:, None]], 0.0)
+                mean[i, j] = on_skin.mean(axis=(1, 2)) / np.where(there > 0, there, np.inf)
+        return PressBatch.on_grid(np.where(abs(found) > FAINT, found, 0.0).reshape(len(found), -1))
+
+
+@compiled()
+def image_rises(
+    images: NDArray, by_pressure: bool, foam: FoamTables
+) -> tuple[NDArray, NDArray, tuple[int, int, int]]:
+    """Rises of c at depths in m or pressures in Pa, shape (press, row, column).
+
+    Last are True for presses whose foam was limited, and press, row and column of the first invalid
+    value, -1 if there is none.
+    """
+    rises, limited = np.zeros(images.shape), np.zeros(len(images), np.bool_)
+    for press in range(len(images)):
+        for i in range(images.shape[1]):
+            for j in range(images.shape[2]):
+                value = images[press, i, j]
+                if value == 0.0:
+                    continue
+                if not 0.0 < value < np.inf:
+                    return rises, limited, (press, i, j)
+                if by_pressure:
+                    limited[press] |= value > foam.closed
+                    strain = strain_under(foam, min(value, foam.closed))
+                else:
+                    strain = value / foam.thickness
+                    limited[press] |= strain > foam.greatest
+                rises[press, i, j] = rise_at(foam, min(strain, foam.greatest))
+    return rises, limited, (-1, -1, -1)
+
+
+@lru_cache(maxsize=16)
+def image_means(pixels: int, cells: int) -> Real:
+    """Fraction of each cell along an axis in each pixel of an image, shape (cell, pixel)."""
+    return shared(np.arange(pixels + 1.0) * cells, np.arange(cells + 1.0) * pixels).T
+
+
+@lru_cache(maxsize=16)
+def image_shares(pixels: int, cells: int) -> Real:
+    """Shares of pixels along an axis in coarse cells, which keep moments, shape (cell, pixel)."""
+    parts = math.ceil(PARTS * cells / pixels)
+    extent = cells / (pixels * parts)
+    found = np.zeros((cells + 2, pixels))
+    for k in range(pixels * parts):
+        first, *shares = axis_shares((k + 0.5) * extent, cells, extent)
+        found[first + 1 : first + 4, k // parts] += extent * np.array(shares)
+    return found[1:-1]
 
 
 def to_cells(
@@ -194,3 +256,27 @@ def to_cells(
 @lru_cache(maxsize=8)
 def _rasterizer(skin: Skin, pressing: Pressing, grid: tuple[int, int]) -> ContactRasterizer:
     return ContactRasterizer.of(skin, pressing, grid)
+
+
+def with_fingers(
+    skin: Skin,
+    pressing: Pressing,
+    contacts: PointContacts,
+    batch: PressBatch,
+    outer: Real,
+    grid: tuple[int, int],
+) -> PressBatch:
+    """Presses with the scene's finger on the patch of each contact, as parts of M that rise by F.
+
+    outer: radius of each patch, m, shape (press, contact); 0 for rectangles.
+    """
+    x, y, _, _, _, width, height = np.moveaxis(contacts.values, -1, 0)
+    disc = outer > 0
+    width, height = np.where(disc, 2 * outer, width), np.where(disc, 2 * outer, height)
+    left, right = (np.clip(x + side * width / 2, 0.0, skin.length) for side in (-1, 1))
+    low, high = (np.clip(y + side * height / 2, 0.0, skin.width) for side in (-1, 1))
+    area = np.where(disc, np.pi * outer**2, (right - left) * (high - low))
+    there = (np.arange(x.shape[1]) < contacts.counts[:, None]) & (area > 0)
+    finger = np.where(there, finger_over(skin, area, pressing.finger), 0.0)
+    placed = Footprints(disc, x, y, width, height, np.ones(x.shape), finger)
+    return with_fingers_at(skin, batch, contacts.counts, placed, grid)
