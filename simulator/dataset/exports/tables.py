@@ -10,17 +10,19 @@ import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
-import pyarrow as pa
 import xarray as xr
 
 from ...sweeps.formats.csv import write_csv_parts
 from ...sweeps.reading_quantities import kind_of
 from ...sweeps.schema import CONTACT, DIMENSIONS, TAKEN, taken_of
 from .exported_sweeps import Exported, parts
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import pyarrow as pa
 
 MAX_BYTES = 100 * 2**20
 """Uncompressed size at which a file ends."""
