@@ -129,7 +129,7 @@ def _first(lattice: Lattice, bodies: Bodies, nodes: Nodes) -> Real:
 def _loads(lattice: Lattice, bodies: Bodies, nodes: Nodes) -> Real:
     """Sum of the pressures of bodies by force, each as foam without tension returns it, Pa."""
     area, pressure = nodes.load * nodes.tension, np.zeros(nodes.load.shape)
-    for (left, right, bottom, top), radius, curvature, depth, force, _ in zip(*bodies, strict=True):
+    for (left, right, bottom, top), radius, curvature, depth, force in zip(*bodies, strict=True):
         along = nodes.x - (left + right) / 2
         across = (nodes.y - (bottom + top) / 2)[:, None]
         far = along**2 + across**2

@@ -12,7 +12,7 @@ from ...compiled import compiled
 from .foam_law import FoamTables
 
 MIN_ARM = 1e-3
-"""Smallest distance of a node from a body's edge, over a step."""
+"""Smallest distance of a node from a body's edge, over a step, and smallest area, over a node's."""
 BALANCED = 1e-4
 """Largest relative difference of a body's force at the end of the relaxation."""
 
@@ -38,8 +38,7 @@ class Bodies(NamedTuple):
 
     boxes: left, right, bottom and top in m, shape (body, 4). radius: of discs in m, 0 of
     rectangles. curvature: radius of a spherical end, m; inf if flat. depth: of each middle, m;
-    of a body by force the largest that it may have. force: N, nan for a body of given depth. area:
-    skin under each flat body by force, m².
+    of a body by force the largest that it may have. force: N, nan for a body of given depth.
     """
 
     boxes: Real
@@ -47,14 +46,12 @@ class Bodies(NamedTuple):
     curvature: Real
     depth: Real
     force: Real
-    area: Real
 
     @classmethod
     def by_depth(cls, boxes: Real, radius: Real, depth: Real) -> Self:
         """Flat bodies of given depth."""
         count = len(depth)
-        none = np.full(count, np.nan), np.zeros(count)
-        return cls(boxes, radius, np.full(count, np.inf), depth, *none)
+        return cls(boxes, radius, np.full(count, np.inf), depth, np.full(count, np.nan))
 
     def some(self, which: Integer | list[int]) -> Self:
         """Those of some numbers."""
@@ -83,7 +80,8 @@ def relaxed_in_place(
     """
     rows, columns = w.shape
     right, up, load, depth = nodes.right, nodes.up, nodes.load, bodies.depth
-    spans, band = _spans(nodes, bodies), cut_at_edges(nodes, bodies)
+    cut_at_edges(nodes, bodies)
+    spans = _spans(nodes, bodies)
     least, by = np.zeros((rows, columns)), np.full((rows, columns), -1, np.int64)
     total = _conductance_sums(right, up)
     per_metre = (len(foam.stresses) - 1) / (foam.greatest * foam.thickness)
@@ -120,9 +118,7 @@ def relaxed_in_place(
                 w[i, j] = left
         balanced = True
         if by_force:
-            shift, balanced = _balance(
-                w, pressure, least, by, spans, nodes, foam, bodies, band, relaxed
-            )
+            shift, balanced = _balance(w, pressure, least, by, spans, nodes, foam, bodies, relaxed)
             moved = max(moved, shift)
         if moved <= still and balanced:
             return sweep + 1
@@ -185,32 +181,23 @@ def _place(
 
 
 @compiled()
-def cut_at_edges(nodes: Nodes, bodies: Bodies) -> float:  # pragma: no cover
+def cut_at_edges(nodes: Nodes, bodies: Bodies) -> None:  # pragma: no cover
     """Let the arms between nodes end at the edges of flat bodies, in place.
 
-    Where an edge lies between two nodes, conductance and load of the shallower node become those of
-    an arm that ends there. Returns the share of the halves of these arms at the edges that is foam
-    under neither nodes nor bodies; the halves of different arms overlap.
+    Where an edge lies between two nodes, the conductance becomes that of an arm from the shallower
+    node to the edge. The area between the middle of this arm and that between the nodes goes from
+    the shallower node to the deeper one.
     """
     rows, columns = nodes.load.shape
     least, by = np.zeros((rows, columns)), np.full((rows, columns), -1, np.int64)
     _place(least, by, _spans(nodes, bodies), nodes, bodies, True)
-    wide, high = np.ones((rows, columns)), np.ones((rows, columns))
-    along, across = bodies.boxes[:, :2], bodies.boxes[:, 2:]
-    arms = _shorten(least, by, along, across, bodies.radius, nodes.x, nodes.y, nodes.right, wide)
-    arms += _shorten(
-        least.T, by.T, across, along, bodies.radius, nodes.y, nodes.x, nodes.up.T, high.T
-    )
-    left, whole = 0.0, 0.0
+    area, along, across = np.ones((rows, columns)), bodies.boxes[:, :2], bodies.boxes[:, 2:]
+    _shorten(least, by, along, across, bodies.radius, nodes.x, nodes.y, nodes.right, area)
+    least, by, right, areas = least.T, by.T, nodes.up.T, area.T
+    _shorten(least, by, across, along, bodies.radius, nodes.y, nodes.x, right, areas)
     for i in range(rows):
         for j in range(columns):
-            before = nodes.load[i, j]
-            nodes.load[i, j] *= wide[i, j] * high[i, j]
-            whole = max(whole, before)
-            left += before if least[i, j] > 0.0 else before - nodes.load[i, j]
-    for body in range(len(bodies.depth)):
-        left -= bodies.area[body] / nodes.tension
-    return min(max(left / (arms * whole / 2), 0.0), 2.0) if arms > 0.0 else 0.0
+            nodes.load[i, j] *= max(area[i, j], MIN_ARM)
 
 
 @compiled()
@@ -223,15 +210,14 @@ def _shorten(
     x: NDArray,
     y: NDArray,
     right: NDArray,
-    wide: NDArray,
-) -> float:  # pragma: no cover
-    """Shorten arms along one axis, x, that end at an edge: conductance grows, nodes become
-    narrower. Returns the sum of the lengths of arms at bodies, over a step.
+    area: NDArray,
+) -> None:  # pragma: no cover
+    """Shorten arms along one axis, x, that end at an edge, see `cut_at_edges`.
 
-    by: number of the body above each node. own, other: sides of each along x and across it. wide:
-    width of nodes, over a step.
+    by: number of the body above each node. own, other: sides of each along x and across it. area:
+    of nodes, over that of one away from edges.
     """
-    (rows, columns), arms = least.shape, 0.0
+    rows, columns = least.shape
     for i in range(rows):
         for j in range(columns - 1):
             if least[i, j] == least[i, j + 1]:
@@ -241,11 +227,9 @@ def _shorten(
             low, high = _across(own[body], other[body], radius[body], y[i])
             gap = low - x[j] if ahead else x[j + 1] - high
             part = min(max(gap / (x[j + 1] - x[j]), MIN_ARM), 1.0)
-            if right[i, j] > 0.0 and min(least[i, j], least[i, j + 1]) == 0.0:
-                arms += part
             right[i, j] /= part
-            wide[i, j if ahead else j + 1] -= (1 - part) / 2
-    return arms
+            area[i, j] += (part - 1) / 2 if ahead else (1 - part) / 2
+            area[i, j + 1] += (1 - part) / 2 if ahead else (part - 1) / 2
 
 
 @compiled()
@@ -276,7 +260,6 @@ def _balance(
     nodes: Nodes,
     foam: FoamTables,
     bodies: Bodies,
-    band: float,
     relaxed: float,
 ) -> tuple[float, bool]:  # pragma: no cover
     """Move each body by force, and the skin on it, towards the balance of its force.
@@ -289,7 +272,7 @@ def _balance(
         if np.isnan(bodies.force[body]):
             continue
         span = spans[body]
-        force, stiffness = _returned(body, w, pressure, least, by, span, nodes, foam, bodies, band)
+        force, stiffness = _returned(body, w, pressure, least, by, span, nodes, foam)
         lack = bodies.force[body] - force
         new = min(max(depth[body] + relaxed * lack / stiffness, 0.0), deepest)
         near = abs(lack) <= BALANCED * bodies.force[body]
@@ -313,51 +296,30 @@ def _returned(
     span: NDArray,
     nodes: Nodes,
     foam: FoamTables,
-    bodies: Bodies,
-    band: float,
 ) -> tuple[float, float]:  # pragma: no cover
     """Force that foam and skins return to a body, N, and its derivative by the depth, N/m.
 
-    The derivative takes the skin beside the body for fixed. A flat body also bears the foam beside
-    its edge, up to the middle of each arm to the next node. band: see `cut_at_edges`.
+    The derivative takes the skin beside the body for fixed.
     """
     rows, columns = w.shape
-    steps, tension, area = nodes.steps, nodes.tension, bodies.area[body]
     force, stiffness = 0.0, 0.0
     for i in range(span[0], span[1]):
         for j in range(span[2], span[3]):
             if by[i, j] != body or w[i, j] > least[i, j]:
                 continue
             own = w[i, j]
-            if area == 0.0:
-                p, slope = _pressure(foam, own)
-                force += tension * nodes.load[i, j] * (p - pressure[i, j])
-                stiffness += tension * nodes.load[i, j] * slope
+            p, slope = _pressure(foam, own)
+            force += nodes.load[i, j] * (p - pressure[i, j])
+            stiffness += nodes.load[i, j] * slope
             for side in range(4):
                 k, m = i + (side == 0) - (side == 1), j + (side == 2) - (side == 3)
                 if not (0 <= k < rows and 0 <= m < columns):
                     continue
-                under = by[k, m] == body and w[k, m] <= least[k, m]
-                if under and area > 0.0:
-                    continue
-                along = k == i
-                conductance = nodes.right[i, min(j, m)] if along else nodes.up[min(i, k), j]
-                force += tension * conductance * (own - w[k, m])
-                if under or conductance == 0.0:
-                    continue
-                stiffness += tension * conductance
-                if area > 0.0:
-                    arm = steps[1] / conductance if along else steps[0] / conductance
-                    p, slope = _pressure(foam, (3 * own + w[k, m]) / 4)
-                    half = band * min(arm, steps[0] if along else steps[1]) / 2
-                    half *= steps[1] if along else steps[0]
-                    force += half * p
-                    stiffness += half * slope
-    if area > 0.0:
-        p, slope = _pressure(foam, bodies.depth[body])
-        force += area * p
-        stiffness += area * slope
-    return force, max(stiffness, 1e-30)
+                conductance = nodes.right[i, min(j, m)] if k == i else nodes.up[min(i, k), j]
+                force += conductance * (own - w[k, m])
+                if by[k, m] != body or w[k, m] > least[k, m]:
+                    stiffness += conductance
+    return nodes.tension * force, nodes.tension * max(stiffness, 1e-30)
 
 
 @compiled()

@@ -33,7 +33,6 @@ from .patch_kernel import (
     Stacks,
     X,
     Y,
-    area_on_skin,
 )
 from .radial_tables import NO_TABLES, RadialTable, radial_table
 from .spread_kernel import BY_LATTICE, NO_TABLE, spread_stacks
@@ -119,9 +118,6 @@ class SpreadContacts:
         bodies = bodies._replace(curvature=own[:, CURVATURE].copy())
         strength, deepest = own[:, STRENGTH], self.foam.deepest
         if by == FORCE:
-            flat = np.isinf(own[:, CURVATURE])
-            each = zip(own[flat], radius[flat], strict=True)
-            bodies.area[flat] = [area_on_skin(contact, r, self.cells) for contact, r in each]
             bodies = bodies._replace(force=strength.copy())
         rise, depth = pressed(self.lattice(2 * float(np.minimum(wide, high).min())), bodies)
         limited = depth >= deepest if by == FORCE else strength > deepest
