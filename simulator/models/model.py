@@ -18,7 +18,7 @@ from .solution import ModelResult, SolutionProgress
 from .uniform import equivalent_press
 
 if TYPE_CHECKING:
-    from .mechanics.deflection_cache import DeflectionCache
+    from .mechanics.adaptive import DeflectionCache
     from .mechanics.deformation import Deformation
 
 FACTOR_SHARE, COARSEST_FACTOR = 30.0, 1e-2
@@ -38,7 +38,7 @@ class PressPlace:
     @cached_property
     def deflections(self) -> DeflectionCache:
         """Cached deflections."""
-        from .mechanics.deflection_cache import DeflectionCache
+        from .mechanics.adaptive import DeflectionCache
 
         return DeflectionCache()
 

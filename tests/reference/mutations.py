@@ -26,7 +26,7 @@ MUTATIONS = [  # file, the line's text, the fault
     ("simulator/sweeps/reading_quantities.py", "magnitude / omega", "magnitude / (1.01 * omega)"),
     ("simulator/scene/frequency.py", "(loss.tangent + 1j)", "(1.1 * loss.tangent + 1j)"),
     ("simulator/scene/foam/foam_mechanics.py", "- strain) / (1 - strain)", "- strain)"),
-    ("simulator/models/mechanics/no_tension.py", "by.value / own", "by.value"),
+    ("simulator/models/mechanics/indentation.py", "by.value / own", "by.value"),
     (
         "simulator/models/mechanics/membrane.py",
         "stress(self._strain(w)) * ",

@@ -1,9 +1,12 @@
-"""Deflection under a press within a tolerance: triangles are refined until the error suffices."""
+"""Deflection under a press within a tolerance: triangles are refined until the error suffices.
+
+Deflections on the last mesh are cached for other depths and forces at the same place.
+"""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,9 +19,17 @@ from ...scene.foam.foam_mechanics import Mechanics
 from ...sweeps import InputError
 from ...sweeps.errors import ToleranceError
 from ..time_estimate import RemainingTime, check_within_reach
-from .contact import ApplicatorLoads, Equilibrium, above, clamped_nodes, deepest, equilibrium
+from .contact import (
+    ApplicatorLoads,
+    Equilibrium,
+    Newton,
+    above,
+    clamped_nodes,
+    deepest,
+    equilibrium,
+    nearby_equilibrium,
+)
 from .contact_mesh import ContactMesh
-from .deflection_cache import DeflectionCache, DeflectionLevel
 from .deformation import check_reached
 from .membrane import ELEMENT, Membrane, MembraneSurface, tails
 
@@ -43,30 +54,113 @@ PRESSING = "pressing the skin in"
 SPREADS = "if the tension hardly spreads the press, set it to 0"
 TOO_FINE = f"the press needs more than {MAX_PRESS_TRIANGLES} triangles at this tolerance; {SPREADS}"
 
+LEFT = 1e-4
+"""Share of the tolerance that the last step may change of a deflection that starts from cached
+ones."""
+NEAREST, STEADY = 4, 10.0
+"""Number of cached deflections for a first guess, and the largest sum of the sizes of their
+weights: a larger sum magnifies their errors more."""
+MAX_CACHED_DEFLECTIONS = 16
+
 
 @dataclass(frozen=True)
-class AdaptiveDeflection:
-    """A deflection, the forces on the applicators, and the error.
+class DeflectionLevel:
+    """A deflection on one mesh.
 
-    error: relative error of the factor anywhere. uncertainty: possible error of the deflection, m,
-    averaged over each triangle, shape (triangle,). clamped: number of the applicator that clamps
-    each node, -1 for none, shape (node,).
+    clamped: number of the applicator that clamps each node, -1 for none, shape (node,). surface:
+    deflection at any position. refined: True if the mesh is finer than the first.
     """
 
-    surface: MembraneSurface
-    solution: Equilibrium
-    error: float
-    uncertainty: Real
+    contact: ContactMesh
     membrane: Membrane
     clamped: Integer
+    solution: Equilibrium
+    surface: MembraneSurface
+    refined: bool
 
 
-def _solved(level: DeflectionLevel, error: float) -> AdaptiveDeflection:
-    """Deflection of a level with its error."""
-    uncertainty = deflection_uncertainty(level.membrane, level.solution.w)
-    return AdaptiveDeflection(
-        level.surface, level.solution, error, uncertainty, level.membrane, level.clamped
-    )
+class DeflectionCache:
+    """Cache for presses at one place: the latest mesh, deflections on it, factors of a Newton step.
+
+    It is empty before the first press.
+    """
+
+    def __init__(self) -> None:
+        self.level: DeflectionLevel | None = None
+        self._known: dict[float, Equilibrium] = {}
+        self._newton: Newton | None = None
+        self._clamped = self._by_force = np.empty(0, np.int64)
+
+    @property
+    def contact(self) -> ContactMesh | None:
+        """The latest mesh."""
+        return self.level.contact if self.level else None
+
+    @property
+    def nodes(self) -> int:
+        """Number of nodes of the latest mesh; 0 before the first press."""
+        return len(self.level.clamped) if self.level else 0
+
+    def keep(self, level: DeflectionLevel, loads: ApplicatorLoads) -> None:
+        """Cache a level for the next press."""
+        before, self.level = self.level, level
+        same = before is not None and before.membrane is level.membrane
+        if not same:
+            self._known = {}
+        if level.solution.newton or not same:
+            self._newton = level.solution.newton
+            self._clamped, self._by_force = level.clamped, loads.by_force
+        key = _key(loads)
+        if key is not None:
+            self._known[key] = replace(level.solution, newton=None)
+            while len(self._known) > MAX_CACHED_DEFLECTIONS:
+                del self._known[next(iter(self._known))]
+
+    def start(self, level: DeflectionLevel, loads: ApplicatorLoads) -> Real:
+        """First guess of the deflection, m, shape (node,).
+
+        For one applicator it interpolates by depth, or by force, between cached deflections and the
+        unpressed skin. Otherwise it is the deflection of the level.
+        """
+        key = _key(loads)
+        same_kind = [known for known in self._known if key is not None and known * key > 0]
+        if key is None or not same_kind:
+            return level.solution.w
+        near = sorted([0.0, *same_kind], key=lambda known: abs(known - key))[:NEAREST]
+        shares = lagrange(np.array(near), key)
+        while np.abs(shares).sum() > STEADY:
+            near.pop()
+            shares = lagrange(np.array(near), key)
+        start = np.zeros_like(level.solution.w)
+        for share, known in zip(shares, near, strict=True):
+            if known:
+                start += share * self._known[known].w
+        return np.clip(start, 0.0, np.nanmax(loads.depth, initial=0.0) or None)
+
+    def known(self, loads: ApplicatorLoads) -> Equilibrium | None:
+        """Cached equilibrium under the same loads."""
+        key = _key(loads)
+        return None if key is None else self._known.get(key)
+
+    def newton(self, clamped: Integer, loads: ApplicatorLoads) -> Newton | None:
+        """Solve with cached factors if they belong to the same free nodes."""
+        same_loads = np.array_equal(loads.by_force, self._by_force)
+        return self._newton if same_loads and np.array_equal(clamped, self._clamped) else None
+
+
+def _key(loads: ApplicatorLoads) -> float | None:
+    """Depth, or minus the force, of one applicator; None for several applicators."""
+    if len(loads.depth) > 1:
+        return None
+    depth, force = float(loads.depth[0]), float(loads.force[0])
+    return -force if np.isnan(depth) else depth
+
+
+def lagrange(nodes: Real, x: float) -> Real:
+    """Weights of Lagrange interpolation at x between a few nodes, shape (node,)."""
+    others = ~np.eye(len(nodes), dtype=bool)
+    ratios = (x - nodes) / np.where(others, nodes[:, None] - nodes, 1.0)
+    return np.where(others, ratios, 1.0).prod(axis=1)
 
 
 def deflection_uncertainty(membrane: Membrane, w: Real) -> Real:
@@ -82,8 +176,8 @@ def adaptive_deflection(
     rtol: float,
     progress: ProgressCallback = silent,
     cache: DeflectionCache | None = None,
-) -> AdaptiveDeflection:
-    """Deflection by a press's applicators, within `rtol` of the factor anywhere.
+) -> tuple[DeflectionLevel, float]:
+    """Deflection by a press's applicators, within `rtol` of the factor anywhere, and that error.
 
     progress: see `ProgressCallback`. cache: deflections by presses at the same places, on the mesh
     of `contact`; this deflection is added to it. Raises InputError where an applicator of given
@@ -107,7 +201,7 @@ def adaptive_deflection(
         if not (found > rtol).any():
             if level.refined:
                 known.keep(level, loads)
-                return _solved(level, float(found.max()))
+                return level, float(found.max())
             found *= HALF_AGAIN * rtol / found.max()
         _check_within_reach(level.contact, found / rtol)
         level = pressing.level(_refined(level.contact, found / rtol), level.surface)
@@ -158,7 +252,8 @@ class _Pressing:
         membrane = Membrane(contact.mesh, tension, self.thickness, self.mechanics.elastic)
         nodes = len(membrane.places.T)
         first = np.zeros(nodes) if start is None else start(membrane.places)
-        clamped = self._clamped(membrane, self._most(contact, membrane), first)
+        most = self._most(contact, membrane)
+        clamped = clamped_nodes(membrane, tension, most, self.loads, first)
         solution = equilibrium(membrane, clamped, self.loads, first)
         surface = MembraneSurface(ELEMENT, contact.mesh.p, membrane.nodes, solution.w)
         return DeflectionLevel(contact, membrane, clamped, solution, surface, start is not None)
@@ -166,22 +261,23 @@ class _Pressing:
     def on_cached_mesh(
         self, known: DeflectionCache, level: DeflectionLevel, rtol: float
     ) -> DeflectionLevel:
-        """Level on the mesh of a cached one."""
-        start = known.start(level, self.loads)
-        most = self._most(level.contact, level.membrane)
-        no_deeper = np.where(most < 0, start, np.fmin(start, self.loads.depth[most]))
-        clamped = self._clamped(level.membrane, most, no_deeper)
-        return known.pressed(level, clamped, self.loads, start, rtol)
+        """Level on the mesh of a cached one. rtol: tolerance of the factor anywhere."""
+        loads, body, start = self.loads, level.membrane, known.start(level, self.loads)
+        most = self._most(level.contact, body)
+        no_deeper = np.where(most < 0, start, np.fmin(start, loads.depth[most]))
+        clamped = clamped_nodes(body, self.mechanics.tension, most, loads, no_deeper)
+        solution, newton = known.known(loads), known.newton(clamped, loads)
+        if solution is None and newton is not None:
+            solution = nearby_equilibrium(body, clamped, loads, start, newton, LEFT * rtol)
+        if solution is None:
+            solution = equilibrium(body, clamped, loads, start)
+        surface = level.surface.of(solution.w)
+        return DeflectionLevel(level.contact, body, clamped, solution, surface, True)
 
     def _most(self, contact: ContactMesh, membrane: Membrane) -> Integer:
         """Applicator that may clamp each node, -1 for none, shape (node,)."""
         under = above(membrane.nodes, len(membrane.places.T), contact.covered)
         return deepest(under, self.loads)
-
-    def _clamped(self, membrane: Membrane, most: Integer, near: Real) -> Integer:
-        """Applicator that clamps each node, shape (node,). near: deflections close to the solution,
-        m."""
-        return clamped_nodes(membrane, self.mechanics.tension, most, self.loads, near)
 
     def relative(self, level: DeflectionLevel) -> Real:
         """Tails as relative changes of the factor, shape (triangle,)."""

@@ -81,33 +81,24 @@ def equilibrium(
     an applicator of given force move as one, and their forces add up to that force. The factors of
     one step serve the following ones as long as undamped steps gain GAINED.
     """
-    turn, fixed = _degrees_of_freedom(clamped, loads)
-    q = _first(start, clamped, loads)
-    work, count = np.zeros_like(q), len(loads.by_force)
-    work[len(q) - count :] = loads.force[loads.by_force]
-
-    def pulled(q: Real) -> tuple[Real, ...]:
-        w = turn @ q + fixed
-        reaction = body.residual(w)
-        return w, reaction, work - turn.T @ reaction
-
-    w, reaction, downhill = pulled(q)
+    given = _Loaded(body, clamped, loads)
+    q = given.first(start)
+    w, reaction, downhill = given.pulled(q)
     solve, newton, before = None, None, np.inf
     for _ in range(MAX_NEWTON_STEPS):
         left = np.abs(downhill).max(initial=0.0)
         if left <= SETTLED * np.abs(reaction).max():
-            return _equilibrium_of(w, reaction, clamped, loads, q[len(q) - count :], newton)
+            return given.solution(q, w, reaction, newton)
         if solve is None or left > before / GAINED:
-            solve, before = _factors(body, turn, w), left
+            solve, before = given.factors(w), left
             newton = solve
         step = solve(downhill)
         if np.abs(step).max() <= STILL * np.abs(q).max():
-            return _equilibrium_of(w, reaction, clamped, loads, q[len(q) - count :], newton)
-        ahead = pulled(q + step)
+            return given.solution(q, w, reaction, newton)
+        ahead = given.pulled(q + step)
         if not np.abs(ahead[2]).max() <= left / GAINED:
-            part = _damped(body, turn, fixed, work, q, step, float(downhill @ step))
-            step, solve = part * step, None
-            ahead = pulled(q + step)
+            step, solve = given.damped(q, step, float(downhill @ step)) * step, None
+            ahead = given.pulled(q + step)
         q, before = q + step, left
         w, reaction, downhill = ahead
     raise ToleranceError("no equilibrium of the press was found: its depth or force is too large")
@@ -127,22 +118,18 @@ def nearby_equilibrium(
     `left` of the deflection and half of the previous step. None if that takes more than
     MAX_MIXED_TRIALS. Source: D. G. Anderson, Journal of the ACM 12 (1965) 547.
     """
-    turn, fixed = _degrees_of_freedom(clamped, loads)
-    q, count = _first(start, clamped, loads), len(loads.by_force)
-    work = np.zeros_like(q)
-    work[len(q) - count :] = loads.force[loads.by_force]
+    given = _Loaded(body, clamped, loads)
+    q, before = given.first(start), np.inf
     tried: list[tuple[Real, Real]] = []
-    before = np.inf
     for _ in range(MAX_MIXED_TRIALS):
-        step = newton(work - turn.T @ body.residual(turn @ q + fixed))
+        step = newton(given.pulled(q)[2])
         if not np.isfinite(step).all():
             return None
         mixed = _mixed(q, step, tried)
         tried = [*tried[1 - MIXED :], (q, step)]
         q, size = q + mixed, float(np.abs(mixed).max(initial=0.0))
         if size <= min(left * np.abs(q).max(initial=0.0), before / 2) and before < np.inf:
-            w = turn @ q + fixed
-            return _equilibrium_of(w, body.residual(w), clamped, loads, q[len(q) - count :])
+            return given.solution(q, *given.pulled(q)[:2])
         before = size
     return None
 
@@ -157,67 +144,61 @@ def _mixed(q: Real, step: Real, tried: list[tuple[Real, Real]]) -> Real:
     return step - (q[:, None] - moved + step[:, None] - steps) @ shares
 
 
-def _factors(body: ElasticBody, turn: csr_matrix, w: Real) -> Newton:
-    """Newton solve with factors at a deflection w."""
-    stiffness = (turn.T @ body.tangent(w) @ turn).tocsc()
-    return splu(stiffness, options={"SymmetricMode": True}, **SYMMETRIC).solve
-
-
-def _degrees_of_freedom(clamped: Integer, loads: ApplicatorLoads) -> tuple[csr_matrix, Real]:
-    """Matrix and offset of w = turn q + fixed.
+class _Loaded:
+    """A body under applicators, whose deflection is w = turn q + fixed.
 
     q: deflections of free nodes, then depths of applicators of given force.
     """
-    free = np.flatnonzero(clamped < 0)
-    rank = np.full(len(loads.depth), -1)
-    rank[loads.by_force] = len(free) + np.arange(len(loads.by_force))
-    carried = np.flatnonzero((clamped >= 0) & np.isnan(loads.depth)[clamped])
-    rows = np.concatenate([free, carried])
-    columns = np.concatenate([np.arange(len(free)), rank[clamped[carried]]])
-    shape = (len(clamped), len(free) + len(loads.by_force))
-    turn = coo_array((np.ones(len(rows)), (rows, columns)), shape=shape)
-    fixed = np.where(clamped < 0, 0.0, np.nan_to_num(loads.depth)[clamped])
-    return csr_matrix(turn), fixed
 
+    def __init__(self, body: ElasticBody, clamped: Integer, loads: ApplicatorLoads) -> None:
+        self.body, self.clamped, self.loads = body, clamped, loads
+        self.free, forced = np.flatnonzero(clamped < 0), len(loads.by_force)
+        rank = np.full(len(loads.depth), -1)
+        rank[loads.by_force] = len(self.free) + np.arange(forced)
+        carried = np.flatnonzero((clamped >= 0) & np.isnan(loads.depth)[clamped])
+        rows = np.concatenate([self.free, carried])
+        columns = np.concatenate([np.arange(len(self.free)), rank[clamped[carried]]])
+        shape = (len(clamped), len(self.free) + forced)
+        self.turn = csr_matrix(coo_array((np.ones(len(rows)), (rows, columns)), shape=shape))
+        self.fixed = np.where(clamped < 0, 0.0, np.nan_to_num(loads.depth)[clamped])
+        self.work = np.concatenate([np.zeros(len(self.free)), loads.force[loads.by_force]])
 
-def _first(start: Real, clamped: Integer, loads: ApplicatorLoads) -> Real:
-    depths = [start[clamped == each].max(initial=0.0) for each in loads.by_force]
-    return np.concatenate([start[clamped < 0], depths])
+    def first(self, start: Real) -> Real:
+        """q of a deflection that may lift off applicators."""
+        depths = [start[self.clamped == each].max(initial=0.0) for each in self.loads.by_force]
+        return np.concatenate([start[self.free], depths])
 
+    def pulled(self, q: Real) -> tuple[Real, Real, Real]:
+        """Deflection, the body's force at each node, and the downhill force on q."""
+        w = self.turn @ q + self.fixed
+        reaction = self.body.residual(w)
+        return w, reaction, self.work - self.turn.T @ reaction
 
-def _damped(
-    body: ElasticBody,
-    turn: csr_matrix,
-    fixed: Real,
-    work: Real,
-    q: Real,
-    step: Real,
-    descent: float,
-) -> float:
-    """Share of a Newton step, halved until it lowers the energy enough."""
+    def factors(self, w: Real) -> Newton:
+        """Newton solve with factors at a deflection w."""
+        stiffness = (self.turn.T @ self.body.tangent(w) @ self.turn).tocsc()
+        return splu(stiffness, options={"SymmetricMode": True}, **SYMMETRIC).solve
 
-    def height(at: Real) -> float:
-        return body.energy(turn @ at + fixed) - float(work @ at)
+    def damped(self, q: Real, step: Real, descent: float) -> float:
+        """Share of a Newton step, halved until it lowers the energy enough."""
 
-    here, part = height(q), 1.0
-    slack = ROUNDING * (abs(here) + abs(float(work @ q)))
-    while height(q + part * step) > here - SUFFICIENT * part * descent + slack:
-        part /= 2
-    return part
+        def height(at: Real) -> float:
+            return self.body.energy(self.turn @ at + self.fixed) - float(self.work @ at)
 
+        here, part = height(q), 1.0
+        slack = ROUNDING * (abs(here) + abs(float(self.work @ q)))
+        while height(q + part * step) > here - SUFFICIENT * part * descent + slack:
+            part /= 2
+        return part
 
-def _equilibrium_of(
-    w: Real,
-    reaction: Real,
-    clamped: Integer,
-    loads: ApplicatorLoads,
-    found: Real,
-    newton: Newton | None = None,
-) -> Equilibrium:
-    depth = loads.depth.copy()
-    depth[loads.by_force] = found
-    force = [reaction[clamped == each].sum() for each in range(len(depth))]
-    return Equilibrium(w, depth, np.array(force), newton)
+    def solution(
+        self, q: Real, w: Real, reaction: Real, newton: Newton | None = None
+    ) -> Equilibrium:
+        """Equilibrium with depths and forces of all applicators."""
+        depth = self.loads.depth.copy()
+        depth[self.loads.by_force] = q[len(self.free) :]
+        force = [reaction[self.clamped == each].sum() for each in range(len(depth))]
+        return Equilibrium(w, depth, np.array(force), newton)
 
 
 MAX_CONTACT_CHANGES = 200

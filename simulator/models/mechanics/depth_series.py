@@ -13,10 +13,9 @@ from ...press.touch import Depth, Indentation, Touch
 from ...scene.foam.foam_mechanics import Elastic, Mechanics
 from ...scene.parts import Skin
 from ...sweeps import ToleranceError
-from .adaptive import adaptive_deflection, deflection_uncertainty
+from .adaptive import NEAREST, adaptive_deflection, deflection_uncertainty, lagrange
 from .contact import ApplicatorLoads, equilibrium
 from .contact_mesh import straight_contact_mesh
-from .deflection_cache import NEAREST, lagrange
 from .membrane import ELEMENT, MembraneSurface
 
 COUNTS = (9, 13, 17, 33)
@@ -128,7 +127,8 @@ def depth_series(
     assert mechanics is not None and thickness is not None
     press = Press((Indentation(pixel, Depth(deepest)),))
     contact = straight_contact_mesh(skin, [pixel], 0)
-    first = adaptive_deflection(press, contact, mechanics, thickness, factor_rtol)
+    first, _ = adaptive_deflection(press, contact, mechanics, thickness, factor_rtol)
+    membrane = first.membrane
     known = {deepest: (first.solution.w, float(first.solution.force[0]))}
     known[0.0] = np.zeros_like(first.solution.w), 0.0
 
@@ -138,41 +138,25 @@ def depth_series(
             shares = lagrange(np.array(near), depth)
             start = shares @ np.stack([known[d][0] for d in near])
             loads = ApplicatorLoads(np.array([depth]), np.array([np.nan]))
-            solution = equilibrium(first.membrane, first.clamped, loads, np.clip(start, 0.0, depth))
+            solution = equilibrium(membrane, first.clamped, loads, np.clip(start, 0.0, depth))
             known[depth] = solution.w, float(solution.force[0])
         return known[depth]
 
     def found(depths: Real, count: int) -> DepthSeries:
         w, force = zip(*map(at, depths.tolist()), strict=True)
-        uncertainties = np.stack([deflection_uncertainty(first.membrane, each) for each in w])
-        surface = first.surface
-        p = first.membrane.places
-        return DepthSeries(
-            p, surface.nodes, depths, count, np.stack(w), uncertainties, np.array(force)
-        )
+        uncertainty = np.stack([deflection_uncertainty(membrane, each) for each in w])
+        given = membrane.places, membrane.nodes, depths, count
+        return DepthSeries(*given, np.stack(w), uncertainty, np.array(force))
 
     for count in COUNTS:
-        nodes, between = _depths(deepest, count)
-        candidate = found(np.concatenate([nodes[::-1], between])[_order(count)], count)
+        some = np.linspace(0, count - 2, CHECKS).round()
+        between = deepest * (1 - np.cos(np.pi * (some + 0.5) / (count - 1))) / 2
+        candidate = found(np.concatenate([extrema(0.0, deepest, count), between]), count)
         if interpolated_error(candidate, mechanics, thickness) <= rtol:
             return candidate
     raise ToleranceError(
         f"pixel {pixel.where}: the factor between depths is not interpolated to {rtol:.1e}"
     )
-
-
-def _depths(deepest: float, count: int) -> tuple[Real, Real]:
-    """Chebyshev's extrema from 0 to deepest, and CHECKS intermediate depths."""
-    angle = np.pi * np.arange(count) / (count - 1)
-    nodes = extrema(0.0, deepest, count)
-    some = np.linspace(0, count - 2, CHECKS).round().astype(np.int64)
-    between = angle[some] + np.pi / (count - 1) / 2
-    return nodes, deepest * (1 - np.cos(between)) / 2
-
-
-def _order(count: int) -> Integer:
-    """Order that makes the descending extrema ascend; the intermediate depths stay last."""
-    return np.concatenate([np.arange(count)[::-1], count + np.arange(CHECKS)])
 
 
 def interpolated_error(series: DepthSeries, mechanics: Mechanics, thickness: float) -> float:
