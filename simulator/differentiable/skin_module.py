@@ -11,7 +11,6 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from ..fem.terminals import allowed_potentials
 from ..models.cosine_modes import MAX_AMPLITUDE
 from ..models.heterogeneous.materials import gauged
 from ..models.parameters import SHEET_MODES
@@ -26,7 +25,7 @@ from ..requests.argument_types import scene_of, typed
 from ..scene.parts import Pressing, Setup, Skin
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .admittance_forms import AdmittanceForms, AllowedPotentials, Terminals
+from .admittance_forms import AdmittanceForms
 from .meter_tensors import at_meter, quantities
 from .skin_tensors import (
     SkinTensors,
@@ -96,8 +95,8 @@ class SkinModule(nn.Module):
 
     def _add_arrays(self) -> None:
         """Buffers of the model's arrays."""
-        reduced, field = self.reduced, self.reduced.terminal_field.tolist()
-        N, m = len(field), reduced.stiffness.shape[-1]
+        reduced = self.reduced
+        N, m = len(reduced.conductance), reduced.stiffness.shape[-1]
         K = np.eye(m)
         K[:N, :N] = reduced.conductance
         arrays = {
@@ -113,14 +112,6 @@ class SkinModule(nn.Module):
         self.register_buffer("nominal_weights", nominal.weights(reduced).detach(), False)
         for name, array in arrays.items():
             self.register_buffer(name, torch.as_tensor(array, dtype=torch.float64), False)
-        self._common = []
-        for k, excitation in enumerate(reduced.circuit.excitations):
-            columns, common = allowed_potentials(tuple(field), excitation)
-            self.register_buffer(f"columns_{k}", torch.as_tensor(columns), False)
-            self._common.append(tuple(common.tolist()))
-        self._fields = tuple(
-            tuple(np.flatnonzero(np.equal(field, each)).tolist()) for each in sorted(set(field))
-        )
 
     def forward(
         self,
@@ -152,14 +143,15 @@ class SkinModule(nn.Module):
     def _forms(self, skin: SkinTensors, K: Tensor, amounts: Tensor, f: Tensor) -> Tensor:
         """Q of each excitation, (press, excitation, frequency); only the foam has its loss."""
         s, in_air = skin.s(f), torch.as_tensor(self.parts.in_air, device=f.device)
+        terminals = self.reduced.terminal_field, self.reduced.circuit
         if not self.parts.in_air.any():
             M = torch.tensordot(amounts, self.masses, dims=1)
-            return AdmittanceForms.apply(K, M, s, self._terminals())
+            return AdmittanceForms.apply(K, M, s, *terminals)
         factors, weights = air_weights(s, f)
         found = []
         for factor, weight in zip(factors, weights, strict=True):
             M = torch.tensordot(torch.where(in_air, factor * amounts, amounts), self.masses, dims=1)
-            Q = AdmittanceForms.apply(K, M, s, self._terminals())
+            Q = AdmittanceForms.apply(K, M, s, *terminals)
             found.append(weight[:, None] * Q)
         return torch.stack(found).sum(dim=0)
 
@@ -233,11 +225,6 @@ class SkinModule(nn.Module):
         )
         _check_range("fingers in `rises`, F,", rises[:, foam:], 0.0, strongest)
         return rises
-
-    def _terminals(self) -> Terminals:
-        each = enumerate(self._common)
-        allowed = (AllowedPotentials(getattr(self, f"columns_{k}"), own) for k, own in each)
-        return Terminals(self._fields, tuple(allowed))
 
     @torch.no_grad()
     def _check_reach(self, values: Mapping[str, Tensor], frequency: Tensor) -> None:

@@ -105,7 +105,7 @@ class SkinTensors:
 
 
 AIR_RTOL = 1e-9
-"""Tolerance of the interpolation in air, which numpy solves directly (`dense.solved_in_air`)."""
+"""Tolerance of the interpolation in air, which `networks_in_air` solves directly."""
 
 
 def air_weights(s: Tensor, frequency: Tensor) -> tuple[list[float], Tensor]:

@@ -66,7 +66,7 @@ ROUNDING = 1e-13
 def packed_model(skin: ReducedSkin) -> dict[str, Any]:
     """M and the excitations in the coordinates in which K is the identity.
 
-    See `dense.UnpressedMass` and `dense.DenseExcitation`.
+    See `UnpressedMass` and `DenseExcitation` of `small_system.system`.
     """
     rest, reduced = skin.unpressed_mass, skin.reduced
     full = np.abs(rest.factors).max(axis=2) > 0

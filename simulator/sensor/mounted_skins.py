@@ -15,11 +15,11 @@ from ..method_cache import cached_method
 from ..models.heterogeneous.materials import gauged
 from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
+from ..models.reduced.skin_stack import SkinStack
 from ..press.batch import PressBatch
 from ..scene.parts import SceneParts, Setup, Skin
 from ..scene.readout.meter import Leads
 from ..sweeps.free_space import check_memory
-from .skin_stack import SkinStack
 
 SETUPS_KEPT = 4096
 
@@ -51,9 +51,9 @@ class MountedSkins:
             f"{len(distinct)} skins of {family.size} vectors and {len(family.factors)} cells",
             "take fewer skins, or a larger rtol",
         )
-        from .skin_kernel import skin_admittances
+        from ..models.small_system.lanczos import swept
 
-        self._kernel = skin_admittances
+        self._swept = swept
         self.family, self.distinct, self.count = family, len(distinct), len(numbers)
         grid, modes = family.grid, family.modes
         self._drawn = [
@@ -111,11 +111,12 @@ class MountedSkins:
             return Z[:, slice(None) if chosen is None else chosen, frequencies]
         stack, followed = self._stack, self._skins[0].parts.followed(batch)
         batch = PressBatch._make(map(np.ascontiguousarray, followed))
-        s = np.ascontiguousarray(stack.s[:, frequencies])
+        s = np.ascontiguousarray(stack.systems.s[:, frequencies])
+        systems = stack.systems._replace(s=s)
         numbers = range(len(stack.excitations)) if chosen is None else chosen
         entries, rows = stack.entries(skins)
         Y: list[Complex] = [
-            self._kernel(stack.mass, stack.excitations[k], entries, presses[rows], batch, s)
+            self._swept(systems, stack.excitations[k], entries, presses[rows], batch)
             for k in numbers
         ]
         if len(rows) > len(skins):

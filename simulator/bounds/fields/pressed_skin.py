@@ -14,9 +14,8 @@ import numpy as np
 
 from ...arrays import Complex, Real
 from ...fem.terminals import Combination
-from ...models.network.network_skin import wiring_of
-from ...models.reduced.dense import added, between_terminals, mass_of, own_axes
 from ...models.reduced.reduced_skin import ReducedSkin
+from ...models.small_system.system import added, at_terminals, diagonalised, mass_of
 
 
 @dataclass(frozen=True)
@@ -72,24 +71,12 @@ class PressedSkin:
 
     def solved(self, M: Real, s: Complex) -> Potentials:
         """Potentials of a press with this M, at s in rad/s."""
-        skin = self._skin
-        N = len(skin.conductance)
-        pressed, axes = own_axes(M, N)
-        dynamic = between_terminals(pressed, s)
-        circuit = skin.reduced.circuit
-        wiring = wiring_of(circuit.excitations, skin.reduced.terminal_field, skin.conductance)
-        at, Y = [], []
-        for excitation, count in enumerate(wiring.counts):
-            allowed = wiring.potentials[excitation, :, :count]
-            Y_of = wiring.conductance[excitation, :count, :count] + allowed.T @ dynamic @ allowed
-            floating = -np.linalg.solve(Y_of[:, 1:, 1:], Y_of[:, 1:, :1])[:, :, 0]
-            Y.append(Y_of[:, 0, 0] + (Y_of[:, 0, 1:] * floating).sum(axis=1))
-            at.append(allowed[:, :1] + allowed[:, 1:] @ floating.T)
-        delayed = -s / (1 + pressed.diagonal[:, None] * s)
-        weighed = delayed[:, None] * pressed.rows[:, N:].T[:, :, None]
-        inside = (axes @ weighed.reshape(len(axes), -1)).reshape(weighed.shape)
-        u = np.empty((N + len(inside), N, len(s)), dtype=np.complex128)
-        u[:N], u[N:] = np.eye(N)[:, :, None], inside
+        skin, N = self._skin, len(self._skin.conductance)
+        Y, (inside,), axes = diagonalised(M[None], N, s)
+        u = np.empty((len(M), N, len(s)), dtype=np.complex128)
+        turned = axes[0] @ inside.transpose(1, 2, 0).reshape(len(M) - N, -1)
+        u[:N], u[N:] = np.eye(N)[:, :, None], turned.reshape(u[N:].shape)
+        at, forms = zip(*(at_terminals(own, Y) for own in skin.excited_terminals), strict=True)
         combined = skin.combination
-        shown = np.asarray(combined.admittance(np.stack(Y)), dtype=np.complex128)
-        return Potentials(u, np.stack(at), shown, combined)
+        shown = np.asarray(combined.admittance(np.concatenate(forms)), dtype=np.complex128)
+        return Potentials(u, np.concatenate(at).swapaxes(1, 2), shown, combined)

@@ -15,9 +15,14 @@ from ...scene.readings.contacts import Interface
 from ...sweeps import InputError
 from ..heterogeneous.materials import gauged
 from ..reduced.reduced_skin import ReducedSkin
-from .admittance_kernel import Wiring, admittances, impedances
+from ..small_system.woodbury import (
+    UnpressedNetwork,
+    Wiring,
+    admittances,
+    impedances,
+    unpressed_network,
+)
 from .terminals import read
-from .woodbury_kernel import UnpressedNetwork, unpressed_network
 
 
 class NetworkSkin:

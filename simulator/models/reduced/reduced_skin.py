@@ -20,19 +20,22 @@ from ...scene.frequency import LOSSLESS, laplace_variable
 from ...sweeps import ToleranceError
 from ..heterogeneous.materials import gauged
 from ..parameters import Variation, foam_parts, nominal
-from .cases import Case, touched
-from .certificate import AirCharges, certificate, min_conductance_factor
-from .dense import (
+from ..small_system.system import (
+    Networks,
+    Solved,
     UnpressedMass,
     added,
     aligned,
     dense_excitation,
     mass_of,
+    networks,
+    networks_in_air,
     own_coordinates,
     solved,
-    solved_in_air,
     with_terms,
 )
+from .cases import Case, touched
+from .certificate import AirCharges, certificate, min_conductance_factor
 from .families.family import Family, changes, weights_under
 from .families.family_meshes import finer_families
 from .projection import Projection
@@ -181,17 +184,18 @@ class ReducedSkin:
         return found
 
     def _swept(self, batch: PressBatch, s: Complex, precision: float) -> Complex:
-        from .kernel import impedances
-
         weighted = self.parts.followed(batch).weighted(self.unpressed_factors)
-        return impedances(
-            self.aligned_mass,
-            self.dense_excitations,
-            self.combination,
-            weighted,
-            s,
-            precision * self.lanczos_rtol,
-        )
+        return self._impedances(self.aligned_mass, weighted, s, precision * self.lanczos_rtol)
+
+    def _impedances(
+        self, mass: UnpressedMass, batch: PressBatch, s: Complex, rtol: float
+    ) -> Complex:
+        """Z in ohm, shape (press, interface, s), of presses that add weights times M of factors."""
+        from ..small_system.lanczos import swept_alone
+
+        Y = [swept_alone(mass, own, batch, s, rtol) for own in self.dense_excitations]
+        Y = Y if self.combination.one_to_one else [*self.combination.admittance(np.stack(Y))]
+        return (1 / np.stack(Y, axis=1)).astype(np.complex128)
 
     @cached_property
     def _cancelled(self) -> float:
@@ -239,7 +243,7 @@ class ReducedSkin:
             air, skins = self.with_air(frequency)
         except ToleranceError:
             air, skins = LOSSLESS_FOAM, [self]
-        each = [skin._spanned(presses, s) for skin in skins]
+        each = [skin._potentials(presses, s) for skin in skins]
         u, Q = (air.mean(own) for own in zip(*each, strict=True))
         u = u.reshape(len(u), -1)
         potential = self.reduced.coordinates @ np.hstack([u.real, u.imag])
@@ -249,16 +253,12 @@ class ReducedSkin:
         solved = potential, current, Q, s, self.min_conductance, self.combination
         return certificate(family.space, masses, *solved, beyond)
 
-    def _spanned(
+    def _potentials(
         self, presses: Sequence[tuple[Integer, Real]], s: Complex
     ) -> tuple[Complex, Complex]:
         """Potentials in the model's coordinates, (N + n, press * excitation, s), and Q in S."""
-        from .lanczos_potentials import spanned_by_all
-
-        touched = [self.touched(*press) for press in presses]
-        u, Q = spanned_by_all(self.dense_excitations, touched, s)
-        u = self.turn @ u[: len(self.turn)]
-        return u.reshape(len(u), -1, len(s)), Q
+        u, Q = zip(*(own for press in presses for own in self.solved(*press, s)), strict=True)
+        return np.stack(u, axis=1), np.reshape(Q, (len(presses), -1, len(s)))
 
     def _in_air(self, foams: Sequence[Real], factor: Complex) -> AirCharges:
         """Share of air in M of each press; foams: see `certificates`."""
@@ -315,27 +315,26 @@ class ReducedSkin:
         """Amount of each part of M over the scene's own, shape (part,), see `Parts`."""
         return self.parts.pressed(cells, rises) * self.unpressed_factors
 
-    def solved(self, cells: Integer, rises: Real, s: Complex) -> list[tuple[Complex, Complex]]:
+    def solved(self, cells: Integer, rises: Real, s: Complex) -> list[Solved]:
         """Potentials and form of each excitation, for sheets as they are here, see `under`.
 
         The potentials are V in the model's coordinates, shape (N + n, s); the form is in S, shape
         (s,).
         """
         rest, which, weights = self.touched(cells, rises)
-        found = solved(self.excited_terminals, rest, which[None], weights[None], s)
-        return [(self.turn @ u[0].T, Y[0]) for u, Y in found]
+        return self._each(networks(rest, which[None], weights[None], s))
 
-    def solved_in_air(
-        self, cells: Integer, rises: Real, frequency: Real
-    ) -> list[tuple[Complex, Complex]]:
+    def solved_in_air(self, cells: Integer, rises: Real, frequency: Real) -> list[Solved]:
         """`solved` where air has no loss, unlike the foam. frequency: Hz."""
         M, s = mass_of(*self.touched(cells, rises)), laplace_variable(frequency, self.loss)
         _, fingers = self.parts.by_kind(cells, rises)
         charges = fingers.rises * self.unpressed_factors[fingers.cells]
-        in_air = added(self.reduced.factors, fingers.cells, charges) + self.fixed_mass
-        each = [(M, self.turn.T @ in_air @ self.turn)]
-        found = solved_in_air(self.excited_terminals, each, s, 2 * np.pi * frequency)
-        return [(self.turn @ u[0].T, Y[0]) for u, Y in found]
+        air = added(self.reduced.factors, fingers.cells, charges) + self.fixed_mass
+        masses = [(M, self.turn.T @ air @ self.turn)]
+        return self._each(networks_in_air(masses, len(self.conductance), s, 2 * np.pi * frequency))
+
+    def _each(self, press: Networks) -> list[Solved]:
+        return [(self.turn @ u[0].T, Y[0]) for u, Y in solved(self.excited_terminals, press)]
 
     def touched(self, cells: Integer, rises: Real) -> tuple[UnpressedMass, Integer, Real]:
         """Terms that one press adds to M: factors, indices of those, and their weights."""

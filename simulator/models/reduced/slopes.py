@@ -16,7 +16,7 @@ from ...arrays import Complex, Integer, Real
 from ...press.parts import Parts
 from ...scene.air_nodes import air_factor
 from ...scene.frequency import laplace_variable
-from .dense import UnpressedMass, added, mass_of, solved, solved_in_air
+from ..small_system.system import UnpressedMass, added, mass_of, networks, networks_in_air, solved
 from .reduced_skin import ReducedSkin
 from .touched_walls import TouchedWalls, by_walls, walls_around, with_walls
 
@@ -126,13 +126,13 @@ def sensitivities(skin: ReducedSkin, cells: Integer, rises: Real, frequency: Rea
         still = np.tensordot(skin.fixed_factors, fixed, axes=1)
         by_fingers = np.where(skin.parts.in_air[every], weights, 0.0)
         masses = (
-            (mass_of(mass, which, all_of_them), still + added(mass.factors, which, in_air))
-            for which, all_of_them, in_air in zip(every, weights, by_fingers, strict=True)
+            (mass_of(mass, which, of_all), still + added(mass.factors, which, of_air))
+            for which, of_all, of_air in zip(every, weights, by_fingers, strict=True)
         )
-        each_solved = solved_in_air(skin.excited_terminals, masses, s, omega)
+        pressed = networks_in_air(masses, len(skin.conductance), s, omega)
     else:
-        each_solved = solved(skin.excited_terminals, mass, every, weights, s)
-    for u, Y in each_solved:
+        pressed = networks(mass, every, weights, s)
+    for u, Y in solved(skin.excited_terminals, pressed):
         squares = _squares(u, mass.factors, every)
         whole, of_fixed = _stored(u, mass, squares, weights), _forms(u, fixed)
         by_cell, beyond, by_finger = _of_touched(skin, cells, rises, u, squares, walls, air)

@@ -3,10 +3,14 @@
 import numpy as np
 import pytest
 from rcskin.simulator.fem.terminals import Combination, through_virtual_earth
-from rcskin.simulator.models.network.admittance_kernel import admittances, impedances
 from rcskin.simulator.models.network.network_skin import wiring_of
-from rcskin.simulator.models.network.woodbury_kernel import SIDE_BY_SIDE, unpressed_network
-from rcskin.simulator.models.reduced.dense import UnpressedMass, mass_of
+from rcskin.simulator.models.small_system.system import UnpressedMass, mass_of
+from rcskin.simulator.models.small_system.woodbury import (
+    SIDE_BY_SIDE,
+    admittances,
+    impedances,
+    unpressed_network,
+)
 from rcskin.simulator.press.batch import PressBatch
 
 TERMINALS, BASIS, CELLS, RANK = 3, 11, 6, 2

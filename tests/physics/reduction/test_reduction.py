@@ -6,14 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.fem.lanczos import Pencil, potentials, respond
+from rcskin.simulator.fem.lanczos import Pencil, respond
 from rcskin.simulator.models.parameters import HALF_WAVES, Variation, mode_values, nominal
 from rcskin.simulator.models.reduced.cases import Case, pixel_touches
-from rcskin.simulator.models.reduced.dense import mass_of, widened
 from rcskin.simulator.models.reduced.greedy import reduce
-from rcskin.simulator.models.reduced.kernel import swept
-from rcskin.simulator.models.reduced.lanczos_potentials import spanned
 from rcskin.simulator.models.reduced.model_file import load
+from rcskin.simulator.models.small_system.lanczos import swept_alone
+from rcskin.simulator.models.small_system.system import mass_of, widened
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import Press
@@ -97,39 +96,14 @@ def swept_readable(rest, feed, batch, s, rtol):
     return np.stack([respond(pencil_of(mass, feed), s, rtol)[0] for mass in masses])
 
 
-def spanned_readable(feed, rest, touched, s, rtol):
-    """Potentials of one press at 1 V, shape (m, s), and Y in S, shape (s,)."""
-    mass = mass_of(rest, *touched)
-    at_zero = widened(feed.driven, len(mass))
-    common = widened(feed.common, len(mass))
-    charge = common @ mass
-    at_zero -= common.T @ np.linalg.solve(charge @ common.T, charge @ at_zero)
-    pencil = pencil_of(mass, feed)
-    v = potentials(pencil, s, float(np.sqrt(rtol))).astype(np.complex128)
-    return at_zero[:, None] + v, pencil.admittance + s * (pencil.capacitance + pencil.start @ v)
-
-
 @pytest.mark.kernel
 def test_the_kernel_and_its_readable_twin_agree(families):
     for reduced in families.values():
         own, cases = reduced.skin(None), drawn(reduced.parts, 4)
         for feed in own.dense_excitations:
             given = own.unpressed_mass, feed, batch(cases), own.s
-            fused, plain = swept(*given, 1e-13), swept_readable(*given, 1e-13)
+            fused, plain = swept_alone(*given, 1e-13), swept_readable(*given, 1e-13)
             np.testing.assert_allclose(fused, plain, rtol=1e-11)
-
-
-@pytest.mark.kernel
-def test_potentials_of_a_certificate_and_their_readable_twin_agree(families):
-    """They differ by what either leaves of the potentials, Y by the square of that."""
-    for reduced in families.values():
-        own = reduced.skin(None)
-        for feed in own.dense_excitations:
-            for cells, rises in batch(drawn(reduced.parts, 4)).each():
-                given = feed, own.unpressed_mass, (cells, rises), own.s
-                (u, Y), (twin, own_Y) = spanned(*given, 1e-12), spanned_readable(*given, 1e-14)
-                np.testing.assert_allclose(Y, own_Y, rtol=1e-10)
-                np.testing.assert_allclose(u, twin, atol=1e-5 * np.abs(twin).max())
 
 
 @pytest.mark.parametrize("touches", [0, 1, 6], ids="{} touched".format)
@@ -145,7 +119,9 @@ def test_the_potentials_of_a_certificate_are_those_of_the_sweep(families, touche
         for feed, (u, Y) in zip(
             own.dense_excitations, own.solved(cells, rises, own.s), strict=True
         ):
-            np.testing.assert_allclose(Y, swept(own.unpressed_mass, feed, *given)[0], rtol=1e-9)
+            np.testing.assert_allclose(
+                Y, swept_alone(own.unpressed_mass, feed, *given)[0], rtol=1e-9
+            )
             inner = (own.stiffness @ u + own.s * (M @ u))[len(reduced.conductance) :]
             assert np.abs(inner).max() < 1e-9 * np.abs(Y).max()
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.models.parameters import Variation
-from rcskin.simulator.models.reduced.kernel import swept
+from rcskin.simulator.models.small_system.lanczos import swept_alone
 from rcskin.simulator.models.solution_fields import fields
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.page.document import document
@@ -84,7 +84,7 @@ def by_python(paged, press, cast):
     batch = followed.weighted(skin.unpressed_factors)
     Q = np.stack(
         [
-            swept(skin.unpressed_mass, feed, batch, s, ON_A_PAGE)[0]
+            swept_alone(skin.unpressed_mass, feed, batch, s, ON_A_PAGE)[0]
             for feed in skin.dense_excitations
         ]
     )

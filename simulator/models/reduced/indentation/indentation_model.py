@@ -18,8 +18,8 @@ from ....fem.error_estimate import both, relative_difference
 from ....press.batch import PressBatch
 from ....sweeps import InputError
 from ...parameters import Variation
+from ...small_system.system import UnpressedMass
 from ..compressing import typical
-from ..dense import UnpressedMass
 from ..families.family import Family
 from ..reduced_model import Reduced
 from ..reduced_skin import KRYLOV_SHARE, ReducedSkin
@@ -134,23 +134,20 @@ class IndentationSkin(ReducedSkin):
         return squares, whole
 
     def _swept(self, batch: PressBatch, s: Complex, precision: float) -> Complex:
-        from ..kernel import impedances
-
         self._check(batch.rises[batch.cells < self.parts.foam])
-        interfaces, read = len(self.combination.weights), (self.dense_excitations, self.combination)
-        found = np.empty((batch.count, interfaces, len(s)), dtype=np.complex128)
+        found = np.empty((batch.count, len(self.combination.weights), len(s)), dtype=np.complex128)
         rtol, each = precision * KRYLOV_SHARE * self.reduced.rtol, list(batch.each())
         coupled = np.array([self._coupled(own.cells) for own in each], dtype=bool)
         for press in np.flatnonzero(coupled):
             rest, which, weights = self.touched(*each[press])
             touches = PressBatch.of([(which, weights)])
-            found[[press]] = impedances(rest, *read, touches, s, rtol)
+            found[[press]] = self._impedances(rest, touches, s, rtol)
         for some in _parts(np.flatnonzero(~coupled), batch.starts):
             own = PressBatch.of(each[press] for press in some)
             factors = self._factors(own.cells, own.rises)
             rest = self.pressed_by(factors)
             touches = PressBatch(np.arange(len(factors)), np.ones(len(factors)), own.starts)
-            found[some] = impedances(rest, *read, touches, s, rtol)
+            found[some] = self._impedances(rest, touches, s, rtol)
         return found
 
     def _coupled(self, cells: Integer) -> bool:

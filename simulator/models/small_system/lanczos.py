@@ -1,108 +1,110 @@
-"""Compiled sweeps of a reduced model: Lanczos' method and continued fractions.
+"""Sweeps of many small systems under presses, compiled: Lanczos' method and continued fractions.
 
-The method is that of `lanczos.respond`, in coordinates in which K is 1 and the unpressed M is
+The method is that of `fem.lanczos.respond`, in coordinates in which K is 1 and the unpressed M is
 diagonal except for the few rows of the terminals. A touched pixel adds a product of thin factors.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import Complex
+from ...arrays import Complex, Real
 from ...compiled import compiled
 from ...fem.error_estimate import LOST_SUSCEPTANCE
 from ...fem.kernels import continued_fractions, next_convergent
 from ...fem.lanczos import MAX_LANCZOS_STEPS, MIN_LANCZOS_STEPS
-from ...fem.terminals import Combination
 from ...press.batch import PressBatch
-from .dense import DenseExcitation, UnpressedMass
+from .system import DenseExcitation, UnpressedMass
 
 WORK_VECTORS = 5
 """Number of work vectors of Lanczos' method, without two for each conductor that floats as a
 whole."""
 
 
+class Skins(NamedTuple):
+    """Small systems of skins that are swept together: all arrays have a first axis (skin,).
+
+    mass: unpressed M and factors. unit: of the rises of each part of M, shape (skin, part). s:
+    rad/s, shape (skin, s). rtol: tolerance of Rs and Cp at which Lanczos' method ends, shape
+    (skin,).
+    """
+
+    mass: UnpressedMass
+    unit: Real
+    s: Complex
+    rtol: Real
+
+
 @compiled()
 def swept(
-    unpressed: UnpressedMass,
-    excitation: DenseExcitation,
-    batch: PressBatch,
-    s: NDArray,
-    rtol: float,
+    systems: Skins, excitation: DenseExcitation, skins: NDArray, presses: NDArray, batch: PressBatch
 ) -> NDArray:  # pragma: no cover
-    """Y in S of many presses, shape (press, s).
+    """Y in S, shape (row, s): row k is of skin skins[k] under press presses[k].
 
-    Each press adds its rises times M of its cells. s: rad/s. rtol: tolerance of Rs and Cp at which
-    Lanczos' method ends.
+    excitation: of each skin, with a first axis (skin,). Each press adds its rises, in units of the
+    skin's parts, times M of its cells.
     """
+    mass, unit, s, rtol = systems
     cells, rises, starts = batch
-    Y = np.empty((len(starts) - 1, len(s)), np.complex128)
-    farthest, parts = farthest_of(s), np.empty((4, len(s)))
-    for k in range(len(s)):
-        square = s[k] * s[k]
-        parts[0, k], parts[1, k] = s[k].real, s[k].imag
-        parts[2, k], parts[3, k] = square.real, square.imag
-    work, fractions = work_vectors(unpressed, excitation), np.empty((2, len(s)))
+    frequencies = s.shape[1]
+    Y, fractions = np.empty((len(skins), frequencies), np.complex128), np.empty((2, frequencies))
+    parts, farthest = np.empty((4, frequencies)), 0.0j
     diagonal, squared = np.empty(MAX_LANCZOS_STEPS), np.empty(MAX_LANCZOS_STEPS)
-    basis = np.empty((0, unpressed.rows.shape[1]))
-    for press in range(len(starts) - 1):
-        first, end = starts[press], starts[press + 1]
-        touched = cells[first:end], rises[first:end]
-        steps, capacitance = lanczos_steps(
-            unpressed, excitation, touched, farthest, rtol, work, diagonal, squared, basis
+    work = np.empty((WORK_VECTORS + 2 * excitation.common.shape[1], mass.rows.shape[2]))
+    for row in range(len(skins)):
+        skin, press = skins[row], presses[row]
+        own = UnpressedMass(mass.rows[skin], mass.diagonal[skin], mass.factors[skin])
+        driven = DenseExcitation(
+            excitation.conductance[skin],
+            excitation.driven[skin],
+            excitation.tied[skin],
+            excitation.tied_inverse[skin],
+            excitation.common[skin],
         )
-        delayed = 0.0
+        here, at = cells[starts[press] : starts[press + 1]], s[skin]
+        weights = rises[starts[press] : starts[press + 1]].copy()
+        for k in range(len(here)):
+            weights[k] *= unit[skin, here[k]]
+        if row == 0 or skin != skins[row - 1]:
+            farthest = at[0]
+            for k in range(frequencies):
+                square = at[k] * at[k]
+                parts[0, k], parts[1, k] = at[k].real, at[k].imag
+                parts[2, k], parts[3, k] = square.real, square.imag
+                if _square(at[k]) > _square(farthest):
+                    farthest = at[k]
+        steps, capacitance = _lanczos_steps(
+            own, driven, (here, weights), farthest, rtol[skin], work, diagonal, squared
+        )
         if steps:
-            delayed = squared[0]
             continued_fractions(parts, diagonal, squared, steps, fractions)
-        for k in range(len(s)):
-            at_once = excitation.conductance + s[k] * capacitance
-            late = complex(parts[2, k], parts[3, k]) * complex(fractions[0, k], fractions[1, k])
-            Y[press, k] = at_once - delayed * late if steps else at_once
+        for k in range(frequencies):
+            Y[row, k] = driven.conductance + at[k] * capacitance
+            if steps:
+                late = complex(fractions[0, k], fractions[1, k])
+                Y[row, k] -= squared[0] * complex(parts[2, k], parts[3, k]) * late
     return Y
 
 
-def impedances(
-    unpressed: UnpressedMass,
-    excitations: Sequence[DenseExcitation],
-    combination: Combination,
-    batch: PressBatch,
-    s: Complex,
-    rtol: float,
+def swept_alone(
+    mass: UnpressedMass, excitation: DenseExcitation, batch: PressBatch, s: Complex, rtol: float
 ) -> Complex:
-    """Z in ohm of every interface, shape (press, interface, s); for arguments see `swept`."""
-    contiguous = np.ascontiguousarray(batch.cells)  # otherwise another `swept` is compiled
-    Y = [
-        swept(unpressed, excitation, batch._replace(cells=contiguous), s, rtol)
-        for excitation in excitations
-    ]
-    Y = Y if combination.one_to_one else [*combination.admittance(np.stack(Y))]
-    return (1 / np.stack(Y, axis=1)).astype(np.complex128)
+    """Y in S of many presses of one skin, shape (press, s).
+
+    Each press adds its rises times M of its cells. s: rad/s. rtol: see `Skins`.
+    """
+    every = np.arange(batch.count)
+    unit, own = np.ones((1, len(mass.factors))), UnpressedMass(*(each[None] for each in mass))
+    driven = DenseExcitation(*(np.asarray(each)[None] for each in excitation))
+    batch = batch._replace(cells=np.ascontiguousarray(batch.cells))
+    return swept(Skins(own, unit, s[None], np.array([rtol])), driven, 0 * every, every, batch)
 
 
 @compiled()
-def work_vectors(
-    unpressed: UnpressedMass, excitation: DenseExcitation
-) -> NDArray:  # pragma: no cover
-    """Work vectors of `lanczos_steps`, shape (vector, m)."""
-    return np.empty((WORK_VECTORS + 2 * len(excitation.common), unpressed.rows.shape[1]))
-
-
-@compiled()
-def farthest_of(s: NDArray) -> complex:  # pragma: no cover
-    """The s of largest modulus, at which Lanczos' method takes longest."""
-    farthest = s[0]
-    for k in range(len(s)):
-        if abs(s[k]) > abs(farthest):
-            farthest = s[k]
-    return farthest
-
-
-@compiled()
-def lanczos_steps(
+def _lanczos_steps(
     unpressed: UnpressedMass,
     excitation: DenseExcitation,
     touched: tuple[NDArray, NDArray],
@@ -111,14 +113,12 @@ def lanczos_steps(
     work: NDArray,
     diagonal: NDArray,
     squared: NDArray,
-    basis: NDArray,
 ) -> tuple[int, float]:  # pragma: no cover
     """Lanczos' method until two steps in a row change neither Rs nor Cp at s by rtol.
 
-    touched: cells and their rises. work: from `work_vectors`; on return its first vector holds the
-    potentials at s = 0, V. diagonal, squared: filled as `continued_fraction` takes them. basis:
-    filled with the vector of each step, shape (MAX_LANCZOS_STEPS, m), unless it is empty. Returns
-    the number of steps and the capacitance that acts at once, F.
+    touched: cells and their weights. work: vectors, shape (vector, m). diagonal, squared: filled as
+    `continued_fraction` takes them. Returns the number of steps and the capacitance that acts at
+    once, F.
     """
     terminals, m = unpressed.rows.shape
     for vector in range(len(work)):
@@ -158,9 +158,6 @@ def lanczos_steps(
             solution[k] *= share
         _charge(unpressed, touched, solution, product, floating)
         squared[steps], diagonal[steps] = square, _dot(solution, product)
-        if len(basis):
-            for k in range(m):
-                basis[steps, k] = solution[k]
         a = diagonal[steps]
         for k in range(m):
             w_before, w[k] = w[k], residual[k] * share

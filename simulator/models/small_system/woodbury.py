@@ -1,6 +1,7 @@
-"""Compiled admittance between all terminals of a skin under touches of low rank.
+"""Admittance between all terminals of a pressed skin, and impedances at interfaces, compiled.
 
-It uses Woodbury's formula.
+Touches of few factors use Woodbury's formula; touches of more than the basis has vectors are solved
+where M is diagonal.
 
 In coordinates in which K is 1 and the unpressed M diagonal, P = 1 / (1 + s d), the terminals'
 potentials are T = [1; -s P B'] for the rows B of the terminals in M. A touch adds s U'WU with thin
@@ -16,9 +17,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import Complex, Real
+from ...arrays import Complex, Integer, Real
 from ...compiled import compiled
-from ..reduced.dense import UnpressedMass, between_terminals
+from ...press.batch import PressBatch
+from .system import UnpressedMass, diagonalised, mass_of, networks
 
 SIDE_BY_SIDE = 64
 """Maximum number of s together: more would not fit into the processor's cache."""
@@ -43,19 +45,15 @@ class UnpressedNetwork(NamedTuple):
 def unpressed_network(unpressed: UnpressedMass, s: Complex) -> UnpressedNetwork:
     """Unpressed quantities of a skin. s: rad/s."""
     N = len(unpressed.rows)
-    inner_rows = unpressed.rows[:, N:]
-    at, inside = unpressed.factors[..., :N], np.ascontiguousarray(unpressed.factors[..., N:])
+    at, F = unpressed.factors[..., :N], np.ascontiguousarray(unpressed.factors[..., N:])
+    (Y,), (inside,), _ = networks(unpressed, np.zeros((1, 0), np.int64), np.zeros((1, 0)), s)
     P = 1 / (1 + s[:, None] * unpressed.diagonal)
-    each = s[:, None, None]
     terminal_potentials = np.empty((*at.shape, 2, len(s)))
-    own = np.empty((*inside.shape[:2], inside.shape[1], 2, len(s)))
-    for k, (U, U_at) in enumerate(zip(inside, at, strict=True)):
-        damped = U * P[:, None]
-        terminal_potentials[k] = _real_and_imaginary(U_at - each * (damped @ inner_rows.T))
-        own[k] = _real_and_imaginary(damped @ U.T)
-    return UnpressedNetwork(
-        between_terminals(unpressed, s), _real_and_imaginary(P), terminal_potentials, own
-    )
+    own = np.empty((*F.shape[:2], F.shape[1], 2, len(s)))
+    for k, (U, U_at) in enumerate(zip(F, at, strict=True)):
+        terminal_potentials[k] = _real_and_imaginary(U_at + U @ inside)
+        own[k] = _real_and_imaginary((U * P[:, None]) @ U.T)
+    return UnpressedNetwork(Y, _real_and_imaginary(P), terminal_potentials, own)
 
 
 def _real_and_imaginary(values: Complex) -> Real:
@@ -64,8 +62,58 @@ def _real_and_imaginary(values: Complex) -> Real:
     return np.stack([last.real, last.imag], axis=-2)
 
 
+def admittances(
+    unpressed: UnpressedMass, known: UnpressedNetwork, batch: PressBatch, s: Complex
+) -> Complex:
+    """Y in S beyond that at zero frequency, for many presses, shape (press, s, N, N).
+
+    Each press adds its rises times M of its cells. s: rad/s.
+    """
+    N = len(unpressed.rows)
+    Y = np.empty((batch.count, len(s), N, N), dtype=np.complex128)
+    many = np.diff(batch.starts) * unpressed.factors.shape[1] > len(unpressed.diagonal)
+    _of_few(unpressed, known, batch, many, s, Y)
+    for press in np.flatnonzero(many).tolist():
+        Y[press] = diagonalised(mass_of(unpressed, *batch.one(press))[None], N, s).Y[0]
+    return Y
+
+
 @compiled()
-def by_touches(
+def _of_few(
+    unpressed: UnpressedMass,
+    known: UnpressedNetwork,
+    batch: PressBatch,
+    many: NDArray,
+    s: NDArray,
+    Y: NDArray,
+) -> None:  # pragma: no cover
+    """Admittances of presses that do not touch many cells, written into Y."""
+    (cells, weights, starts), press = batch, 0
+    while press < len(Y):
+        after, touched = (
+            _next_with_other_cells(cells, starts, press),
+            cells[starts[press] : starts[press + 1]],
+        )
+        if not many[press]:
+            W = weights[starts[press] : starts[after]].reshape(after - press, len(touched))
+            _by_touches(unpressed, known, touched, W, s, Y[press:after])
+        press = after
+
+
+@compiled()
+def _next_with_other_cells(cells: NDArray, starts: NDArray, press: int) -> int:  # pragma: no cover
+    """Index of the first press after this one that touches other cells."""
+    touched, after = cells[starts[press] : starts[press + 1]], press + 1
+    while after < len(starts) - 1:
+        others = cells[starts[after] : starts[after + 1]]
+        if len(others) != len(touched) or (others != touched).any():
+            break
+        after += 1
+    return after
+
+
+@compiled()
+def _by_touches(
     unpressed: UnpressedMass,
     known: UnpressedNetwork,
     cells: NDArray,
@@ -213,3 +261,56 @@ def _multiply(own: NDArray, i: int, j: int, total: NDArray) -> None:  # pragma: 
             real, imag = a * c - b * d, a * d + b * c
             total[0, k] += own[row, row, 0, k] * real - own[row, row, 1, k] * imag
             total[1, k] += own[row, row, 0, k] * imag + own[row, row, 1, k] * real
+
+
+class Wiring(NamedTuple):
+    """Terminal potentials that excitations allow, see `allowed_potentials`; the driven ones first.
+
+    potentials: shape (excitation, N, most). conductance: between them at zero frequency, S, shape
+    (excitation, most, most). counts: number of potentials of each excitation, shape (excitation,).
+    weights: of the excitations in each interface, see `Combination`.
+    """
+
+    potentials: Real
+    conductance: Real
+    counts: Integer
+    weights: Real
+
+
+@compiled()
+def impedances(Y: NDArray, wiring: Wiring) -> NDArray:  # pragma: no cover
+    """Z in ohm of every excitation, shape (press, excitation, s); Y: from `admittances`.
+
+    Floating potentials are eliminated one after the other. An excitation without any current, such
+    as one against an earth that nothing reaches, has an infinite Z.
+    """
+    presses, count, N, _ = Y.shape
+    readings, _, most = wiring.potentials.shape
+    Z = np.empty((presses, readings, count), np.complex128)
+    A, through = np.empty((most, most), np.complex128), np.empty((N, most), np.complex128)
+    for press in range(presses):
+        for k in range(count):
+            for reading in range(readings):
+                allowed, m = wiring.potentials[reading], wiring.counts[reading]
+                for i in range(N):
+                    for b in range(m):
+                        total = 0.0j
+                        for j in range(N):
+                            total += Y[press, k, i, j] * allowed[j, b]
+                        through[i, b] = total
+                for a in range(m):
+                    for b in range(m):
+                        total = wiring.conductance[reading, a, b] + 0.0j
+                        for i in range(N):
+                            total += allowed[i, a] * through[i, b]
+                        A[a, b] = total
+                for last in range(m - 1, 0, -1):
+                    for a in range(last):
+                        factor = A[a, last] / A[last, last]
+                        for b in range(last):
+                            A[a, b] -= factor * A[last, b]
+                if A[0, 0] == 0.0:
+                    Z[press, reading, k] = np.inf
+                else:
+                    Z[press, reading, k] = 1.0 / A[0, 0]
+    return Z

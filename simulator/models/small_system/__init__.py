@@ -1,0 +1,1 @@
+"""Small dense systems of reduced skins: Lanczos' method and Woodbury's formula, compiled."""
