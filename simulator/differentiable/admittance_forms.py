@@ -15,7 +15,8 @@ from torch import Tensor
 from torch.autograd.function import once_differentiable
 
 from ..arrays import Complex, Integer, Real
-from ..fem.terminals import Circuit, excited_terminals
+from ..fem.circuit import Circuit
+from ..fem.terminals import excited_terminals
 from ..models.small_system.system import diagonalised, own_coordinates, solved
 
 
@@ -32,10 +33,8 @@ class AdmittanceForms(torch.autograd.Function):
         ctx: Any, K: Tensor, M: Tensor, s: Tensor, terminal_field: Integer, circuit: Circuit
     ) -> Tensor:
         """Q; the potentials are kept for the gradients."""
-        given = (
-            each.detach().cpu().numpy().astype(kind)
-            for each, kind in zip((K, M, s), "ddD", strict=True)
-        )
+        K_of, M_of, s_of = (each.detach().cpu().numpy() for each in (K, M, s))
+        given = K_of.astype(float), M_of.astype(float), s_of.astype(complex)
         u, Q = (torch.as_tensor(own).to(s) for own in _solved(*given, terminal_field, circuit))
         ctx.save_for_backward(u, M, s)
         ctx.skins = len(K)
@@ -63,13 +62,10 @@ def _solved(
     K: Real, M: Real, s: Complex, terminal_field: Integer, circuit: Circuit
 ) -> tuple[Complex, Complex]:
     """Potentials in V, shape (press, excitation, s, m), and Q in S."""
-    N, count = len(terminal_field), len(M)
-    if len(K) == len(s) == 1:
-        skins = [(K[0], M, s[0])]
-    else:
-        K, s = (np.broadcast_to(own, (count, *own.shape[1:])) for own in (K, s))
-        skins = [(K[k], M[k : k + 1], s[k]) for k in range(count)]
-    found = []
+    N, found = len(terminal_field), []
+    skins = [(K[0], M, s[0])]
+    if not len(K) == len(s) == 1:
+        skins = [(K[k % len(K)], M[k : k + 1], s[k % len(s)]) for k in range(len(M))]
     for K_of, M_of, s_of in skins:
         conductance, turn = own_coordinates(K_of, M_of[0], terminal_field)
         excited = [
@@ -78,8 +74,8 @@ def _solved(
         ]
         u, Q = zip(*solved(excited, diagonalised(turn.T @ M_of @ turn, N, s_of)), strict=True)
         found.append((np.stack(u, axis=1) @ turn.T, np.stack(Q, axis=1)))
-    u, Q = map(np.concatenate, zip(*found, strict=True))
-    return u, Q
+    u, Q = zip(*found, strict=True)
+    return np.concatenate(u), np.concatenate(Q)
 
 
 def _summed(gradient: Tensor, count: int) -> Tensor:

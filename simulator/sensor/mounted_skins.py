@@ -51,9 +51,6 @@ class MountedSkins:
             f"{len(distinct)} skins of {family.size} vectors and {len(family.factors)} cells",
             "take fewer skins, or a larger rtol",
         )
-        from ..models.small_system.lanczos import swept
-
-        self._swept = swept
         self.family, self.distinct, self.count = family, len(distinct), len(numbers)
         grid, modes = family.grid, family.modes
         self._drawn = [
@@ -116,7 +113,7 @@ class MountedSkins:
         numbers = range(len(stack.excitations)) if chosen is None else chosen
         entries, rows = stack.entries(skins)
         Y: list[Complex] = [
-            self._swept(systems, stack.excitations[k], entries, presses[rows], batch)
+            systems.admittances(stack.excitations[k], batch, entries, presses[rows])
             for k in numbers
         ]
         if len(rows) > len(skins):

@@ -73,6 +73,7 @@ class PressedSkin:
         """Potentials of a press with this M, at s in rad/s."""
         skin, N = self._skin, len(self._skin.conductance)
         Y, (inside,), axes = diagonalised(M[None], N, s)
+        assert axes is not None
         u = np.empty((len(M), N, len(s)), dtype=np.complex128)
         turned = axes[0] @ inside.transpose(1, 2, 0).reshape(len(M) - N, -1)
         u[:N], u[N:] = np.eye(N)[:, :, None], turned.reshape(u[N:].shape)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,6 +22,7 @@ from ...sweeps import ToleranceError
 from ..heterogeneous.materials import gauged
 from ..parameters import Variation, foam_parts, nominal
 from ..small_system.system import (
+    DenseExcitation,
     Networks,
     Solved,
     UnpressedMass,
@@ -30,6 +32,7 @@ from ..small_system.system import (
     mass_of,
     networks,
     networks_in_air,
+    of_one,
     own_coordinates,
     solved,
     with_terms,
@@ -39,6 +42,9 @@ from .certificate import AirCharges, certificate, min_conductance_factor
 from .families.family import Family, changes, weights_under
 from .families.family_meshes import finer_families
 from .projection import Projection
+
+if TYPE_CHECKING:
+    from ..small_system.lanczos import Skins
 
 KRYLOV_SHARE = 0.03
 MAX_SKINS = 64
@@ -109,14 +115,17 @@ class ReducedSkin:
         return self.pressed_by(self.reduced.factors @ self.turn)
 
     @cached_property
-    def aligned_mass(self) -> UnpressedMass:
-        """Unpressed M and factors of cells, padded for the kernel; see `aligned`."""
-        return aligned(self.unpressed_mass)
+    def alone(self) -> Skins:
+        """Arrays of this skin for Lanczos' method."""
+        from ..small_system.lanczos import Skins
+
+        rtol, unit = KRYLOV_SHARE * self.reduced.rtol, self.unpressed_factors[: self.parts.touched]
+        return Skins.of_one(aligned(self.unpressed_mass), unit, self.s, rtol / self._cancelled)
 
     @cached_property
-    def lanczos_rtol(self) -> float:
-        """Relative tolerance at which Lanczos' method ends."""
-        return KRYLOV_SHARE * self.reduced.rtol / self._cancelled
+    def excited_alone(self) -> list[DenseExcitation]:
+        """Excitations of this skin, with a first axis (skin,)."""
+        return [of_one(excitation) for excitation in self.dense_excitations]
 
     def pressed_by(self, factors: Real) -> UnpressedMass:
         """Unpressed M, and the factors of touches, shape (touch, rank, N + n)."""
@@ -184,16 +193,14 @@ class ReducedSkin:
         return found
 
     def _swept(self, batch: PressBatch, s: Complex, precision: float) -> Complex:
-        weighted = self.parts.followed(batch).weighted(self.unpressed_factors)
-        return self._impedances(self.aligned_mass, weighted, s, precision * self.lanczos_rtol)
+        systems = self.alone._replace(s=s[None], rtol=precision * self.alone.rtol)
+        return self._impedances(systems, self.parts.followed(batch))
 
-    def _impedances(
-        self, mass: UnpressedMass, batch: PressBatch, s: Complex, rtol: float
-    ) -> Complex:
-        """Z in ohm, shape (press, interface, s), of presses that add weights times M of factors."""
-        from ..small_system.lanczos import swept_alone
-
-        Y = [swept_alone(mass, own, batch, s, rtol) for own in self.dense_excitations]
+    def _impedances(self, systems: Skins, batch: PressBatch) -> Complex:
+        """Z in ohm of presses on this skin alone, shape (press, interface, s)."""
+        batch = batch._replace(cells=np.ascontiguousarray(batch.cells))
+        every, none = np.arange(batch.count), np.zeros(batch.count, dtype=np.int64)
+        Y = [systems.admittances(own, batch, none, every) for own in self.excited_alone]
         Y = Y if self.combination.one_to_one else [*self.combination.admittance(np.stack(Y))]
         return (1 / np.stack(Y, axis=1)).astype(np.complex128)
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Complex, Integer
 from ..small_system.lanczos import Skins
-from ..small_system.system import DenseExcitation, UnpressedMass
+from ..small_system.system import DenseExcitation
 from .reduced_skin import ReducedSkin
 
 
@@ -33,15 +33,12 @@ class SkinStack(NamedTuple):
         starts = np.cumsum([0, *(len(own) for _, own in nodes)])
         precision = np.repeat([air.precision for air, _ in nodes], np.diff(starts))
         skins = [skin for _, own in nodes for skin in own]
-        mass = UnpressedMass(*_stacked(skin.aligned_mass for skin in skins))
-        touched = skins[0].parts.touched
-        unit = np.stack([skin.unpressed_factors[:touched] for skin in skins])
-        s = np.stack([skin.s for skin in skins]).astype(np.complex128)
-        each = [np.broadcast_to(air.weights, (len(own), s.shape[1])) for air, own in nodes]
-        rtol = precision * [skin.lanczos_rtol for skin in skins]
-        by_excitation = zip(*(skin.dense_excitations for skin in skins), strict=True)
-        excitations = tuple(DenseExcitation(*_stacked(own)) for own in by_excitation)
-        return cls(Skins(mass, unit, s, rtol), excitations, np.concatenate(each), starts)
+        each = [np.broadcast_to(air.weights, (len(own), len(own[0].s))) for air, own in nodes]
+        systems = Skins(*_joined(skin.alone for skin in skins))
+        systems = systems._replace(rtol=precision * systems.rtol)
+        by_excitation = zip(*(skin.excited_alone for skin in skins), strict=True)
+        excitations = tuple(DenseExcitation(*_joined(own)) for own in by_excitation)
+        return cls(systems, excitations, np.concatenate(each), starts)
 
     def entries(self, skins: Integer) -> tuple[Integer, Integer]:
         """Entries of some skins, and the row of each among them."""
@@ -51,6 +48,6 @@ class SkinStack(NamedTuple):
         return self.starts[skins][rows] + np.arange(len(rows)) - first[rows], rows
 
 
-def _stacked(each: Iterable[tuple]) -> Iterator[NDArray]:
-    """Arrays of several tuples, one tuple a row."""
-    return map(np.stack, zip(*each, strict=True))
+def _joined(each: Iterable[tuple]) -> Iterator[NDArray]:
+    """Arrays of several tuples behind each other."""
+    return map(np.concatenate, zip(*each, strict=True))

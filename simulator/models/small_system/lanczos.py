@@ -6,12 +6,12 @@ diagonal except for the few rows of the terminals. A touched pixel adds a produc
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import Complex, Real
+from ...arrays import Complex, Integer, Real
 from ...compiled import compiled
 from ...fem.error_estimate import LOST_SUSCEPTANCE
 from ...fem.kernels import continued_fractions, next_convergent
@@ -27,42 +27,53 @@ whole."""
 class Skins(NamedTuple):
     """Small systems of skins that are swept together: all arrays have a first axis (skin,).
 
-    mass: unpressed M and factors. unit: of the rises of each part of M, shape (skin, part). s:
-    rad/s, shape (skin, s). rtol: tolerance of Rs and Cp at which Lanczos' method ends, shape
-    (skin,).
+    rows, diagonal, factors: unpressed M and factors of its parts, see `UnpressedMass`. unit: of the
+    rises of each part, shape (skin, part). s: rad/s, shape (skin, s). rtol: tolerance of Rs and Cp
+    at which Lanczos' method ends, shape (skin,).
     """
 
-    mass: UnpressedMass
+    rows: Real
+    diagonal: Real
+    factors: Real
     unit: Real
     s: Complex
     rtol: Real
 
+    @classmethod
+    def of_one(cls, mass: UnpressedMass, unit: Real, s: Complex, rtol: float) -> Self:
+        """Arrays of one skin."""
+        rows, diagonal, factors = (each[None] for each in mass)
+        return cls(rows, diagonal, factors, unit[None], s[None], np.array([rtol]))
+
+    def admittances(
+        self, excitation: DenseExcitation, batch: PressBatch, skins: Integer, presses: Integer
+    ) -> Complex:
+        """Y in S, shape (row, s): row k is of skin skins[k] under press presses[k].
+
+        excitation: of each skin, with a first axis (skin,). Each press adds its rises, in units of
+        the skin's parts, times M of its cells.
+        """
+        return _swept(tuple(self), tuple(excitation), skins, presses, tuple(batch))
+
 
 @compiled()
-def swept(
-    systems: Skins, excitation: DenseExcitation, skins: NDArray, presses: NDArray, batch: PressBatch
+def _swept(
+    systems: tuple, excitation: tuple, skins: NDArray, presses: NDArray, batch: tuple
 ) -> NDArray:  # pragma: no cover
-    """Y in S, shape (row, s): row k is of skin skins[k] under press presses[k].
-
-    excitation: of each skin, with a first axis (skin,). Each press adds its rises, in units of the
-    skin's parts, times M of its cells.
-    """
-    mass, unit, s, rtol = systems
+    """`Skins.admittances`; plain tuples of arrays are passed in a third of the time."""
+    rows, diagonals, factors, unit, s, rtol = systems
+    conductance, driven, tied, tied_inverse, common = excitation
     cells, rises, starts = batch
     frequencies = s.shape[1]
     Y, fractions = np.empty((len(skins), frequencies), np.complex128), np.empty((2, frequencies))
     parts, farthest = np.empty((4, frequencies)), 0.0j
     diagonal, squared = np.empty(MAX_LANCZOS_STEPS), np.empty(MAX_LANCZOS_STEPS)
-    work = np.empty((WORK_VECTORS + 2 * excitation.common.shape[1], mass.rows.shape[2]))
+    work = np.empty((WORK_VECTORS + 2 * common.shape[1], rows.shape[2]))
     for row in range(len(skins)):
         skin, press = skins[row], presses[row]
-        own = UnpressedMass(mass.rows[skin], mass.diagonal[skin], mass.factors[skin])
-        driven = DenseExcitation(
-            excitation.conductance[skin],
-            excitation.driven[skin],
-            excitation.tied[skin],
-            excitation.tied_inverse[skin],
-            excitation.common[skin],
+        mass = UnpressedMass(rows[skin], diagonals[skin], factors[skin])
+        own = DenseExcitation(
+            conductance[skin], driven[skin], tied[skin], tied_inverse[skin], common[skin]
         )
         here, at = cells[starts[press] : starts[press + 1]], s[skin]
         weights = rises[starts[press] : starts[press + 1]].copy()
@@ -77,30 +88,16 @@ def swept(
                 if _square(at[k]) > _square(farthest):
                     farthest = at[k]
         steps, capacitance = _lanczos_steps(
-            own, driven, (here, weights), farthest, rtol[skin], work, diagonal, squared
+            mass, own, (here, weights), farthest, rtol[skin], work, diagonal, squared
         )
         if steps:
             continued_fractions(parts, diagonal, squared, steps, fractions)
         for k in range(frequencies):
-            Y[row, k] = driven.conductance + at[k] * capacitance
+            Y[row, k] = own.conductance + at[k] * capacitance
             if steps:
                 late = complex(fractions[0, k], fractions[1, k])
                 Y[row, k] -= squared[0] * complex(parts[2, k], parts[3, k]) * late
     return Y
-
-
-def swept_alone(
-    mass: UnpressedMass, excitation: DenseExcitation, batch: PressBatch, s: Complex, rtol: float
-) -> Complex:
-    """Y in S of many presses of one skin, shape (press, s).
-
-    Each press adds its rises times M of its cells. s: rad/s. rtol: see `Skins`.
-    """
-    every = np.arange(batch.count)
-    unit, own = np.ones((1, len(mass.factors))), UnpressedMass(*(each[None] for each in mass))
-    driven = DenseExcitation(*(np.asarray(each)[None] for each in excitation))
-    batch = batch._replace(cells=np.ascontiguousarray(batch.cells))
-    return swept(Skins(own, unit, s[None], np.array([rtol])), driven, 0 * every, every, batch)
 
 
 @compiled()
@@ -109,7 +106,7 @@ def _lanczos_steps(
     excitation: DenseExcitation,
     touched: tuple[NDArray, NDArray],
     s: complex,
-    rtol: float,
+    rtol: Any,
     work: NDArray,
     diagonal: NDArray,
     squared: NDArray,

@@ -93,6 +93,11 @@ def _without_common(conductance: Real, terminal_field: Integer) -> Real:
     return conductance
 
 
+def of_one(excitation: DenseExcitation) -> DenseExcitation:
+    """The excitation with a first axis (skin,), as that of one skin."""
+    return DenseExcitation(*(np.asarray(each)[None] for each in excitation))
+
+
 def dense_excitation(excited: ExcitedTerminals) -> DenseExcitation:
     """Excitation in the form that the kernel takes."""
     own = excited.floating_conductance[np.ix_(~excited.common, ~excited.common)]

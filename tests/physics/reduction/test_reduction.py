@@ -11,7 +11,6 @@ from rcskin.simulator.models.parameters import HALF_WAVES, Variation, mode_value
 from rcskin.simulator.models.reduced.cases import Case, pixel_touches
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.reduced.model_file import load
-from rcskin.simulator.models.small_system.lanczos import swept_alone
 from rcskin.simulator.models.small_system.system import mass_of, widened
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch
@@ -90,20 +89,25 @@ def pencil_of(mass, feed):
     return Pencil(start, mass.dot, inverse, feed.conductance, float(potential @ start), 0.0)
 
 
-def swept_readable(rest, feed, batch, s, rtol):
-    """Y in S of many presses, shape (press, s)."""
-    masses = [mass_of(rest, *touched) for touched in batch.each()]
-    return np.stack([respond(pencil_of(mass, feed), s, rtol)[0] for mass in masses])
+def swept(skin, batch, rtol):
+    """Y in S of each excitation under many presses, shape (press, s)."""
+    own, every = skin.alone._replace(rtol=np.array([rtol])), np.arange(batch.count)
+    return [own.admittances(feed, batch, 0 * every, every) for feed in skin.excited_alone]
+
+
+def swept_readable(skin, batch, rtol):
+    masses = [mass_of(skin.unpressed_mass, *touched) for touched in batch.each()]
+    return [
+        np.stack([respond(pencil_of(mass, feed), skin.s, rtol)[0] for mass in masses])
+        for feed in skin.dense_excitations
+    ]
 
 
 @pytest.mark.kernel
 def test_the_kernel_and_its_readable_twin_agree(families):
     for reduced in families.values():
-        own, cases = reduced.skin(None), drawn(reduced.parts, 4)
-        for feed in own.dense_excitations:
-            given = own.unpressed_mass, feed, batch(cases), own.s
-            fused, plain = swept_alone(*given, 1e-13), swept_readable(*given, 1e-13)
-            np.testing.assert_allclose(fused, plain, rtol=1e-11)
+        given = reduced.skin(None), batch(drawn(reduced.parts, 4)), 1e-13
+        np.testing.assert_allclose(swept(*given), swept_readable(*given), rtol=1e-11)
 
 
 @pytest.mark.parametrize("touches", [0, 1, 6], ids="{} touched".format)
@@ -112,16 +116,12 @@ def test_the_potentials_of_a_certificate_are_those_of_the_sweep(families, touche
     cells, rises = np.arange(touches), np.linspace(0.4, 2.0, touches)
     for reduced in families.values():
         own = reduced.skin(None)
-        given = PressBatch.of([(cells, rises)]), own.s, 1e-13
+        found = swept(own, PressBatch.of([(cells, rises)]), 1e-13)
         factors = own.parts.pressed(cells, rises)[: len(reduced.factors)]
         M = np.einsum("k,krm,krn->mn", factors, reduced.factors, reduced.factors)
         M += sum(reduced.fixed)
-        for feed, (u, Y) in zip(
-            own.dense_excitations, own.solved(cells, rises, own.s), strict=True
-        ):
-            np.testing.assert_allclose(
-                Y, swept_alone(own.unpressed_mass, feed, *given)[0], rtol=1e-9
-            )
+        for (truth,), (u, Y) in zip(found, own.solved(cells, rises, own.s), strict=True):
+            np.testing.assert_allclose(Y, truth, rtol=1e-9)
             inner = (own.stiffness @ u + own.s * (M @ u))[len(reduced.conductance) :]
             assert np.abs(inner).max() < 1e-9 * np.abs(Y).max()
 

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from rcskin.simulator.models.parameters import Variation
-from rcskin.simulator.models.small_system.lanczos import swept_alone
 from rcskin.simulator.models.solution_fields import fields
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.page.document import document
@@ -81,13 +80,8 @@ def by_python(paged, press, cast):
         followed = PressBatch.of(
             [joined_cells(own, walls_of(scene, press, skin.parts, reduced.grid))]
         )
-    batch = followed.weighted(skin.unpressed_factors)
-    Q = np.stack(
-        [
-            swept_alone(skin.unpressed_mass, feed, batch, s, ON_A_PAGE)[0]
-            for feed in skin.dense_excitations
-        ]
-    )
+    own, one = skin.alone._replace(s=s[None], rtol=np.array([ON_A_PAGE])), np.array([0])
+    Q = np.concatenate([own.admittances(feed, followed, one, one) for feed in skin.excited_alone])
     Y = skin.combination.admittance(Q)
     return scene.leads.at_meter(common / Y, scene.frequencies)
 

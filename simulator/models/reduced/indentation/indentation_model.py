@@ -140,15 +140,21 @@ class IndentationSkin(ReducedSkin):
         coupled = np.array([self._coupled(own.cells) for own in each], dtype=bool)
         for press in np.flatnonzero(coupled):
             rest, which, weights = self.touched(*each[press])
-            touches = PressBatch.of([(which, weights)])
-            found[[press]] = self._impedances(rest, touches, s, rtol)
+            found[[press]] = self._by_factors(rest, PressBatch.of([(which, weights)]), s, rtol)
         for some in _parts(np.flatnonzero(~coupled), batch.starts):
             own = PressBatch.of(each[press] for press in some)
             factors = self._factors(own.cells, own.rises)
-            rest = self.pressed_by(factors)
             touches = PressBatch(np.arange(len(factors)), np.ones(len(factors)), own.starts)
-            found[some] = self._impedances(rest, touches, s, rtol)
+            found[some] = self._by_factors(self.pressed_by(factors), touches, s, rtol)
         return found
+
+    def _by_factors(
+        self, mass: UnpressedMass, batch: PressBatch, s: Complex, rtol: float
+    ) -> Complex:
+        """Z in ohm of presses that have factors of their own, shape (press, interface, s)."""
+        from ...small_system.lanczos import Skins
+
+        return self._impedances(Skins.of_one(mass, np.ones(len(mass.factors)), s, rtol), batch)
 
     def _coupled(self, cells: Integer) -> bool:
         if len(cells) < 2:
