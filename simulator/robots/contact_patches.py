@@ -20,8 +20,7 @@ from ..models.mechanics.foam_law import (
     patch_radius,
     stress,
 )
-from ..sensor.contacts.patch_kernel import CURVATURE, RADIUS
-from ..sensor.contacts.winkler_kernel import RINGS, stack_of_discs
+from ..sensor.contacts.patch_kernel import CURVATURE, RADIUS, RINGS, stack_of_discs
 from .contact_curvature import (
     CAPSULE,
     CYLINDER,

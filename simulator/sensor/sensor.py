@@ -26,10 +26,16 @@ from .foam_memory import FoamMemory
 from .given_press import UNKNOWN, GivenPress, PressLabel, PressReader
 from .meter_errors import MeterErrors
 from .mounted_skins import MountedSkins
-from .reading_clock import PER_SECOND, DueReading, ReadingClock, in_ticks
-from .sampled_error import estimated_error
-from .sensor_reading import SensorReading, TakenReading, VectorLayout
-from .skin_family import family_parts, highest_factor, trained_family
+from .sensor_reading import (
+    PER_SECOND,
+    DueReading,
+    ReadingClock,
+    SensorReading,
+    TakenReading,
+    VectorLayout,
+    in_ticks,
+)
+from .skin_family import estimated_error, family_parts, highest_factor, trained_family
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -8,8 +8,8 @@ from rcskin.simulator.models.mechanics.lattice_presses import traced
 from rcskin.simulator.models.mechanics.relaxation_kernel import Bodies
 from rcskin.simulator.press.press import press_on
 from rcskin.simulator.sensor.contacts.patch_kernel import FORCE
-from rcskin.simulator.sensor.contacts.radial_tables import radial_table
 from rcskin.simulator.sensor.contacts.rasterizer import ContactRasterizer
+from rcskin.simulator.sensor.contacts.spread_contacts import radial_table
 
 GRID = 12, 12
 
