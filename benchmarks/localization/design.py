@@ -13,6 +13,7 @@ from __future__ import annotations
 import argparse
 import itertools
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ from joblib import Parallel, delayed
 from matplotlib.axes import Axes
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.simulator.bounds.common_draws import CommonDraws
+from rcskin.simulator.bounds.likelihood import Likelihood
 from rcskin.simulator.chart_style import COLOURS, chart
 from rcskin.simulator.design.skin_readout import Material
 from rcskin.simulator.design.trained_skins import TrainedSkins
@@ -102,16 +104,19 @@ def bounds(pixels: int, wires: int, draws: int) -> Iterator[dict[str, object]]:
     own = float(scene.frequencies[0]), float(scene.frequencies[-1])
     asked = Design(sheet_resistance=(min(SHEETS), max(SHEETS)), sheet_ratio=1.0, casts=1)
     trained = TrainedSkins(scene.parts, asked, own, SEED)
-    judges = {
-        error: CommonDraws(
-            erring(scene, error).parts, "pixel", seed=SEED, draws=draws, against_rest=RESTS
-        )
-        for error in ERRORS
-    }
+    judge = CommonDraws(scene.parts, "pixel", seed=SEED, draws=draws)
+    meters = {error: erring(scene, error).parts.meter for error in ERRORS}
     for kind, sheet, error in cases():
         read = readings(scene, kind)
         on = trained.readout(None, Material(sheet, sheet), read)
-        share, deviation = judges[error].score(on.skin, on.reading(scene.frequencies)).accuracy
+        frequency = scene.frequencies
+        known = Likelihood(
+            partial(on.skin.sweeps, frequency=frequency),
+            on.reading(frequency),
+            meters[error],
+            RESTS,
+        )
+        share, deviation = judge.score(known).accuracy
         yield {
             "pixels": pixels,
             "wires": wires,

@@ -75,7 +75,7 @@ def bayes(
     random = np.random.default_rng(seed)
     drawn = Draws(among, presses, random, draws, _node_count(readings, among, presses))
     each = [
-        readings.of_batch(drawn.batch([own], readings.parts.skin))
+        readings.whitened(drawn.batch([own], readings.parts.skin))
         for own in tracked(among, "readings", progress)
     ]
     nodes = np.stack(each)
@@ -97,7 +97,7 @@ def _node_count(
 
     def values(factors: Real) -> Real:
         each = (own.on(readings.parts.skin, f) for f in factors[:, None] - 1 for own in ordered)
-        return readings.of_batch(PressBatch.of(each)).reshape(len(factors), len(ordered), -1)
+        return readings.whitened(PressBatch.of(each)).reshape(len(factors), len(ordered), -1)
 
     def close(found: Real, truth: Real) -> bool:
         return bool(np.linalg.norm(found - truth, axis=-1).max() <= MAX_RESIDUAL)

@@ -13,14 +13,13 @@ from typing import Literal, get_args
 import numpy as np
 
 from ..arrays import Complex, Real
-from ..measure.readout import ErrorModel, errors_of, observed, require_noise
 from ..mesh.pixel_coverage import pixel_coverage
 from ..models.mechanics.force_depths import pressed_by_factors
 from ..models.network.terminals import reduced_for
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.indentation.indentation_draws import scene_spreads_presses
 from ..models.reduced.reduced_model import Reduced
-from ..press.batch import NOTHING, PressBatch, TouchedCells
+from ..press.batch import PressBatch, TouchedCells
 from ..press.finger import finger_capacitance
 from ..press.parts import parts_of
 from ..press.touch import Place, Rectangle, Touch
@@ -30,6 +29,7 @@ from ..scene.draws.draw_distributions import AnyDistribution
 from ..scene.parts import Plan, Pressing, SceneParts, Skin
 from ..sweeps import InputError
 from ..sweeps.free_space import check_memory
+from .likelihood import Likelihood
 from .touches.pixel_touches import (
     DepthPixelTouches,
     PixelTouches,
@@ -194,8 +194,8 @@ MIN_FACTOR, MAX_FACTOR = 0.5, 3.0
 """Smallest range of factors for training."""
 
 
-class TouchReadings:
-    """Whitened readings of a known skin and its meter, from pixels and factors."""
+class TouchReadings(Likelihood):
+    """Likelihood of touches of pixels of a known skin, by its reduced model."""
 
     def __init__(
         self,
@@ -211,8 +211,7 @@ class TouchReadings:
         if size is not None:
             require_no_walls(parts.skin, "a limit of touches of a size")
         self.parts, self._size = parts.for_rods, size
-        require_noise(parts.meter.readout)
-        self._against_rest = against_rest
+        super().__init__(self._solved, self.parts.setup, parts.meter, against_rest)
         self._factors = (
             min(MIN_FACTOR, float(presses.low)),
             max(MAX_FACTOR, float(presses.high)),
@@ -230,29 +229,12 @@ class TouchReadings:
 
         factors: shape (pixel, press).
         """
-        return self.of_batch(
-            PressBatch.of(pressed.on(self.parts.skin, own) for own in factors.T - 1)
-        )
+        batch = PressBatch.of(pressed.on(self.parts.skin, own) for own in factors.T - 1)
+        return self.whitened(batch)
 
-    def of_batch(self, batch: PressBatch) -> Real:
-        """Readings of many presses, shape (press, number)."""
-        if self._size is not None:
-            batch = self._rasterized(batch)
-        return self.model.whitened(observed(self._impedances(batch)))
-
-    @cached_property
-    def model(self) -> ErrorModel:
-        """Errors of the meter, evaluated at the reading of the unpressed skin.
-
-        One covariance holds for all presses, so that distances of readings are defined.
-        """
-        unpressed = PressBatch.of([NOTHING])
-        return errors_of(
-            self.parts.setup,
-            self.parts.meter,
-            self._against_rest,
-            unpressed=lambda: self._impedances(unpressed)[0],
-        )
+    def whitened(self, batch: PressBatch) -> Real:
+        """Whitened readings of presses of pixels, shape (press, number)."""
+        return super().whitened(batch if self._size is None else self._rasterized(batch))
 
     def rasterization_errors(self, presses: AnyDistribution) -> RasterizationErrors | None:
         """Errors of touches by depth rasterized on cells, for a sample of pixels and strengths.
@@ -267,12 +249,11 @@ class TouchReadings:
         own = [(np.array([k]), np.array([rise])) for k, rise in zip(pixels, rises, strict=True)]
         each = [self._touches.applied(*touch) for touch in own]
         lattice, on_cells = self._touches.lattice, self._rasterized(PressBatch.of(own))
-        return rasterization_errors(self.parts, lattice, each, on_cells, self._impedances)
+        return rasterization_errors(self.parts, lattice, each, on_cells, self.impedances)
 
-    def _impedances(self, batch: PressBatch) -> Complex:
-        """Readings of presses of the model's cells, shape (press, interface, frequency)."""
-        Z = self._reduced.skin(None).sweeps(batch, self.parts.setup.frequency)
-        return self.parts.setup.at_meter(Z)
+    def _solved(self, batch: PressBatch) -> Complex:
+        """Z of presses of the model's cells, shape (press, interface, frequency)."""
+        return self._reduced.skin(None).sweeps(batch, self.parts.setup.frequency)
 
     def _rasterized(self, batch: PressBatch) -> PressBatch:
         """Touches around the middles of pixels, rasterized on cells."""

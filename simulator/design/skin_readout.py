@@ -6,12 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from ..arrays import Complex, Real
-from ..measure.readout import ErrorModel, errors_of, observed
+from ..bounds.likelihood import Likelihood
 from ..measure.skins import DrawnSkin
 from ..models.network.network_skin import NetworkSkin
 from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
-from ..press.batch import NOTHING, PressBatch
+from ..press.batch import PressBatch
 from ..scene.parts import Setup, Skin
 from ..scene.readings.contacts import Interface
 
@@ -45,22 +45,12 @@ class SkinReadout:
         """Its readings at these frequencies in Hz, behind its own leads."""
         return Setup(tuple(self._readings), frequency, self._leads)
 
-    def errors(self, frequency: Real, against_rest: int) -> ErrorModel:
-        """Errors of these readings, evaluated at the unpressed skin; frequency in Hz."""
-        return errors_of(
-            self.reading(frequency),
-            self.parts.meter,
-            against_rest,
-            unpressed=lambda: self._impedances(PressBatch.of([NOTHING]), frequency)[0],
-        )
-
-    def observed(self, batch: PressBatch, frequency: Real) -> Real:
-        """ln |Z| and phase of many presses, shape (press, 2 * readings)."""
-        return observed(self._impedances(batch, frequency))
-
-    def _impedances(self, batch: PressBatch, frequency: Real) -> Complex:
-        """Z in ohm at the meter, shape (press, reading, frequency)."""
+    def likelihood(self, frequency: Real, against_rest: int) -> Likelihood:
+        """Likelihood of presses by these readings; frequency in Hz."""
         network = NetworkSkin(self.skin, frequency)
-        Y = network.admittances(batch)
-        Z = network.impedances(network.wiring(self._readings), Y)
-        return self.reading(frequency).at_meter(Z)
+        wiring = network.wiring(self._readings)
+
+        def solve(batch: PressBatch) -> Complex:
+            return network.impedances(wiring, network.admittances(batch))
+
+        return Likelihood(solve, self.reading(frequency), self.parts.meter, against_rest)

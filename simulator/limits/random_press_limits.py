@@ -12,14 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Complex, Integer, Real
+from ..bounds.likelihood import Likelihood
 from ..bounds.posterior import Templates, axes_of, posterior, starts_of
 from ..bounds.touch_readings import CELLS, MAX_FACTOR, MIN_FACTOR, Hypothesis
-from ..measure.readout import ErrorModel, errors_of, observed, require_noise
 from ..models.network.terminals import reduced_for
 from ..models.reduced.cases import Case
 from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
-from ..press.batch import NOTHING, PressBatch
+from ..press.batch import PressBatch
 from ..press.rasterized import Footprints, rasterized
 from ..press.walls import require_no_walls
 from ..progress import ProgressCallback, silent, tracked
@@ -34,7 +34,7 @@ MAX_TOUCHES = 2
 AT_ONCE = 20_000
 
 
-class RandomPresses:
+class RandomPresses(Likelihood):
     """Random presses of rectangles on a skin, and the meter's readings of them.
 
     presses: factors of capacitance. size: sides of a touch along x and y, m. offset: standard
@@ -63,8 +63,7 @@ class RandomPresses:
         self.parts, self._presses, self._offset = parts.for_rods, presses, offset
         self._sides, self._extent = np.array(size), np.array([skin.length, skin.width])
         self.grid = skin.grid(CELLS)
-        require_noise(parts.meter.readout)
-        self._against_rest = against_rest
+        super().__init__(self._solved, self.parts.setup, parts.meter, against_rest)
 
     @classmethod
     def of_pixels(
@@ -111,23 +110,10 @@ class RandomPresses:
         )
 
     def _read(self, middles: Real, factors: Real) -> Real:
-        Z = self._impedances(self._rasterized(middles, factors))
-        return self._model.whitened(observed(Z))
+        return self.whitened(self._rasterized(middles, factors))
 
-    def _impedances(self, batch: PressBatch) -> Complex:
-        """Z in ohm at the meter, shape (press, interface, frequency)."""
-        return self.parts.setup.at_meter(self._skin.sweeps(batch, self.parts.setup.frequency))
-
-    @cached_property
-    def _model(self) -> ErrorModel:
-        """Errors of the meter, evaluated at the reading of the unpressed skin."""
-        unpressed = PressBatch.of([NOTHING])
-        return errors_of(
-            self.parts.setup,
-            self.parts.meter,
-            self._against_rest,
-            unpressed=lambda: self._impedances(unpressed)[0],
-        )
+    def _solved(self, batch: PressBatch) -> Complex:
+        return self._skin.sweeps(batch, self.parts.setup.frequency)
 
     def _rasterized(self, middles: Real, factors: Real, sides: Real | None = None) -> PressBatch:
         """Touches rasterized on cells. sides: of each in m, unless all have the same."""

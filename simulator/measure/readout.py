@@ -213,13 +213,27 @@ class ErrorModel:
     def whitened(self, numbers: Real) -> Real:
         """Values of the readings taken, transformed to independent errors of deviation 1.
 
+        With the errors e of the session in units of the noise, the covariance of the magnitudes of
+        an interface, and of its phases, is I + ee'. Its inverse root is
+        I - (1 - 1/sqrt(1 + e'e)) ee'/(e'e).
+
         numbers: of all readings, see `observed`, shape (..., 2 * readings). Returns shape (...,
         value).
         """
-        numbers = numbers[..., self.values.ravel()]
-        factor = np.linalg.cholesky(self.covariance)
-        flat = np.linalg.solve(factor, numbers.reshape(-1, numbers.shape[-1]).T)
-        return flat.T.reshape(numbers.shape).astype(np.float64)
+        found = numbers[..., self.values.ravel()] / self.deviation
+        along, size = self._of_session
+        return found - ((found @ along) * (1 - 1 / np.hypot(1.0, size))) @ along.T
+
+    @cached_property
+    def _of_session(self) -> tuple[Real, Real]:
+        """Errors of the session in units of the noise: directions (value, error), and their
+        sizes."""
+        quantity, interface, _ = np.nonzero(self.values)
+        group = quantity * len(self.read) + interface
+        each = group[:, None] == np.flatnonzero(np.bincount(group))
+        errors = each * (self.accuracy[self.values] / self.deviation)[:, None]
+        size = np.linalg.norm(errors, axis=0)
+        return errors[:, size > 0] / size[size > 0], size[size > 0]
 
 
 def flattened(readout: Readout, reading: Complex, frequency: Real) -> Readout:

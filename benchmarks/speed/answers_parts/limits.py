@@ -13,7 +13,6 @@ from rcskin.simulator.bounds.bayes import bayes
 from rcskin.simulator.bounds.touch_readings import TouchReadings, hypotheses
 from rcskin.simulator.limits.touch_identity import upper_bound
 from rcskin.simulator.measure.experiment import own_presses
-from rcskin.simulator.measure.readout import observed
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import Press
@@ -80,7 +79,7 @@ def _judged(classifier, known: TouchReadings, sweeps: int) -> float:
     cells = [np.array([i * scene.pixels.columns + j for i, j in own], dtype=int) for own in among]
     starts = np.cumsum([0, *(len(cells[k]) for k in which)])
     rises = own_presses(scene.parts.skin, scene.press).at(random.random(starts[-1])) - 1
-    clean = known.of_batch(PressBatch(np.concatenate([cells[k] for k in which]), rises, starts))
+    clean = known.whitened(PressBatch(np.concatenate([cells[k] for k in which]), rises, starts))
     read = clean + random.standard_normal(clean.shape)
     classifier.fit(read[:sweeps], which[:sweeps])
     return float(classifier.score(read[sweeps:], which[sweeps:]))
@@ -92,17 +91,14 @@ class _InFull(TouchReadings):
     def train(self, progress=None) -> None:
         """Nothing to train."""
 
-    def of_each(self, batch: PressBatch) -> NDArray[np.float64]:
-        """As of `Readings`."""
-        columns = self.scene.pixels.columns
-        solver = Solver(self.scene.parts, 1e-4)
+    def _solved(self, batch: PressBatch) -> NDArray[np.complex128]:
+        columns, solver = self.parts.skin.pixels.columns, Solver(self.parts, 1e-4)
         Z = []
         for cells, rises in batch.each():
             each = zip(*divmod(cells, columns), rises, strict=True)
             touches = tuple(Touch(int(i) + 1, int(j) + 1, 1 + float(r)) for i, j, r in each)
             Z.append(solver.solve(Press(touches)).Z)
-        seen = self.scene.leads.at_meter(np.stack(Z), self.scene.frequencies)
-        return self.model.whitened(observed(seen))
+        return np.stack(Z)
 
 
 LIMITS = Question(

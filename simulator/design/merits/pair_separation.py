@@ -86,9 +86,10 @@ def _expected(
     """
     touches = max(len(each.pixels) for each in among)
     signs = np.array(list(itertools.product((-1.0, 1.0), repeat=touches))).reshape(-1, touches)
-    found = on.observed(_presses(on.parts.skin, on.parts.plan.press, among, signs), frequency)
+    likelihood = on.likelihood(frequency, against_rest)
+    found = likelihood.observed(_presses(on.parts.skin, on.parts.plan.press, among, signs))
     shape = len(among), len(signs), 2, -1, len(frequency)
-    scale = np.moveaxis(on.errors(frequency, against_rest).noise, 0, -1)
+    scale = np.moveaxis(likelihood.errors.noise, 0, -1)
     each = np.moveaxis(found.reshape(shape), 2, -1) / scale
     slopes = np.einsum("hs...,st->ht...", each, signs / len(signs))
     return each.mean(axis=1), slopes

@@ -170,7 +170,7 @@ class Picker:
             errors = errors_of(parts.setup, parts.meter)
         else:
             on = self._trained.readout(None, material_of(parts.skin), self._pool)
-            errors = on.errors(self.frequency, 0)
+            errors = on.likelihood(self.frequency, 0).errors
         return SessionPrecision(*map(_known, errors.noise, errors.accuracy))
 
     def share_of(

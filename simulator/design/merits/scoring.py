@@ -53,22 +53,17 @@ class AccuracyScorer:
     """Scores the accuracy of designs, with the same draws for all of them."""
 
     def __init__(self, parts: SceneParts, request: Design, draws: int, seed: int) -> None:
-        """Raises InputError for a meter without noise."""
-        self._common = CommonDraws(
-            parts,
-            request.target,
-            own_presses(parts.skin, parts.plan.press),
-            seed=seed,
-            draws=draws,
-            against_rest=request.against_rest,
-        )
+        presses = own_presses(parts.skin, parts.plan.press)
+        self._common = CommonDraws(parts, request.target, presses, seed=seed, draws=draws)
+        self._against_rest = request.against_rest
 
     def merit(self, on: SkinReadout, frequency: Real) -> float:
         """Best share of correct sweeps of one skin; frequency in Hz.
 
         Raises InputError where the meter's noise is too small.
         """
-        return float(self._common.score(on.skin, on.reading(frequency)).accuracy.share)
+        known = on.likelihood(frequency, self._against_rest)
+        return float(self._common.score(known).accuracy.share)
 
 
 class PositionScorer:

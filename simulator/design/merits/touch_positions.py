@@ -56,7 +56,7 @@ class TouchPositions:
             self.places,
             self.size,
             frequency,
-            model=on.errors(frequency, against_rest),
+            model=on.likelihood(frequency, against_rest).errors,
             rasterizer=self.cells,
         )
 

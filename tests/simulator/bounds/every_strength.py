@@ -46,5 +46,5 @@ def _drawn(readings, among, presses, random, draws):
     which = random.choice(len(among), draws, p=[each.chance for each in among])
     factors = presses.at(random.random((draws, max(len(each.pixels) for each in among) or 1)))
     pressed = (among[k].on(readings.parts.skin, f - 1) for k, f in zip(which, factors, strict=True))
-    clean = readings.of_batch(PressBatch.of(pressed))
+    clean = readings.whitened(PressBatch.of(pressed))
     return clean + random.standard_normal(clean.shape)

@@ -5,6 +5,7 @@ import pytest
 from rcskin.simulator.bounds.bayes import DrawScores, bayes
 from rcskin.simulator.bounds.common_draws import CommonDraws
 from rcskin.simulator.bounds.fields import CELLS_PER_PIXEL, FullFields, fields_of
+from rcskin.simulator.bounds.likelihood import Likelihood
 from rcskin.simulator.bounds.position_bound import chosen_touch, places_on, position_slopes
 from rcskin.simulator.bounds.posterior import posterior
 from rcskin.simulator.bounds.template_tiles import NEGLIGIBLE, in_tiles, posterior_of_tiles
@@ -39,17 +40,18 @@ def model(scene):
     return trained(scene.parts, 1e-2, pixel_touches(scene.parts.skin, scene.parts.plan, (0.5, 3.0)))
 
 
-def read_by(model, scene, count=None):
-    """The skin and what is read of it: through so many of a scene's interfaces."""
+def read_by(model, scene, count=None, variation=None):
+    """The likelihood of a skin that is read through so many of a scene's interfaces."""
     some = scene.interfaces[:count]
-    return read(model, some).skin(None), Setup(some, scene.frequencies, scene.leads)
+    skin, meter = read(model, some).skin(variation), scene.parts.meter
+    return Likelihood(skin.sweeps, Setup(some, scene.frequencies, scene.leads), meter)
 
 
 @pytest.fixture(scope="module")
 def scores(scene, model):
     """A function from a number of readings to what they tell."""
     draws = CommonDraws(scene.parts, draws=3000)
-    return lambda count: draws.score(*read_by(model, scene, count))
+    return lambda count: draws.score(read_by(model, scene, count))
 
 
 def test_the_accuracy_is_that_of_the_best_classifier(scene, model, scores):
@@ -80,18 +82,14 @@ def test_more_readings_never_lower_the_accuracy(scores):
 
 def test_a_difference_has_a_far_smaller_error_than_each_accuracy(scene, model):
     """By as much as it says: other draws give it as well."""
-    readings = read(model, scene.interfaces[:2])
-    other = nominal(readings.parts.skin)
+    other = nominal(model.parts.skin)
     conducting = type(other)(
         other.top * 0.97, other.bottom, other.films, other.capacitance, other.loss
     )
-    skins = readings.skin(None), readings.skin(conducting)
-    asked = Setup(scene.interfaces[:2], scene.frequencies)
+    skins = [read_by(model, scene, 2, each) for each in (None, conducting)]
     gains = []
     for seed in range(12):
-        one, two = (
-            CommonDraws(scene.parts, draws=500, seed=seed).score(skin, asked) for skin in skins
-        )
+        one, two = (CommonDraws(scene.parts, draws=500, seed=seed).score(skin) for skin in skins)
         gains.append(gain(one, two))
     assert gains[0].error < 0.2 * one.accuracy.error
     spread = np.std([each.share for each in gains], ddof=1)
@@ -102,7 +100,7 @@ def test_readings_that_are_not_taken_have_no_effect(scene, model, scores):
     """At no frequency of the others, the first is alone."""
     taken = np.zeros((len(READINGS), 3), dtype=bool)
     taken[0] = True
-    found = CommonDraws(scene.parts, draws=3000).score(*read_by(model, scene), taken)
+    found = CommonDraws(scene.parts, draws=3000).score(read_by(model, scene), taken)
     np.testing.assert_allclose(found.correct, scores(1).correct, atol=1e-3)
 
 
@@ -122,7 +120,7 @@ def test_the_accuracy_of_pairs_is_that_of_the_best_classifier(pair_scene, model)
     best = exact(*asked, seed=2, draws=3000)
     assert 0.4 < best.share < 0.97
     draws = CommonDraws(pair_scene.parts, "pair", draws=3000)
-    common = draws.score(*read_by(model, pair_scene)).accuracy
+    common = draws.score(read_by(model, pair_scene)).accuracy
     for found in (common, bayes(*asked, seed=3, draws=3000)):
         assert found.share == pytest.approx(best.share, abs=4 * np.hypot(found.error, best.error))
 

@@ -116,11 +116,12 @@ class SampleReadings:
         read, readout = np.ones((readings, len(frequency)), bool), on.parts.meter.readout
         self.model = ErrorModel(readout, read, against_rest=against_rest)
 
-    def of_batch(self, batch):
-        return self.model.whitened(self._on.observed(batch, self._frequency))
+    def whitened(self, batch):
+        on = self._on.likelihood(self._frequency, 0)
+        return self.model.whitened(on.observed(batch))
 
     def of_presses(self, pressed, factors):
-        return self.of_batch(
+        return self.whitened(
             PressBatch.of(pressed.on(self.parts.skin, own) for own in factors.T - 1)
         )
 
@@ -188,7 +189,7 @@ def test_model_and_exact_solution_agree_far_within_the_meters_error(strip):
     found = bench(scene, band=None)
     on = found._trained.readout(None, Material(50e3, 50e3), found.pool)
     batch = PressBatch.of([(np.array([2]), np.array([1.0]))])
-    told = on.observed(batch, scene.frequencies)[0]
+    told = on.likelihood(scene.frequencies, 0).observed(batch)[0]
     Z = Solver(scene.parts, 1e-6).solve(parse_press("1,3:2.0", default=2.0)).Z[0]
     exact = np.concatenate([np.log(np.abs(Z)), np.angle(Z)])
     assert np.abs(told - exact).max() < 2e-3

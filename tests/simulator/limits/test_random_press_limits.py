@@ -70,7 +70,7 @@ def test_readings_of_a_touch_on_cells_are_those_of_the_solver(strip):
     middles = np.array([[[5 * side, 0.01]]])
     read = hand.read(middles, np.random.default_rng(0))
     press = Press((Rectangle(5 * side, 0.01, 2 * side, 0.02, 2.0),))
-    exact = hand._model.whitened(observed(impedance(simulate(Solver(strip.parts, 1e-6), [press]))))
+    exact = hand.errors.whitened(observed(impedance(simulate(Solver(strip.parts, 1e-6), [press]))))
     np.testing.assert_allclose(read, exact, atol=0.1)
 
 

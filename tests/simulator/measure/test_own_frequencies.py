@@ -4,6 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from rcskin.simulator.bounds.common_draws import CommonDraws
+from rcskin.simulator.bounds.likelihood import Likelihood
 from rcskin.simulator.bounds.touch_readings import RTOL
 from rcskin.simulator.limits import bayes_accuracy, position_bound
 from rcskin.simulator.measure.readout import ErrorModel, read_out
@@ -194,10 +195,14 @@ def own_skin(own):
 
 @pytest.mark.parametrize("against_rest", [0, 3])
 def test_two_bounds_agree_and_fewer_readings_give_less(shared, own, own_skin, against_rest):
-    known = {"draws": 300, "against_rest": against_rest}
-    part, whole = (bayes_accuracy(scene.parts, "pixel", **known) for scene in (own, shared))
+    known = {"draws": 300}
+    part, whole = (
+        bayes_accuracy(scene.parts, "pixel", against_rest=against_rest, **known)
+        for scene in (own, shared)
+    )
     assert part[0] < whole[0]
-    other = CommonDraws(own.parts, "pixel", **known).score(own_skin, own.parts.setup).accuracy
+    by_own = Likelihood(own_skin.sweeps, own.parts.setup, own.parts.meter, against_rest)
+    other = CommonDraws(own.parts, "pixel", **known).score(by_own).accuracy
     assert abs(other.share - part[0]) < 4 * np.hypot(other.error, part[1])
 
 

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.common_draws import whitened_interface
 from rcskin.simulator.bounds.fisher_information import session_errors
 from rcskin.simulator.measure.readout import ErrorModel, MeterSession, observed, reading_from
 from rcskin.simulator.scene.readout.meter import Readout
@@ -57,13 +56,12 @@ def test_statistics_of_one_figure_have_the_bits_of_the_formula():
     accuracy = np.diag(np.square([FLAT.magnitude_accuracy, FLAT.phase_accuracy]))
     expected = np.diag(np.repeat(noise, 6) ** 2) + np.kron(accuracy, same)
     np.testing.assert_array_equal(own.covariance, expected)
-    numbers = np.random.default_rng(2).standard_normal((7, 2, 3))
-    kept, noise = numbers, own.noise[:, 0]
-    shared = np.array([[FLAT.magnitude_accuracy], [FLAT.phase_accuracy]])
-    shrinkage = 1 - 1 / np.sqrt(1 + 3 * (shared / noise[:, :1]) ** 2)
-    expected = (kept - shrinkage * kept.mean(axis=-1, keepdims=True)) / noise
-    found = whitened_interface(numbers, own, 0, READ[0])
-    np.testing.assert_array_equal(found, expected.reshape(7, -1))
+    numbers, noise = np.random.default_rng(2).standard_normal((7, 2, 2, 3)), own.noise
+    shared = np.array([FLAT.magnitude_accuracy, FLAT.phase_accuracy])[:, None, None]
+    shrinkage = 1 - 1 / np.sqrt(1 + 3 * (shared / noise[..., :1]) ** 2)
+    expected = (numbers - shrinkage * numbers.mean(axis=-1, keepdims=True)) / noise
+    found = own.whitened(numbers.reshape(7, -1))
+    np.testing.assert_allclose(found, expected.reshape(7, -1), rtol=1e-12, atol=1e-12)
 
 
 def test_every_reading_has_the_spread_of_its_own_impedance():
@@ -95,9 +93,6 @@ def test_all_forms_of_the_errors_are_one_covariance(against_rest):
     expected = np.linalg.inv(own.covariance)
     whitened = own.whitened(flat)
     np.testing.assert_allclose(whitened @ whitened.T, flat @ expected @ flat.T)
-    each = [whitened_interface(x[:, :, k], own, k, READ[k]) for k in range(2)]
-    both = np.concatenate(each, axis=1)
-    np.testing.assert_allclose(both @ both.T, flat @ expected @ flat.T)
     slopes, prior = session_errors(own)
     entering = np.moveaxis(slopes, 2, 0).reshape(12, -1) * own.deviation[:, None]
     covariance = np.diag(own.deviation**2) + entering @ np.diag(1 / prior) @ entering.T
