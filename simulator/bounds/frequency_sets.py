@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ..arrays import Integer, Mask, Real
+from ..arrays import Mask, Real
 from ..models.line import interrogation_frequency
 from ..scene.frequency import parse_band
 from ..scene.parts import Setup, Skin
@@ -104,12 +104,6 @@ def too_near(frequencies: Real, n: int) -> Mask:
     room = float(np.ptp(logarithm)) / (4 * n)
     separation = np.abs(logarithm[:, None] - logarithm)
     return (separation < min(math.log(DISTINCT), room)) | np.eye(len(frequencies), dtype=bool)
-
-
-def allowed(choice: Integer, excludes: Mask) -> bool:
-    """True if no candidates of a choice exclude each other."""
-    others = excludes[np.ix_(choice, choice)]
-    return bool(others[np.triu_indices(len(choice), 1)].sum() == 0)
 
 
 def rounded(frequencies: Real) -> Real:

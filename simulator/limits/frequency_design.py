@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Integer, Real
-from ..bounds.exchange import best_choice
+from ..bounds.choice import best_choice
 from ..bounds.fields import CELLS_PER_PIXEL, fields_of
-from ..bounds.frequency_sets import OPTIMAL, allowed, candidates_of, compared, too_near
+from ..bounds.frequency_sets import OPTIMAL, candidates_of, compared, too_near
 from ..bounds.position_bound import Slopes, TouchSize, places_on, position_slopes
 from ..progress import ProgressCallback, silent
 from ..scene.parts import SceneParts
@@ -156,7 +156,6 @@ def best_set(
     excludes = too_near(criterion.frequency[own], n) if spaced else np.eye(len(own), dtype=bool)
     excludes &= not repeats
     starts = [np.searchsorted(own, k) for k in others if np.isin(k, own).all()]
-    starts = [k for k in starts if allowed(k, excludes)]
     return own[best_choice(lambda k: criterion.score(own[k]), len(own), n, starts, excludes)]
 
 

@@ -10,6 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from ...arrays import Integer, Real
+from ...bounds.choice import Selection, best_selection, exchanged_by_slope, selection_bound
 from ...bounds.touch_readings import hypotheses
 from ...measure.readout import errors_of, require_noise
 from ...meters.reading_time import SETTLE, reading_time
@@ -21,7 +22,6 @@ from ...sweeps import InputError
 from ..skin_readout import Material, SkinReadout, material_of
 from ..trained_skins import TrainedSkins
 from .candidate_merit import ACCURACY, SessionPrecision, by_both, by_frequency, by_reading
-from .candidate_selection import Selection, best_selection, exchanged_by_slope, selection_bound
 from .fisher_merits import Merit
 from .pair_separation import Pairs, check_comparable, pairs
 from .touch_positions import TouchPositions

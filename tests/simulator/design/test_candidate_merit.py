@@ -5,13 +5,13 @@ import math
 
 import numpy as np
 import pytest
+from rcskin.simulator.bounds.choice import best_selection, selection_bound
 from rcskin.simulator.design.merits.candidate_merit import (
     SessionPrecision,
     by_both,
     by_frequency,
     by_reading,
 )
-from rcskin.simulator.design.merits.candidate_selection import best_selection, selection_bound
 from rcskin.simulator.design.merits.fisher_merits import (
     AccuracyMerit,
     PositionMerit,
@@ -89,7 +89,7 @@ def test_few_choices_are_all_evaluated_and_none_exceeds_the_bound():
 def test_exchanges_come_close_to_a_bound_that_holds(monkeypatch):
     share = by_reading(some_pairs(size=0.3), KNOWN)
     exact = best_selection(share.score, share.slope, 7, 3)
-    monkeypatch.setattr("rcskin.simulator.design.merits.candidate_selection.MAX_EXHAUSTIVE", 0)
+    monkeypatch.setattr("rcskin.simulator.bounds.choice.MAX_EXHAUSTIVE", 0)
     found = best_selection(share.score, share.slope, 7, 3)
     assert not found.exhaustive
     assert exact.share - 1e-3 < found.share <= exact.share + 1e-6 <= found.upper_bound + 1e-5

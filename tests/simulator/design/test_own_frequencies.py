@@ -3,7 +3,7 @@
 import json
 
 import numpy as np
-from rcskin.simulator.design.merits.candidate_selection import exchanged_by_slope, selection_bound
+from rcskin.simulator.bounds.choice import exchanged_by_slope, selection_bound
 from rcskin.simulator.scene.scene_files import load_scene
 
 
