@@ -21,7 +21,7 @@ import pandas as pd
 from joblib import Parallel, delayed
 from matplotlib.axes import Axes
 from rcskin.benchmarks.bench import Run, launch, publish
-from rcskin.simulator.bounds.common_draws import CommonDraws
+from rcskin.simulator.bounds.bayes import CommonDraws
 from rcskin.simulator.bounds.likelihood import Likelihood
 from rcskin.simulator.chart_style import COLOURS, chart
 from rcskin.simulator.design.skin_readout import Material

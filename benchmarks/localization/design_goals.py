@@ -25,7 +25,7 @@ from rcskin.benchmarks.localization.design_parts.goals import USUAL
 from rcskin.benchmarks.localization.design_parts.searching import searched
 from rcskin.benchmarks.localization.twin_parts.scenes import believed
 from rcskin.benchmarks.localization.twin_parts.trials import DOUBLE, ONE, SINGLE, TWO
-from rcskin.simulator.design.report.merit_scale import scale_of
+from rcskin.simulator.design.report.design_charts import scale_of
 from rcskin.simulator.scene.design_goals import Design, Target
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene

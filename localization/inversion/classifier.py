@@ -23,8 +23,7 @@ from ...simulator.scene.scene_files import carried_scene
 from ...simulator.sweeps import InputError
 from ..parts.plain import Plain, Sizes, require, transient
 from ..parts.predictor import MIN_PROBABILITY, Classes, Predictor
-from .hypotheses import NONE, Hypotheses, hypotheses, labels
-from .mixture import Mixture
+from .hypotheses import NONE, Hypotheses, Mixture, hypotheses, labels
 
 Mode = Literal["nothing", "skin", "error"]
 PRIOR_STRENGTHS = 20.0

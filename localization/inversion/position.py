@@ -14,7 +14,7 @@ from ...simulator.arrays import Mask, Real
 from ..parts.plain import Sizes, require
 from ..parts.predictor import Predictor
 from .classifier import InversionPlan, novelty_limit
-from .mixture import Mixture, mixture
+from .hypotheses import Mixture, mixture
 from .region import PlaceDistribution, SkinMask, skin_mask_of
 
 DEGREE = 3

@@ -14,7 +14,7 @@ from scipy.special import logsumexp, ndtri, softmax
 
 from ...simulator.arrays import Real
 from .classifier import ModelBased, novelty_limit
-from .mixture import Mixture
+from .hypotheses import Mixture
 from .position import CELLS, GRID, ModelBasedPosition, Posterior
 from .region import PlaceDistribution
 

@@ -84,10 +84,9 @@ def study(
     from ...simulator.requests.time_estimates import note_if_long, study_parts, study_seconds
     from ...simulator.sweeps import checked_output
     from ...simulator.sweeps.accuracy_text import CHANGES, accuracy_text
-    from .axis import READY_MADE, axes_of
+    from .axis import READY_MADE, axes_of, scene_table
     from .report import ENDINGS, first_lines
-    from .scene_keys import scene_table
-    from .settings import checked_workers, with_study_settings
+    from .study import checked_workers, with_study_settings
 
     default = checked_output(output, ENDINGS).with_suffix(".png")
     picture = checked_chart(chart or default)

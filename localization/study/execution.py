@@ -17,9 +17,8 @@ from ...simulator.models.validity import warnings
 from ...simulator.processes import map_in_order, worker_pool
 from ...simulator.progress import ProgressCallback, tracked
 from ...simulator.scene.parts import SceneParts
-from .axis import Axis
+from .axis import Axis, with_values
 from .point import MAX_RTOL, EvaluationSettings, PointFindings, score_point
-from .scene_keys import with_values
 
 if TYPE_CHECKING:
     import xarray as xr

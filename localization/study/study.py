@@ -2,28 +2,82 @@
 
 from __future__ import annotations
 
+import copy
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
+
+import xarray as xr
 
 from ...simulator.chart_style import checked_chart
 from ...simulator.notebook_display import Tabular
 from ...simulator.progress import ProgressCallback, silent
 from ...simulator.scene.parts import SceneParts
 from ...simulator.scene.scene import Scene
-from ...simulator.sweeps import checked_output
+from ...simulator.sweeps import InputError, checked_output
 from ...simulator.sweeps.output_files import replacing
 from . import execution
-from .axis import READY_MADE, Axis, axes_of
+from .axis import READY_MADE, Axis, axes_of, find_key, scene_table, with_values
 from .point import EvaluationSettings
-from .report import ENDINGS, answers, describe_experiment, spacing, write_table
-from .scene_keys import scene_table
-from .settings import with_study_settings
-from .study_figure import draw_study
+from .report import ENDINGS, answers, describe_experiment, draw_study, spacing, write_table
 
-if TYPE_CHECKING:
-    import xarray as xr
+MAX_WORKERS = 256
+
+
+def with_study_settings(
+    table: Mapping[str, Any], max_frequency: float | None, repetitions: int | None, seed: int | None
+) -> dict[str, Any]:
+    """A scene's table with a study's settings; None keeps the scene's value. Raises InputError."""
+    new = copy.deepcopy(dict(table))
+    if repetitions is not None:
+        new["experiment"]["repetitions"] = repetitions
+    if seed is not None:
+        new["experiment"]["seed"] = seed
+    if max_frequency is not None:
+        new["sweep"]["frequencies"] = _up_to(max_frequency, new["sweep"]["frequencies"])
+        new["interface"] = _read_up_to(max_frequency, new["interface"])
+    with_values(new, {find_key("experiment.seed", new): new["experiment"]["seed"]})
+    return new
+
+
+def checked_workers(count: int | None) -> int:
+    """The number of processes, one for each core for None. Raises InputError."""
+    if count is None:
+        from joblib import cpu_count
+
+        return cpu_count()
+    if not 1 <= count <= MAX_WORKERS:
+        raise InputError(f"--workers must be from 1 to {MAX_WORKERS}, got {count}")
+    return count
+
+
+def _read_up_to(limit: float, interfaces: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The interfaces, without those of their own frequencies that are above a limit."""
+    kept = []
+    for each in interfaces:
+        own = [f for f in each.get("frequencies", ()) if f <= limit]
+        if "frequencies" in each and not own:
+            raise InputError(
+                f"--max-frequency {limit:g} Hz is below all `frequencies` of interface "
+                f"{each['name']}"
+            )
+        kept.append({**each, "frequencies": own} if own else each)
+    return kept
+
+
+def _up_to(limit: float, frequencies: Any) -> Any:
+    lowest = frequencies["start"] if isinstance(frequencies, dict) else min(frequencies)
+    if not (math.isfinite(limit) and limit > lowest):
+        raise InputError(
+            f"--max-frequency must be finite and > {lowest:g} Hz, where the scene begins, "
+            f"got {limit:g}"
+        )
+    if isinstance(frequencies, dict):
+        return {**frequencies, "stop": limit}
+    return [frequency for frequency in frequencies if frequency <= limit]
+
 
 Vary = str | Sequence[str] | Mapping[str, Iterable[float]]
 """Keys and their values: texts as on the command line, or a mapping from keys to values."""

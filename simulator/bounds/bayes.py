@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import itertools
 import math
+import zlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, reduce
@@ -18,18 +19,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..arrays import Integer, Real
+from ..arrays import Integer, Mask, Real
 from ..chebyshev import barycentric, extrema, refined
-from ..measure.experiment import strengths
+from ..measure.experiment import own_presses, strengths
 from ..method_cache import cached_method
 from ..press.batch import PressBatch
 from ..progress import ProgressCallback, silent, tracked
 from ..scene.draws.draw_distributions import AnyDistribution
-from ..scene.parts import Skin
+from ..scene.parts import SceneParts, Skin
 from ..sweeps import InputError
-from .posterior import Templates, axes_of, posterior, starts_of
-from .template_tiles import in_tiles, posterior_of_tiles
-from .touch_readings import Hypothesis, TouchReadings
+from .likelihood import Likelihood
+from .posterior import Templates, axes_of, in_tiles, posterior, posterior_of_tiles, starts_of
+from .touch_readings import Hypothesis, TouchReadings, hypotheses
 
 STEP = 1.5
 FIRST_STRENGTHS = 9
@@ -229,3 +230,66 @@ class Draws:
     def _by_touch(self, nodes: Real) -> Real:
         """Readings of one hypothesis, shape (node of the first touch, ..., number)."""
         return nodes.reshape(*(len(self._nodes),) * self._touches, -1)
+
+
+COMMON_NODES = 6
+"""Number of strengths of each touch, the same for all skins. Interpolation between them has an
+error far below the meter's."""
+TARGETS = ("column", "row", "pixel", "pair")
+CACHED_ERRORS = 256
+"""Number of interfaces whose errors are cached."""
+
+
+class CommonDraws:
+    """Random presses and errors of the meter, and the scores of the best classifier on them."""
+
+    def __init__(
+        self,
+        parts: SceneParts,
+        target: str = "pixel",
+        presses: AnyDistribution | None = None,
+        *,
+        seed: int = 1,
+        draws: int = 2000,
+    ) -> None:
+        """parts: for their pixels. Other arguments: see `bayes_accuracy`.
+
+        Raises InputError for a target other than column, row, pixel and pair.
+        """
+        if target not in TARGETS:
+            raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")
+        self._skin, self._seed = parts.skin, seed
+        self._among = hypotheses(parts.skin, parts.plan, target)
+        random = np.random.default_rng(seed)
+        self._draws = Draws(
+            self._among,
+            presses or own_presses(parts.skin, parts.plan.press),
+            random,
+            draws,
+            COMMON_NODES,
+        )
+
+    def score(self, known: Likelihood, taken: Mask | None = None) -> DrawScores:
+        """Scores for the likelihood of one skin.
+
+        taken: True for readings that are used, shape (interface, frequency); None: all of them.
+        """
+        errors = known.errors if taken is None else known.among(taken)
+        nodes = errors.whitened(known.observed(self._draws.batch(self._among, self._skin)))
+        return self._draws.score(
+            nodes.reshape(len(self._among), -1, nodes.shape[-1]),
+            self._errors(known.setup.names, errors.values),
+        )
+
+    def _errors(self, interfaces: Sequence[str], values: Mask) -> Real:
+        """Whitened errors, shape (draw, number). values: see `ErrorModel`."""
+        found = np.zeros((len(self._draws), *values.shape))
+        for k, (name, read) in enumerate(zip(interfaces, values[0], strict=True)):
+            found[:, :, k, read] = self._noise(name, int(read.sum()))
+        return found[:, values]
+
+    @cached_method(CACHED_ERRORS)
+    def _noise(self, interface: str, frequencies: int) -> Real:
+        """Whitened errors of one interface, shape (draw, 2, frequency)."""
+        random = np.random.default_rng([self._seed, zlib.crc32(interface.encode())])
+        return random.standard_normal((len(self._draws), 2, frequencies))

@@ -14,12 +14,12 @@ from ..bounds.frequency_sets import candidates_in, own_band
 from ..progress import ProgressCallback
 from ..scene.design_goals import POSITION, Design
 from ..scene.parts import SceneParts
-from .merits.picking import GRID, Picked, Picker, PixelPairs, PositionPairs
-from .merits.scoring import AccuracyScorer, Layout, PositionScorer, merits
-from .merits.touch_positions import TouchPositions
+from .picking import GRID, Picked, Picker, PixelPairs, PositionPairs
 from .reading_pool import own_readings, pool, terminals, wirings
+from .scoring import AccuracyScorer, Layout, PositionScorer, merits
 from .search_journal import SearchJournal
 from .skin_readout import Material, material_of
+from .touch_positions import TouchPositions
 from .trained_skins import TrainedSkins
 
 

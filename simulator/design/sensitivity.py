@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from .evaluator import SceneEvaluator
-from .merits.scoring import Layout, lowest_tenth
+from .scoring import Layout, lowest_tenth
 from .skin_readout import Material
 
 FACTORS = (0.5, 0.65, 0.8, 1.0, 1.25, 1.55, 2.0)

@@ -18,8 +18,8 @@ from ..progress import ProgressCallback, silent
 from ..scene.design_goals import Design
 from ..scene.parts import SceneParts, Setup, Skin
 from ..scene.readings.contacts import Interface
-from .merits.touch_positions import TouchPositions
 from .skin_readout import Material, SkinReadout, material_of
+from .touch_positions import TouchPositions
 
 RTOL = 1e-2
 """Certified tolerance of Rs and Cp for every reading; ln Z is about ten times more accurate."""

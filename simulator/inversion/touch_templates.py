@@ -23,9 +23,8 @@ from ..models.uniform import require_static
 from ..press.batch import NOTHING, PressBatch
 from ..press.parts import parts_of
 from ..scene.parts import Plan, SceneParts, Skin
-from .finger_prior import PixelTouch, finger_prior, require_rods
-from .normal_mixture import normal_mixture
 from .position_tables import cells_per_pixel, position_tables
+from .touch_prior import PixelTouch, finger_prior, normal_mixture, require_rods
 from .unknown_skin import UnknownSkin
 
 Tables = dict[str, NDArray]

@@ -67,8 +67,7 @@ def frequencies(
     from ..models.mechanics.force_depths import pressed_by_factors
     from ..progress import on_terminal
     from ..requests.requested_scene import requested_scene
-    from .criteria import checked_criterion
-    from .frequency_design import check_design, design
+    from .frequency_design import check_design, checked_criterion, design
     from .survey import with_interfaces
 
     by_factors = pressed_by_factors(requested_scene(scene).parts, "a limit")

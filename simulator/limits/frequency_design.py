@@ -1,22 +1,208 @@
-"""Choice of the best n frequencies, compared with the paper's and with logarithmic spacing."""
+"""Choice of the best n frequencies, compared with the paper's and with logarithmic spacing.
+
+Criteria: precision of positions, separation of columns or pixels.
+
+position: the bound on the distance between touch and estimate, in m, root mean square over the
+sheet, for a touch at any position. column, pixel: the distance of the nearest two pixels with
+different answers, in the meter's errors, with strengths unknown within the spread of presses. What
+all candidates together do not resolve, such as mirror images, is left out.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import itertools
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..arrays import Integer, Real
 from ..bounds.choice import best_choice
-from ..bounds.fields import CELLS_PER_PIXEL, fields_of
+from ..bounds.fields import CELLS_PER_PIXEL, AnyFields, TouchSize, fields_of
+from ..bounds.fisher_information import in_noise, pixel_maps, session_errors, summed, variances
 from ..bounds.frequency_sets import OPTIMAL, candidates_of, compared, too_near
-from ..bounds.position_bound import Slopes, TouchSize, places_on, position_slopes
-from ..progress import ProgressCallback, silent
-from ..scene.parts import SceneParts
+from ..bounds.position_bound import (
+    Slopes,
+    chosen_touch,
+    errors_in_fields,
+    places_on,
+    position_slopes,
+)
+from ..bounds.touch_readings import Hypothesis, hypotheses
+from ..bounds.touches.area_rasterizer import RasterizedTouch
+from ..bounds.touches.depth_rasterizer import rasterizer_for
+from ..bounds.touches.pixel_touches import middles
+from ..measure.readout import ErrorModel, observed
+from ..models.reduced.indentation.indentation_draws import scene_spreads_presses
+from ..models.solution import Response
+from ..progress import ProgressCallback, silent, tracked
+from ..scene.parts import Pressing, SceneParts
 from ..sweeps import InputError
 from ..sweeps.units import prefixed
-from .criteria import Criterion, identity_criterion, position_criterion
+
+CRITERIA = ("position", "column", "pixel")
+MIN_SEPARATION = 1.0
+"""Smallest separation, in the meter's errors, that all candidates together must reach."""
+NO_ROOM = 1e-30
+"""m²: prior variance of a coordinate that is known."""
+AT_ONCE = 200_000
+"""Largest number of matrices that are inverted together."""
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """A figure of any set of candidates, to be minimized.
+
+    frequency: of the candidates, Hz. information: of each, shape (case, candidate, p, p). prior:
+    shape (p, p). merit: function from variances of the first `wanted` unknowns, shape (choice,
+    case, wanted), to the figure, shape (choice,). left_out: number of coordinates, or pairs of
+    pixels, that all candidates together do not resolve.
+    """
+
+    frequency: Real
+    information: Real
+    prior: Real
+    wanted: int
+    merit: Callable[[Real], Real]
+    left_out: int = 0
+
+    def score(self, choices: Integer) -> Real:
+        """Figures of choices of candidates, shape (choice, n) to (choice,)."""
+        chunk = max(1, AT_ONCE // len(self.information))
+        parts = [choices[k : k + chunk] for k in range(0, len(choices), chunk)]
+        return np.concatenate([self._score(part) for part in parts])
+
+    @property
+    def of_all(self) -> float:
+        """Figure of all candidates together."""
+        return float(self._score(np.arange(len(self.frequency))[None])[0])
+
+    def _score(self, choices: Integer) -> Real:
+        total = self.information[:, choices].sum(axis=2).swapaxes(0, 1)
+        return self.merit(variances(total + self.prior, self.wanted))
+
+
+def position_criterion(slopes: Slopes) -> Criterion:
+    """Criterion of the distance between touch and estimate.
+
+    It uses the coordinates that all candidates together resolve. Raises InputError where there are
+    none.
+    """
+    information, prior = summed(slopes.by), np.diag(slopes.prior)
+    anywhere = np.square(slopes.room) / 12
+    resolved = variances(information.sum(axis=1) + prior, 2) < anywhere
+    if not resolved.any():
+        raise InputError("no frequencies resolve the position of a touch")
+
+    def merit(variance: Real) -> Real:
+        posterior = resolved / (1 / variance + 1 / np.maximum(anywhere, NO_ROOM))
+        return np.sqrt(posterior.sum(axis=(-1, -2)) / resolved.any(axis=-1).sum())
+
+    return Criterion(slopes.frequency, information, prior, 2, merit, int((~resolved).sum()))
+
+
+def identity_criterion(
+    fields: AnyFields,
+    target: str,
+    frequency: Real,
+    against_rest: int = 0,
+    progress: ProgressCallback = silent,
+    touch: TouchSize | None = None,
+) -> Criterion:
+    """Criterion of the distance between the nearest two pixels with different answers.
+
+    Its figure is the inverse of their distance. touch: around the middle of a pixel, by default the
+    whole pixel as the parts presses it. Raises InputError where no pixels are resolved, and for
+    touches of another size on pixels in groups.
+    """
+    parts = fields.parts
+    model = errors_in_fields(fields, frequency, against_rest)
+    among = hypotheses(parts.skin, parts.plan, target)
+    touch = touch or chosen_touch(parts.skin, parts.plan.press)
+    pixels = _pixel_touches(fields, touch)
+    answers = [
+        _pressed(fields, pixels, each, frequency) for each in tracked(among, "pixels", progress)
+    ]
+    pairs = [
+        (one, other)
+        for one, other in itertools.combinations(range(len(among)), 2)
+        if among[one].answer != among[other].answer
+    ]
+    slopes, prior = _pair_slopes(parts.plan.press, touch.rise, pairs, answers, model)
+    information = summed(slopes)
+    whole = variances(information.sum(axis=1) + np.diag(prior), 1)[:, 0]
+    resolved = whole < MIN_SEPARATION**-2
+    if not resolved.any():
+        raise InputError(f"{parts.skin.name}: no frequencies distinguish any two {target}s")
+
+    def merit(variance: Real) -> Real:
+        return np.sqrt(variance[..., 0].max(axis=-1))
+
+    left_out = int((~resolved).sum())
+    return Criterion(frequency, information[resolved], np.diag(prior), 1, merit, left_out)
+
+
+def _pixel_touches(fields: AnyFields, touch: TouchSize) -> list[RasterizedTouch]:
+    """Maps of a touch around the middle of each pixel, or of its whole pixel or group."""
+    parts, whole = fields.parts, chosen_touch(fields.parts.skin, fields.parts.plan.press)
+    of_its_size = (touch.width, touch.height) == (whole.width, whole.height)
+    if parts.skin.pixels.groups is not None and not of_its_size:
+        raise InputError(f"{parts.skin.name}: touches of a size need pixels without `groups`")
+    if parts.skin.pixels.groups is None and (
+        scene_spreads_presses(parts.skin, parts.plan.press) or not of_its_size
+    ):
+        rasterizer = rasterizer_for(parts.skin, parts.plan.press, fields.grid, touch)
+        return [rasterizer.rasterized(middle, touch) for middle in middles(parts.skin)]
+    maps = pixel_maps(parts.skin, fields.cells).values()
+    return [RasterizedTouch(1 + touch.rise * each, {"strength": each}) for each in maps]
+
+
+def _pressed(
+    fields: AnyFields, pixels: Sequence[RasterizedTouch], hypothesis: Hypothesis, frequency: Real
+) -> Response:
+    """Response to one pressed pixel, with the derivative by its strength."""
+    columns, none = fields.parts.skin.pixels.columns, np.zeros(fields.grid)
+    own = [pixels[i * columns + j] for i, j in hypothesis.pixels]
+    factors = 1 + sum((each.factors - 1 for each in own), none)
+    by_strength = sum((each.changes["strength"] for each in own), none)
+    return fields.respond(factors, {"strength": by_strength}, frequency)
+
+
+def _pair_slopes(
+    pressing: Pressing,
+    rise: float,
+    pairs: Sequence[tuple[int, int]],
+    answers: Sequence[Response],
+    model: ErrorModel,
+) -> tuple[Real, Real]:
+    """Differences of pairs, slopes by both strengths and by the session's errors, over noise.
+
+    Also returns the prior information of each.
+    """
+    shape = 2, *model.read.shape
+    deviation = np.moveaxis(model.noise, 0, -1)
+    levels = [np.moveaxis(observed(each.Z).reshape(shape), 0, -1) / deviation for each in answers]
+    by_strength = [
+        in_noise(each.Z, [each.by_parameter["strength"]], model)[..., 0] for each in answers
+    ]
+    errors, known = session_errors(model)
+    spread = pressing.factor_spread * abs(rise)
+    strengths = 2 if spread else 0
+    slopes = np.zeros((len(pairs), *levels[0].shape, 1 + strengths + errors.shape[-1]))
+    for number, (one, other) in enumerate(pairs):
+        slopes[number, ..., 0] = levels[one] - levels[other]
+        if strengths:
+            slopes[number, ..., 1], slopes[number, ..., 2] = by_strength[one], -by_strength[other]
+    slopes[..., 1 + strengths :] = errors
+    return slopes, np.concatenate([[0.0], np.full(strengths, spread**-2.0 if spread else 0), known])
+
+
+def checked_criterion(name: str) -> str:
+    """Returns the name of a criterion. Raises InputError for any other."""
+    if name not in CRITERIA:
+        raise InputError(f"--criterion must be one of {', '.join(CRITERIA)}, got {name!r}")
+    return name
+
 
 GRID = 60
 
@@ -101,7 +287,7 @@ def design(
     among: Real | None = None,
     progress: ProgressCallback = silent,
 ) -> FrequencyDesign:
-    """The best n of `candidates_of` a scene in a band in Hz, by a criterion of `criteria`.
+    """The best n of `candidates_of` a scene in a band in Hz, by a criterion of CRITERIA.
 
     Unless repeats are allowed, no two of them are `too_near`. among: candidate frequencies in Hz,
     ascending, instead of these. Raises InputError where n or the grid is out of range.

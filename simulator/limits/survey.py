@@ -24,8 +24,7 @@ from ..scene.parts import SceneParts, Setup, Skin
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from ..sweeps.press_text import parse_touches
-from .criteria import position_criterion
-from .frequency_design import GRID, best_set, sampled_positions
+from .frequency_design import GRID, best_set, position_criterion, sampled_positions
 
 FREQUENCIES, INTERFACES, SHEETS = "frequencies", "interfaces", "sheets"
 FLOATING = "floating"

@@ -10,8 +10,7 @@ from importlib.metadata import version
 import numpy as np
 import pytest
 import rcskin
-from rcskin.localization.study.axis import axes_of
-from rcskin.localization.study.scene_keys import scene_table
+from rcskin.localization.study.axis import axes_of, scene_table
 from rcskin.simulator.sweeps import InputError
 from rcskin.tests.refusals import refusal_of
 

@@ -23,7 +23,7 @@ from rcskin.hardware.switch.switch_table import read_switch
 from rcskin.hardware.virtual.press_routines import read_script
 from rcskin.localization.inputs.sweep_files import read_first
 from rcskin.localization.model import localizer_file
-from rcskin.localization.study.scene_keys import scene_table
+from rcskin.localization.study.axis import scene_table
 from rcskin.simulator.meters import accuracy_table
 from rcskin.simulator.models.reduced import model_file
 from rcskin.simulator.scene.form.mesh_file import read_surface
@@ -62,7 +62,7 @@ READERS = {
     "sweeps": (read, [".csv", ".nc", ".zarr"], "formats/csv formats/netcdf formats/zarr"),
     "first sweeps": (lambda path: read_first(path, 5, lazy=True), [".zarr"], ""),
     "scene": (load_scene, [".toml"], "scene/scene_files"),
-    "scene of a study": (lambda path: scene_table(str(path)), [".toml"], "study/scene_keys"),
+    "scene of a study": (lambda path: scene_table(str(path)), [".toml"], "study/axis"),
     "map": (map_of_scene, [".csv", ".png", ".jpg", ".tif", ".bmp", ".gif"], "maps/map_file"),
     "mesh": (
         lambda path: read_surface(str(path)),

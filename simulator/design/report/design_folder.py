@@ -11,13 +11,11 @@ from ...report.page import write_page
 from ...scene.scene import Scene
 from ...scene.scene_files import scene_text
 from ..evaluator import SearchSettings
-from ..merits.scoring import Layout, designed
+from ..scoring import Layout, designed
 from ..search import SearchResult
 from ..sensitivity import SensitivityCurve, loss_without_each, sensitivity_curves
-from .design_charts import draw_flat, draw_steps, draw_wiring
-from .design_page import bound_with_own_frequencies, counted, sections_of
-from .merit_scale import MeritScale, scale_of
-from .wiring_table import WiringRow, rows
+from .design_charts import MeritScale, draw_flat, draw_steps, draw_wiring, scale_of
+from .design_page import WiringRow, bound_with_own_frequencies, counted, rows, sections_of
 
 DESIGN = "design.toml"
 WRITTEN = (DESIGN, "design.json", "report.html", "wiring.*", "steps.png", "flat.png")

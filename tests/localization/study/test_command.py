@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 import xarray as xr
 from matplotlib.image import imread
-from rcskin.localization.study.scene_keys import scene_table
-from rcskin.localization.study.settings import with_study_settings
+from rcskin.localization.study.axis import scene_table
+from rcskin.localization.study.study import with_study_settings
 from rcskin.simulator.scene.scene_files import BUILTIN
 
 FAST = ("--repetitions", "8", "--workers", "1", "--rtol", "1e-2")

@@ -1,10 +1,9 @@
 """A study that folds in keys of materials."""
 
 import pytest
-from rcskin.localization.study.axis import Axis
+from rcskin.localization.study.axis import Axis, find_key, scene_table
 from rcskin.localization.study.execution import points_of
 from rcskin.localization.study.point import EvaluationSettings
-from rcskin.localization.study.scene_keys import find_key, scene_table
 from rcskin.simulator.scene.scene_files import BUILTIN
 
 

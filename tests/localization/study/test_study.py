@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 import rcskin
 from rcskin.localization.model.training import train
-from rcskin.localization.study.axis import parse_axes
+from rcskin.localization.study.axis import parse_axes, scene_table
 from rcskin.localization.study.execution import points_of, study
 from rcskin.localization.study.point import EvaluationSettings
 from rcskin.localization.study.report import answers
-from rcskin.localization.study.scene_keys import scene_table
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.progress import silent
 

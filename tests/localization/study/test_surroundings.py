@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.study.axis import Axis
+from rcskin.localization.study.axis import Axis, find_key, scene_table
 from rcskin.localization.study.execution import points_of
 from rcskin.localization.study.point import (
     EvaluationSettings,
@@ -10,7 +10,6 @@ from rcskin.localization.study.point import (
     _without_readings,
     impedances,
 )
-from rcskin.localization.study.scene_keys import find_key, scene_table
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.solver import Solver
 

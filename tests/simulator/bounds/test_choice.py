@@ -7,7 +7,7 @@ import pytest
 from rcskin.simulator.bounds import choice
 from rcskin.simulator.bounds.fields import FullFields
 from rcskin.simulator.bounds.position_bound import chosen_touch, places_on, position_slopes
-from rcskin.simulator.limits.criteria import identity_criterion, position_criterion
+from rcskin.simulator.limits.frequency_design import identity_criterion, position_criterion
 
 
 @pytest.mark.parametrize("repeats", [False, True])

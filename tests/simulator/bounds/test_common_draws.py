@@ -2,13 +2,11 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.bayes import DrawScores, bayes
-from rcskin.simulator.bounds.common_draws import CommonDraws
+from rcskin.simulator.bounds.bayes import CommonDraws, DrawScores, bayes
 from rcskin.simulator.bounds.fields import CELLS_PER_PIXEL, FullFields, fields_of
 from rcskin.simulator.bounds.likelihood import Likelihood
 from rcskin.simulator.bounds.position_bound import chosen_touch, places_on, position_slopes
-from rcskin.simulator.bounds.posterior import posterior
-from rcskin.simulator.bounds.template_tiles import NEGLIGIBLE, in_tiles, posterior_of_tiles
+from rcskin.simulator.bounds.posterior import NEGLIGIBLE, in_tiles, posterior, posterior_of_tiles
 from rcskin.simulator.bounds.touch_readings import TouchReadings, hypotheses
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.models.network.terminals import read, trained

@@ -6,18 +6,16 @@ import math
 import numpy as np
 import pytest
 from rcskin.simulator.bounds.choice import best_selection, selection_bound
-from rcskin.simulator.design.merits.candidate_merit import (
+from rcskin.simulator.design.merits import (
+    AccuracyMerit,
+    Pairs,
+    PositionMerit,
     SessionPrecision,
     by_both,
     by_frequency,
     by_reading,
-)
-from rcskin.simulator.design.merits.fisher_merits import (
-    AccuracyMerit,
-    PositionMerit,
     lower_triangle,
 )
-from rcskin.simulator.design.merits.pair_separation import Pairs
 
 KNOWN, UNKNOWN = SessionPrecision(), SessionPrecision(gain=0.5, phase=2.0)
 

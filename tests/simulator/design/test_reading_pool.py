@@ -3,7 +3,7 @@
 import itertools
 
 import pytest
-from rcskin.simulator.design.merits.picking import budgets, sweep_time
+from rcskin.simulator.design.picking import budgets, sweep_time
 from rcskin.simulator.design.reading_pool import (
     check_readers,
     own_readings,

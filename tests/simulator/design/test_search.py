@@ -8,13 +8,12 @@ import pytest
 from rcskin.simulator.bounds.frequency_sets import equation_6
 from rcskin.simulator.bounds.touch_readings import hypotheses
 from rcskin.simulator.design.evaluator import SceneEvaluator, SearchSettings
-from rcskin.simulator.design.merits.pair_separation import NEAREST, SAME, _nearest
-from rcskin.simulator.design.merits.scoring import AccuracyScorer, designed, merits
+from rcskin.simulator.design.merits import NEAREST, SAME, _nearest
 from rcskin.simulator.design.reading_pool import terminals
-from rcskin.simulator.design.search import search
+from rcskin.simulator.design.scoring import AccuracyScorer, designed, merits
+from rcskin.simulator.design.search import best_value, search
 from rcskin.simulator.design.search_journal import SearchJournal
 from rcskin.simulator.design.skin_readout import Material
-from rcskin.simulator.design.value_search import best_value
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.measure.readout import ErrorModel
 from rcskin.simulator.press.batch import PressBatch

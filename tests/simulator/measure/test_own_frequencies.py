@@ -3,7 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
-from rcskin.simulator.bounds.common_draws import CommonDraws
+from rcskin.simulator.bounds.bayes import CommonDraws
 from rcskin.simulator.bounds.likelihood import Likelihood
 from rcskin.simulator.bounds.touch_readings import RTOL
 from rcskin.simulator.limits import bayes_accuracy, position_bound

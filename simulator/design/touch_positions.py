@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...arrays import Real
-from ...bounds.fields import TouchSize
-from ...bounds.fields.reduced_fields import ReducedFields
-from ...bounds.position_bound import ESTIMATED, Slopes, chosen_touch, places_on, position_slopes
-from ...bounds.touches.area_rasterizer import AreaRasterizer, Point
-from ...models.reduced.cases import Case
-from ...scene.parts import SceneParts
-from ...sweeps import InputError
-from ..skin_readout import SkinReadout
-from .fisher_merits import PositionMerit
-from .pair_separation import Pairs
+from ..arrays import Real
+from ..bounds.fields import TouchSize
+from ..bounds.fields.reduced_fields import ReducedFields
+from ..bounds.position_bound import ESTIMATED, Slopes, chosen_touch, places_on, position_slopes
+from ..bounds.touches.area_rasterizer import AreaRasterizer, Point
+from ..models.reduced.cases import Case
+from ..scene.parts import SceneParts
+from ..sweeps import InputError
+from .merits import Pairs, PositionMerit
+from .skin_readout import SkinReadout
 
 CELLS = 3
 """Number of cells along each side of a pixel on which touches are rasterized."""

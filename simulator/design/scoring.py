@@ -8,16 +8,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...arrays import Real
-from ...bounds.common_draws import CommonDraws
-from ...measure.experiment import own_presses
-from ...scene.design_goals import Design
-from ...scene.parts import SceneParts
-from ...scene.readings.contacts import Interface
-from ...scene.scene import Scene
-from ..skin_readout import Material, SkinReadout
-from ..trained_skins import TrainedSkins
+from ..arrays import Real
+from ..bounds.bayes import CommonDraws
+from ..measure.experiment import own_presses
+from ..scene.design_goals import Design
+from ..scene.parts import SceneParts
+from ..scene.readings.contacts import Interface
+from ..scene.scene import Scene
+from .skin_readout import Material, SkinReadout
 from .touch_positions import TouchPositions
+from .trained_skins import TrainedSkins
 
 TENTH = 0.1
 

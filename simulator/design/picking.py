@@ -9,22 +9,30 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ...arrays import Integer, Real
-from ...bounds.choice import Selection, best_selection, exchanged_by_slope, selection_bound
-from ...bounds.touch_readings import hypotheses
-from ...measure.readout import errors_of, require_noise
-from ...meters.reading_time import SETTLE, reading_time
-from ...scene.design_goals import Design
-from ...scene.multisine import Multisine
-from ...scene.parts import Meter, SceneParts, Setup
-from ...scene.readings.contacts import Interface
-from ...sweeps import InputError
-from ..skin_readout import Material, SkinReadout, material_of
-from ..trained_skins import TrainedSkins
-from .candidate_merit import ACCURACY, SessionPrecision, by_both, by_frequency, by_reading
-from .fisher_merits import Merit
-from .pair_separation import Pairs, check_comparable, pairs
+from ..arrays import Integer, Real
+from ..bounds.choice import Selection, best_selection, exchanged_by_slope, selection_bound
+from ..bounds.touch_readings import hypotheses
+from ..measure.readout import errors_of, require_noise
+from ..meters.reading_time import SETTLE, reading_time
+from ..scene.design_goals import Design
+from ..scene.multisine import Multisine
+from ..scene.parts import Meter, SceneParts, Setup
+from ..scene.readings.contacts import Interface
+from ..sweeps import InputError
+from .merits import (
+    ACCURACY,
+    Merit,
+    Pairs,
+    SessionPrecision,
+    by_both,
+    by_frequency,
+    by_reading,
+    check_comparable,
+    pairs,
+)
+from .skin_readout import Material, SkinReadout, material_of
 from .touch_positions import TouchPositions
+from .trained_skins import TrainedSkins
 
 GRID = 24
 """Smallest number of candidate frequencies, in addition to the scene's own."""
@@ -37,7 +45,7 @@ TURNS = 4
 class Picked:
     """Indices of readings in the pool and of frequencies among the candidates.
 
-    share: their merit, see `candidate_merit`. bound_over_readings, bound_over_frequencies: upper
+    share: their merit, see `merits`. bound_over_readings, bound_over_frequencies: upper
     bounds of the merit for any readings at these frequencies, and for any frequencies of these
     readings, of the same number.
     """
@@ -107,7 +115,7 @@ class PairSource(Protocol):
 
 
 class PixelPairs:
-    """Pairs of hypotheses; see `pair_separation`."""
+    """Pairs of hypotheses; see `pairs`."""
 
     merit: Merit = ACCURACY
 
@@ -124,7 +132,7 @@ class PixelPairs:
 
 
 class PositionPairs:
-    """Positions of touches as pairs; see `touch_positions`."""
+    """Positions of touches as pairs; see `TouchPositions`."""
 
     def __init__(self, touches: TouchPositions, request: Design) -> None:
         self._touches, self._against_rest = touches, request.against_rest

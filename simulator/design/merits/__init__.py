@@ -1,1 +1,0 @@
-"""Merits of a design: information, separation, selection of readings, scores."""
