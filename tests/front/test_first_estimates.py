@@ -52,7 +52,7 @@ def test_the_estimate_needs_no_package_of_the_work_itself():
     code = (
         "import sys, rcskin.simulator.requests.requested_scene, rcskin.simulator.progress, "
         "rcskin.simulator.requests.time_estimates, rcskin.localization.study.axis, "
-        "rcskin.localization.study.settings, rcskin.localization.study.report; "
+        "rcskin.localization.study.study, rcskin.localization.study.report; "
         "print(*sys.modules)"
     )
     found = subprocess.run(
