@@ -15,10 +15,10 @@ from ..models.solution import reading_difference
 from ..press.batch import PressBatch
 from ..press.press import parse_press
 from ..scene.parts import SceneParts, Setup, Skin
-from .anywhere.deflections import cell_presses_by_triangles
 from .creeping import at_sweep_end
 from .drawn_presses import Presses, drawn_presses
 from .skin_model import SkinFamily, nominal_skin
+from .touch_places import cell_presses_by_triangles
 
 SAMPLE = 16
 

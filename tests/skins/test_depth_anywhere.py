@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
 from rcskin.simulator.dataset import cell_errors
-from rcskin.simulator.dataset.anywhere.deflections import (
-    cell_presses,
-    cell_presses_by_triangles,
-    written_strengths,
-)
-from rcskin.simulator.dataset.anywhere.touch_places import place_texts
 from rcskin.simulator.dataset.cell_errors import lattice_error, rasterization_error
 from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.drawn_presses import drawn_presses
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.dataset.skin_model import REDUCED, Training
+from rcskin.simulator.dataset.touch_places import (
+    cell_presses,
+    cell_presses_by_triangles,
+    place_texts,
+    written_strengths,
+)
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.dataset.anywhere.touch_places import place_texts
+from rcskin.simulator.dataset.touch_places import place_texts
 from rcskin.simulator.press.cell_kernel import covered_fraction
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.press.rasterized import Footprints, rasterized

@@ -1,17 +1,28 @@
-"""Random rectangles and discs anywhere on a skin, for all presses of a session at once."""
+"""Touches of a data set that are no whole pixels: random rectangles and discs, and their cells.
+
+Under electrode skins with tension the factor of a cell is the mean over its skin, from the
+deflection under the whole press; see `models.mechanics.lattice_presses`.
+"""
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-from ...arrays import Integer, Mask, Real
-from ...mesh.pixel_coverage import pixel_coverage
-from ...models.reduced.indentation.indentation_draws import spreading
-from ...press.rasterized import Footprints
-from ...scene.parts import Plan, Pressing, Skin
-from ...scene.skin_region import covers
-from ..drawn_fingers import DrawnFingers
-from ..strengths import finger_texts, joined_texts
+from ..arrays import Integer, Mask, Real
+from ..mesh.pixel_coverage import pixel_coverage
+from ..models.reduced.indentation.indentation_draws import spreading
+from ..press.batch import PressBatch
+from ..press.rasterized import Footprints, rasterized
+from ..scene.parts import Plan, Pressing, Skin
+from ..scene.skin_region import covers
+from .drawn_fingers import DrawnFingers
+from .strengths import finger_texts, joined_texts, written_strength
+
+if TYPE_CHECKING:
+    from ..models.mechanics.relaxation_kernel import Bodies
+    from ..models.mechanics.skin_lattice import Lattice
 
 LENGTH_DECIMALS = 6
 """Decimals of places and sizes in m, so that the text of a press is exactly the press solved."""
@@ -111,3 +122,67 @@ def _inside(chance: Real, extent: Real, length: float) -> Real:
 
 def _length(value: Real) -> Real:
     return np.round(value, LENGTH_DECIMALS)
+
+
+def cell_presses(
+    skin: Skin, plan: Plan, touches: Integer, placed: Footprints, grid: tuple[int, int]
+) -> PressBatch:
+    """Presses rasterized on cells; by the deflection if a tension spreads the scene's presses."""
+    if not spreading(skin, plan.press):
+        return rasterized(skin, touches, placed, grid)
+    from ..models.mechanics.lattice_presses import raised
+
+    lattice = lattice_for(skin, plan, grid)
+    each = (
+        applicators_of(skin, plan.press, placed, k, count)
+        for k, count in enumerate(touches.tolist())
+    )
+    return PressBatch.of(raised(lattice, own) for own in each)
+
+
+def written_strengths(skin: Skin, pressing: Pressing, placed: Footprints) -> tuple[Real, str]:
+    """Strengths of touches as written in their texts, and the unit."""
+    return (
+        written_strength(skin, pressing, placed.factor)
+        if spreading(skin, pressing)
+        else (placed.factor, "")
+    )
+
+
+def lattice_for(skin: Skin, plan: Plan, grid: tuple[int, int]) -> Lattice:
+    """As fine as the smallest touch of a scene's data set needs."""
+    from ..models.mechanics.skin_lattice import lattice_of
+
+    drawn, pixels = plan.draws.press, skin.pixels
+    length, width = skin.sides
+    smallest = min(length / pixels.columns, width / pixels.rows)
+    if drawn.place == "anywhere":
+        smallest = drawn.size.low
+    return lattice_of(skin, grid, float(smallest))
+
+
+def cell_presses_by_triangles(
+    skin: Skin, plan: Plan, touches: Integer, placed: Footprints, grid: tuple[int, int]
+) -> PressBatch:
+    """As `cell_presses`, by the membrane on triangles."""
+    from ..models.mechanics.lattice_presses import traced
+
+    lattice = lattice_for(skin, plan, grid)
+    each = (
+        applicators_of(skin, plan.press, placed, k, count)
+        for k, count in enumerate(touches.tolist())
+    )
+    return PressBatch.of(traced(skin, lattice, own) for own in each)
+
+
+def applicators_of(
+    skin: Skin, pressing: Pressing, placed: Footprints, press: int, touches: int
+) -> Bodies:
+    """The first so many touches of a press as applicators."""
+    from ..models.mechanics.relaxation_kernel import Bodies
+
+    own = press, slice(touches)
+    x, y, wide, high = placed.x[own], placed.y[own], placed.width[own] / 2, placed.height[own] / 2
+    boxes = np.stack([x - wide, x + wide, y - high, y + high], axis=-1)
+    radius = np.where(placed.disc[own], wide, 0.0)
+    return Bodies.by_depth(boxes, radius, written_strength(skin, pressing, placed.factor[own])[0])
