@@ -35,7 +35,7 @@ class SkinStack(NamedTuple):
         skins = [skin for _, own in nodes for skin in own]
         each = [np.broadcast_to(air.weights, (len(own), len(own[0].s))) for air, own in nodes]
         systems = Skins(*_joined(skin.alone for skin in skins))
-        systems = systems._replace(rtol=precision * systems.rtol)
+        systems = systems._replace(rtol=precision * systems.rtol).rounded()
         by_excitation = zip(*(skin.excited_alone for skin in skins), strict=True)
         excitations = tuple(DenseExcitation(*_joined(own)) for own in by_excitation)
         return cls(systems, excitations, np.concatenate(each), starts)

@@ -11,6 +11,7 @@ from rcskin.simulator.models.parameters import HALF_WAVES, Variation, mode_value
 from rcskin.simulator.models.reduced.cases import Case, pixel_touches
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.reduced.model_file import load
+from rcskin.simulator.models.small_system.lanczos import SINGLE_RTOL
 from rcskin.simulator.models.small_system.system import mass_of, widened
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch
@@ -108,6 +109,22 @@ def test_the_kernel_and_its_readable_twin_agree(families):
     for reduced in families.values():
         given = reduced.skin(None), batch(drawn(reduced.parts, 4)), 1e-13
         np.testing.assert_allclose(swept(*given), swept_readable(*given), rtol=1e-11)
+
+
+@pytest.mark.kernel
+def test_single_precision_is_taken_where_the_tolerance_is_far_above_its_errors(families):
+    rounding, every = SINGLE_RTOL / 3, np.arange(4)
+    for reduced in families.values():
+        own, presses = reduced.skin(None), batch(drawn(reduced.parts, 4))
+        tight, loose = (own.alone._replace(rtol=np.array([rtol])) for rtol in (1e-6, 2e-5))
+        assert tight.rounded() is tight
+        loose = loose.rounded()._replace(rtol=tight.rtol)
+        for feed in own.excited_alone:
+            single, double = (
+                1 / each.admittances(feed, presses, 0 * every, every) for each in (loose, tight)
+            )
+            difference = relative_difference(single, double).max()
+            assert 0 < difference < rounding
 
 
 @pytest.mark.parametrize("touches", [0, 1, 6], ids="{} touched".format)
