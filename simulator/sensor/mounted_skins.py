@@ -71,14 +71,14 @@ class MountedSkins:
 
         batch: one press for all skins, or one for each. frequencies: some of the scene's.
         """
-        skins, presses = self._rows(batch.count)
         one = self._one_to_one
         setup = self._at(interface if one else None, frequencies)
         if self._connected[interface]:
             chosen = [int(self._number[interface])] if one else None
-            Z = self._impedances(batch, skins, presses, chosen, frequencies)
+            Z = self._impedances(batch, chosen, frequencies)
         else:
-            Z = np.full((len(skins), 1, len(setup.frequency)), OPEN, dtype=complex)
+            rows = len(self._rows(batch.count)[0])
+            Z = np.full((rows, 1, len(setup.frequency)), OPEN, dtype=complex)
         found = setup.at_meter(Z)[:, 0 if one else interface]
         if self._gain is not None:
             found = found * self._gain[frequencies]
@@ -93,31 +93,32 @@ class MountedSkins:
         every, first = np.arange(rows), np.zeros(rows, dtype=np.int64)
         return every if self.distinct > 1 else first, every if presses > 1 else first
 
+    @cached_method(2)
+    def _entries(self, presses: int) -> tuple[Integer, Integer, Integer]:
+        """Entries of the stack that are solved, the press of each, and the first of each row."""
+        skins, of_rows = self._rows(presses)
+        entries, first = self._stack.entries(skins)
+        return entries, np.repeat(of_rows, np.diff(first, append=len(entries))), first
+
     def _impedances(
-        self,
-        batch: PressBatch,
-        skins: Integer,
-        presses: Integer,
-        chosen: list[int] | None,
-        frequencies: slice,
+        self, batch: PressBatch, chosen: list[int] | None, frequencies: slice
     ) -> Complex:
         """Z in ohm of chosen excitations, or of all interfaces: (row, interface, frequency)."""
         if gauged(self.family.parts.skin):
-            each = zip(skins.tolist(), presses.tolist(), strict=True)
+            each = zip(*(own.tolist() for own in self._rows(batch.count)), strict=True)
             Z = np.stack([self._skins[skin].sweep(*batch.one(press)) for skin, press in each])
             return Z[:, slice(None) if chosen is None else chosen, frequencies]
-        stack, followed = self._stack, self._skins[0].parts.followed(batch)
+        stack, (entries, presses, first) = self._stack, self._entries(batch.count)
+        followed = self._skins[0].parts.followed(batch)
         batch = PressBatch._make(map(np.ascontiguousarray, followed))
         s = np.ascontiguousarray(stack.systems.s[:, frequencies])
         systems = stack.systems._replace(s=s)
         numbers = range(len(stack.excitations)) if chosen is None else chosen
-        entries, rows = stack.entries(skins)
         Y: list[Complex] = [
-            systems.admittances(stack.excitations[k], batch, entries, presses[rows])
-            for k in numbers
+            systems.admittances(stack.excitations[k], batch, entries, presses) for k in numbers
         ]
-        if len(rows) > len(skins):
-            weights, first = stack.weights[entries][:, frequencies], np.unique(rows, True)[1]
+        if len(entries) > len(first):
+            weights = stack.weights[entries][:, frequencies]
             Y = [np.add.reduceat(weights * own, first) for own in Y]
         if chosen is None:
             Y = [*self._skins[0].combination.admittance(np.stack(Y))]

@@ -41,11 +41,10 @@ class SkinStack(NamedTuple):
         return cls(systems, excitations, np.concatenate(each), starts)
 
     def entries(self, skins: Integer) -> tuple[Integer, Integer]:
-        """Entries of some skins, and the row of each among them."""
+        """Entries of some skins, and the first of each skin among them."""
         counts = np.diff(self.starts)[skins]
-        rows = np.repeat(np.arange(len(skins)), counts)
         first = np.cumsum(counts) - counts
-        return self.starts[skins][rows] + np.arange(len(rows)) - first[rows], rows
+        return np.repeat(self.starts[skins] - first, counts) + np.arange(counts.sum()), first
 
 
 def _joined(each: Iterable[tuple]) -> Iterator[NDArray]:
