@@ -6,15 +6,12 @@ from abc import ABC, abstractmethod
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
-import numpy as np
-
-from ..arrays import Mask, Real
 from ..press.press import Press
 from ..press.touch import Place, place_of
 from ..progress import ProgressCallback, silent
 from ..scene.parts import Skin
 from ..sweeps import InputError
-from .solution import ModelResult, SolutionProgress
+from .solution import SolutionProgress
 from .uniform import equivalent_press
 
 if TYPE_CHECKING:
@@ -138,39 +135,3 @@ class Model(ABC):
         Raises InputError for what this model cannot represent, ToleranceError if it cannot keep the
         tolerance; what it has offered until then remains.
         """
-
-
-class TrainedModel(Model):
-    """A model that is certified between two frequencies. frequency: Hz, ascending."""
-
-    name = "reduced"
-
-    def __init__(self, frequency: Real) -> None:
-        self.frequency = frequency
-
-    @abstractmethod
-    def result(self, press: GivenPress, frequency: Real) -> ModelResult:
-        """Result at frequencies in Hz within those of the model, with its error.
-
-        Raises InputError for touches that it is not trained on.
-        """
-
-    def solve(self, press: GivenPress, progress: SolutionProgress) -> None:
-        """Offers the result at all frequencies for which the model is certified.
-
-        Raises InputError with the frequencies that are left.
-        """
-        requested = progress.frequency
-        within = self._within(requested)
-        if within.any():
-            progress.offer(self.result(press, requested[within]), within)
-        if not within.all():
-            beyond = ", ".join(f"{f:g}" for f in requested[~within])
-            low, high = self.frequency[[0, -1]]
-            raise InputError(
-                f"the model is trained for frequencies from {low:g} to {high:g} Hz, got {beyond}"
-            )
-
-    def _within(self, requested: Real) -> Mask:
-        low, high = self.frequency[[0, -1]]
-        return np.asarray((low <= requested) & (requested <= high))

@@ -164,12 +164,10 @@ def _elements(solver: Solver) -> Model:
     return Elements(solver.skin, solver.setup, solver.rtol)
 
 
-def _trained(solver: Solver) -> tuple[Model, ...]:
-    from .reduced.factor_press_model import FactorPressModel
-    from .reduced.indentation.indentation_press_model import IndentationPressModel
+def _trained(solver: Solver) -> Model:
+    from .reduced.trained_model import TrainedModel
 
-    given = solver.parts, solver.rtol, solver.frequency
-    return IndentationPressModel(*given), FactorPressModel(*given)
+    return TrainedModel(solver.parts, solver.rtol, solver.frequency)
 
 
 REGISTRY: dict[ModelName, Callable[[Solver], tuple[Model, ...]]] = {
@@ -177,6 +175,6 @@ REGISTRY: dict[ModelName, Callable[[Solver], tuple[Model, ...]]] = {
     "line": lambda solver: _uniform(solver)[:1],
     "lumped": lambda solver: _uniform(solver)[1:2],
     "sheet": lambda solver: (_uniform(solver)[2], _elements(solver)),
-    "reduced": lambda solver: (*_trained(solver), _uniform(solver)[2], _elements(solver)),
+    "reduced": lambda solver: (_trained(solver), _uniform(solver)[2], _elements(solver)),
 }
 """Models of each name, the cheapest first."""

@@ -10,11 +10,11 @@ from ....arrays import Mask
 from ....mesh.pixel_coverage import pixel_coverage
 from ....press.parts import parts_of
 from ....press.walls import require_no_walls
+from ....scene.foam.foam_mechanics import REACH_OF_APPLICATORS
 from ....scene.parts import Pressing, Skin
 from ....sweeps import InputError
 from ...heterogeneous.materials import gauged
 from ..cases import Case, Draw
-from .applicators import deepest
 
 
 def spreading(skin: Skin, pressing: Pressing, by_depth: bool | None = None) -> bool:
@@ -52,6 +52,13 @@ def spreads(skin: Skin) -> bool:
     """True if a press by depth or force deflects the foam next to its applicator."""
     mechanics = skin.foam.mechanics
     return mechanics is not None and bool(mechanics.tension)
+
+
+def deepest(skin: Skin) -> float:
+    """Largest depth of a scene's applicators, m."""
+    mechanics, thickness = skin.foam.mechanics, skin.foam.thickness
+    assert mechanics is not None and thickness is not None
+    return REACH_OF_APPLICATORS * mechanics.elastic.greatest_strain * thickness
 
 
 def require_whole_pixels(skin: Skin, pressing: Pressing, what: str) -> None:

@@ -21,8 +21,15 @@ from ...heterogeneous.pressed_system import add_foam
 from ..cases import Case
 from ..families.family import Triangulation
 from ..families.heterogeneous_family import HeterogeneousFamily
-from .applicators import COARSEST, FACTOR_SHARE, PixelApplicators
-from .rise_fields import MIN_RISE, RiseField, field_of, near
+from .applicators import (
+    COARSEST,
+    FACTOR_SHARE,
+    MIN_RISE,
+    PixelApplicators,
+    RiseField,
+    field_of,
+    near,
+)
 
 COUPLED = 0.1
 """Applicators are coupled if one raises c under another by more than this share of the

@@ -25,9 +25,8 @@ from ..reduced_model import Reduced
 from ..reduced_skin import KRYLOV_SHARE, ReducedSkin
 from .applicator_meshes import family_on, finer_families
 from .applicator_tables import FoamPotentials, Tables, tables
-from .applicators import PixelApplicators
+from .applicators import MIN_RISE, PixelApplicators
 from .indentation_family import IndentationFamily
-from .rise_fields import MIN_RISE
 
 TOUCHES_AT_ONCE = 4096
 
