@@ -10,8 +10,7 @@ import typer
 
 from .calibration.command import calibrate
 from .check.command import check, plot
-from .check.import_command import import_sweeps
-from .check.join_command import join
+from .check.import_command import import_sweeps, join
 from .dataset.command import dataset
 from .describe.command import describe
 from .design.command import design

@@ -24,7 +24,7 @@ from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inversion.estimators import chosen
 from rcskin.simulator.chart_style import COLOURS, LINE_STYLES, chart, logarithmic_axis
 from rcskin.simulator.dataset.skin_model import reduced
-from rcskin.simulator.describe.multisine_reader import fitted_resistance
+from rcskin.simulator.describe.facts import fitted_resistance
 from rcskin.simulator.limits import bayes_accuracy, position_bound
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate

@@ -6,6 +6,7 @@ A dialect is a subclass: its identity, settings, commands, errors and times.
 from __future__ import annotations
 
 import asyncio
+import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from copy import deepcopy
@@ -14,14 +15,51 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..meter.meter_reading import VIRTUAL_SERIAL
 from .faults import GARBAGE, ON_ANSWERS, Fault
-from .interpreter import answer
-from .language import SYNTAX_ERROR, CommandError, LanguageError, MeterCommand
+from .language import (
+    SYNTAX_ERROR,
+    UNDEFINED_HEADER,
+    CommandError,
+    ExecutionError,
+    LanguageError,
+    Message,
+    MeterCommand,
+    messages,
+)
 from .measurement import NO_RESULT, MeasurementResult, MeasurementSetup, MeterSettings
 from .virtual_device import VirtualDevice
 
 if TYPE_CHECKING:
     from .clients import Client
     from .measurement import Skin
+
+
+async def answer(meter: Instrument, line: str) -> str:
+    """Answer of the meter to a line; empty if there is none."""
+    answers: list[str] = []
+    if meter.faults.take("forget"):
+        meter.restart()
+    try:
+        for message in messages(line):
+            meter.waiting = bool(answers)
+            answers += await _execute(meter, message)
+    except CommandError as error:
+        meter.refuse(error)
+    return ";".join(answers)
+
+
+async def _execute(meter: Instrument, message: Message) -> list[str]:
+    command, suffixes = meter.command(message.words) or (None, ())
+    act = command and (command.on_query if message.query else command.on_set)
+    if command is None or act is None:
+        raise CommandError(message.words, UNDEFINED_HEADER)
+    command.check_arguments(message)
+    try:
+        said = act(meter, *suffixes, *message.arguments)
+        said = await said if inspect.isawaitable(said) else said
+    except ExecutionError as error:
+        meter.refuse(error)
+        return []
+    return [] if said is None else [meter.answer_text(command, str(said))]
 
 
 @dataclass

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from ...simulator.arrays import Real
 from ..inputs.samples import LocalizationProblem
 from ..inputs.targets import CLASSES, TARGETS
-from ..parts.predictor import Predictor
+from ..parts.parts import KernelSum
+from ..parts.predictor import Chain, Predictor
 from . import gaussians
 from .classifiers import (
     KERNEL_WIDTH,
@@ -19,11 +20,35 @@ from .classifiers import (
     components_svm,
     curve_and_absolute,
     gaussian,
+    leading_components,
+    on_one_scale,
     reference,
+    standardized,
 )
 from .drift import with_drift
 from .networks import SHORT_STAGES, STAGES, network
-from .regressors import kernel_ridge
+
+WIDTH = 0.3
+"""gamma of the kernel exp(-gamma |x - x'|²) of components that vary by 1 in sum."""
+
+
+def kernel_ridge(
+    problem: LocalizationProblem, X: Real, y: Real, alpha: float = 1e-4, gamma: float = WIDTH
+) -> Chain:
+    """Kernel ridge regression of standardised positions on components.
+
+    X: shape (n, feature). y: x, y [mm] and strength, (n, 3). alpha: penalty.
+    """
+    from sklearn.kernel_ridge import KernelRidge
+
+    first, X = on_one_scale(problem, X)
+    components, target = leading_components(X), standardized(y)
+    Z = components(X)
+    ridge: Any = KernelRidge(kernel="rbf", gamma=gamma).set_params(alpha=alpha)
+    weights = ridge.fit(Z, target(y)).dual_coef_
+    regress = KernelSum(Z, gamma, weights, target.centre * 0)
+    return Chain((*first, components, regress, target.back))
+
 
 Grid = Mapping[str, Sequence[Any]]
 Fit = Callable[..., Predictor]

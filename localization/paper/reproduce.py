@@ -24,8 +24,8 @@ from ..model.localizer_file import save
 from ..model.training import train
 from . import figures
 from .claims import Claim, all_claims
+from .figures import write_report
 from .paper_quantities import open_line_frequencies, paper_frequencies
-from .report import write_report
 from .studies import (
     EXPERIMENTS,
     SHEETS,

@@ -1,29 +1,56 @@
 """Endless stream of fresh sweeps of random skins and presses, for PyTorch's `DataLoader`."""
-# pyright: reportMissingImports=false
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
 import torch
+from numpy.typing import NDArray
 from torch import Tensor
 from torch.utils.data import IterableDataset, get_worker_info
 
+from ...simulator.arrays import Integer
 from ...simulator.dataset.dataset_plan import DatasetPlan
 from ...simulator.dataset.memory_dataset import sweeps_of_sessions
 from ...simulator.dataset.skin_model import reduced
 from ...simulator.measure.skins import ORDER, stream
+from ...simulator.measure.sweep_touches import MAX_TOUCHES
+from ...simulator.mesh.pixel_coverage import pixel_coverage
 from ...simulator.models.mechanics.force_depths import pressed_by_factors
+from ...simulator.scene.parts import Skin
 from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import load_scene
 from ...simulator.sweeps import InputError
 from ..inputs.samples import Samples, samples_of
-from .class_names import class_names, class_numbers
+from ..inputs.targets import CLASSES
 
 if TYPE_CHECKING:
     from ...simulator.dataset.skin_model import SkinFamily
+
+
+def class_names(skin: Skin, target: str) -> tuple[str, ...]:
+    """Class of each output of a network, see `labels`; none for positions. Nothing is first."""
+    if target not in CLASSES:
+        return ()
+    row, column = np.divmod(pixel_coverage(skin).numbers, skin.pixels.columns)
+    if target in ("row", "column"):
+        return ("0", *map(str, np.unique(row if target == "row" else column) + 1))
+    if target == "touches":
+        return tuple(map(str, range(MAX_TOUCHES + 1)))
+    pixels = [f"{i},{j}" for i, j in zip((row + 1).tolist(), (column + 1).tolist(), strict=True)]
+    pairs = itertools.combinations(pixels, 2) if target == "pair" else ()
+    return ("0,0", *pixels, *("+".join(pair) for pair in pairs))
+
+
+def class_numbers(names: tuple[str, ...], labels: NDArray) -> Integer:
+    """Number of the class of each label, shape (sweep,)."""
+    number = {name: k for k, name in enumerate(names)}
+    return np.array([number[str(label)] for label in labels], dtype=np.int64)
+
 
 MIXED = 8
 """Number of sessions whose sweeps are mixed with each other."""

@@ -7,11 +7,15 @@ sweep that no press can cause, such as a failed reading, leads out of the princi
 
 from __future__ import annotations
 
+import warnings
+from contextlib import redirect_stderr
 from dataclasses import dataclass, replace
-from functools import reduce
+from functools import cache, reduce
+from io import StringIO
 from typing import Annotated, Any
 
 import numpy as np
+from joblib import cpu_count
 from numpy.typing import ArrayLike, NDArray
 
 from ...simulator.arrays import Mask, Real
@@ -21,6 +25,19 @@ from ..parts.parts import Components
 from ..parts.plain import Plain, Sizes, require
 from .answers import NOTHING_PRESSED
 from .folds import Splits, by_session
+
+
+@cache
+def physical_cpu_count() -> int:
+    """Number of physical cores, or of logical ones if the physical number is unknown.
+
+    joblib prints a warning and a traceback if it is the first to find that `lscpu` is missing, and
+    caches the number. scikit-learn then uses the cached number.
+    """
+    with warnings.catch_warnings(), redirect_stderr(StringIO()):
+        warnings.simplefilter("ignore", UserWarning)
+        return cpu_count(only_physical_cores=True)
+
 
 COMPONENTS = 6
 """Number of principal components that describe a press; further ones hold noise alone."""
@@ -189,8 +206,6 @@ def _whitenings(aside: Real, index: NDArray[np.intp], names: NDArray[np.str_]) -
 def _places(positions: Real) -> NDArray[np.intp]:
     """Cluster number of each touch, by its place. positions: shape (n, >= 2)."""
     from sklearn.cluster import KMeans
-
-    from ..processor_count import physical_cpu_count
 
     physical_cpu_count()
     count = int(np.clip(len(positions) // SWEEPS_OF_PLACE, 1, MAX_CLUSTERS))

@@ -9,25 +9,105 @@ from typing import NamedTuple
 import numpy as np
 from pydantic import BaseModel
 
+from ..arrays import Complex, Real
 from ..measure.symmetry import describe_repeated
 from ..meters.accuracy_table import VIRTUAL_MODEL, outside_band
 from ..models.line import cut_off_frequency
+from ..models.solver import Solver
 from ..press.pixels import pixels_with_skin
+from ..press.press import Press
 from ..scene.extent import surface
 from ..scene.maps.factor_maps import AnyMap
 from ..scene.maps.tear import Tear
-from ..scene.parts import Pressing, SceneParts, Setup, Skin
+from ..scene.multisine import Multisine, crest_factor, multisine_deviation, output_peak
+from ..scene.parts import Meter, Pressing, SceneParts, Setup, Skin
 from ..scene.planar import Circle
 from ..scene.readings.contacts import Contact, Interface
+from ..scene.readout.meter import Readout
 from ..scene.scene import Scene
 from ..scene.skin import EARTH, Sheet, SheetsAndFoam
 from ..sweeps.errors import InputError
 from ..sweeps.units import prefixed
 from .distinct_pixels import indistinguishable_pixels
-from .gain_reader import describe_gains
-from .meter_noise import noise_in_words, unused_by_tables
-from .multisine_reader import describe_multisine
+from .gain_reader import describe_converter, describe_gains
 from .secondary_effects import secondary_effects
+
+
+def noise_in_words(setup: Setup, meter: Meter) -> str:
+    """Noise of each reading, and the errors that are fixed for a session."""
+    readout = meter.readout
+    if readout.exact and setup.gain:
+        return "none: readings are exact; [readout.converter] gives them noise in volts or bits"
+    if readout.exact:
+        return 'none: readings are exact; readout = "IM3523" gives them the noise of that meter'
+    added = "" if readout.multisine is None else "in addition to that of the multisine, "
+    if readout.converter is not None:
+        added = f"{describe_converter(readout.converter)}; in addition to it "
+    size = "|V / V_s|" if setup.gain else "|Z|"
+    sheet = readout.data_sheet
+    fixed = (
+        f"{100 * readout.magnitude_accuracy:.3g} % and "
+        f"{math.degrees(readout.phase_accuracy):.3g} degrees fixed for a session"
+        if sheet is None
+        else f"the accuracy of {sheet.accuracy.name} over root 3, fixed for a session"
+    )
+    if readout.spread is not None:
+        return f"{added}measured spreads by |Z| and frequency in each reading, {fixed}"
+    if sheet is not None:
+        return f"{added}{sheet.noise:g} times the fixed error in each reading, {fixed}"
+    return (
+        f"{added}{100 * readout.magnitude_noise:.3g} % of {size} and "
+        f"{math.degrees(readout.phase_noise):.3g} degrees in each reading, {fixed}"
+    )
+
+
+def unused_by_tables(readout: Readout) -> tuple[str, ...]:
+    """Keys of the four numbers that tables of the readout replace."""
+    noise = "readout.magnitude_noise", "readout.phase_noise"
+    accuracy = "readout.magnitude_accuracy", "readout.phase_accuracy"
+    if readout.data_sheet is not None:
+        return (*accuracy, *noise)
+    return noise if readout.spread is not None else ()
+
+
+FILLED = 0.7
+"""Peak of the output for the unpressed skin over the ADC's range; presses raise the current."""
+STEPS = 20
+"""Repetitions of the fit of the resistance, which has converged long before."""
+MAX_RESISTANCE = 1e9
+"""Largest feedback resistance, ohm; beyond it a feedback capacitance has all the current."""
+
+
+def fitted_resistance(reader: Multisine, Z: Complex, frequency: Real) -> float:
+    """Feedback resistance whose output peaks at FILLED of the ADC's range, ohm, three digits.
+
+    Z: reading of the unpressed skin, ohm, shape (interface, frequency). frequency: Hz.
+    """
+    for _ in range(STEPS):
+        peak = float(output_peak(reader, Z, frequency).max())
+        R = reader.feedback_resistance * FILLED * reader.full_scale / peak
+        R = min(max(R, 1.0), MAX_RESISTANCE)
+        reader = reader.model_copy(update={"feedback_resistance": R})
+    return float(f"{reader.feedback_resistance:.3g}")
+
+
+def describe_multisine(parts: SceneParts, reader: Multisine) -> str:
+    """Time of a sweep, peaks and noise of a reader in words."""
+    frequency, Z = parts.setup.frequency, Solver(parts).solve(Press()).Z
+    peak = float(output_peak(reader, Z, frequency).max()) / reader.full_scale
+    read = (
+        f"{len(frequency)} tones in {reader.frames} frame{'s' * (reader.frames > 1)} of "
+        f"{prefixed(reader.frame, 's')}, at multiples of {prefixed(reader.grid, 'Hz')}; crest "
+        f"factor {crest_factor(reader, frequency):.3g}; unpressed, the amplifier's output peaks at "
+        f"{100 * peak:.3g} % of the converter's range; feedback_resistance = "
+        f"{fitted_resistance(reader, Z, frequency):g} fills {100 * FILLED:g} % of it"
+    )
+    if peak > 1:
+        return f"{read}: too high now, lower readout.multisine.feedback_resistance"
+    noise = multisine_deviation(reader, Z, frequency)
+    low, high = np.min(noise), np.max(noise)
+    return f"{read}, and noise is from {100 * low:.2g} to {100 * high:.2g} % of |Z|"
+
 
 LINES = 64
 """Number of points along each side of the skin at which maps are averaged."""

@@ -2,20 +2,191 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator
+from contextlib import suppress
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import Real
 from ..chart_style import ENDINGS as STILLS
 from ..progress import ProgressCallback, silent, tracked
-from ..sweeps import InputError, require_packages
+from ..sweeps import InputError, OutputError, require_packages, whole_file
 from .displayed_quantity import at_frequencies, over_one_period
+from .painting import PALER, ROLE_COLOURS, Image, under_grid
 from .quantities import ViewedQuantity, chosen
 
 if TYPE_CHECKING:
+    from pyvista import UnstructuredGrid
+
+    from ..models.solution_fields import SolutionFields
     from .figure import Panel
     from .scenery import ViewedPress
+    from .skin_surface import SkinSurface
+
+FPS = 8
+GREYS = 24
+
+
+def write_movie(path: Path, frames: Iterable[Image], colour_maps: Collection[str]) -> None:
+    """Writes frames (height, width, 3) as a GIF that loops or as an MP4.
+
+    All frames have one size. colour_maps: names of the maps that a GIF, which has 256 colours, must
+    reproduce.
+    """
+    with whole_file(path) as unfinished:
+        if path.suffix == ".gif":
+            _write_gif(unfinished, frames, _palette(colour_maps))
+        else:
+            _write_mp4(unfinished, frames)
+
+
+def _palette(colour_maps: Collection[str]) -> NDArray[np.uint8]:
+    """256 colours, (256, 3): the maps, greys, and those of foils.
+
+    Foils have paler ones too, for smooth edges. Half of the maps' colours are as the lines between
+    pixels make them.
+    """
+    from matplotlib import colormaps
+    from matplotlib.colors import to_rgb
+
+    foils = np.array([to_rgb(colour) for colour in ROLE_COLOURS.values()])
+    paler = [1 - share * (1 - foils) for share in PALER]
+    fixed = np.vstack([np.repeat(np.linspace(0, 1, GREYS)[:, None], 3, axis=1), *paler])
+    each = (256 - len(fixed)) // (2 * len(colour_maps))
+    maps = [colormaps[name](np.linspace(0, 1, each))[:, :3] for name in sorted(colour_maps)]
+    colours = np.vstack([fixed, *maps, *(under_grid(colours) for colours in maps)])
+    filled = np.vstack([colours, np.repeat(colours[-1:], 256 - len(colours), axis=0)])
+    return np.round(255 * filled).astype(np.uint8)
+
+
+def _write_gif(path: Path, frames: Iterable[Image], colours: NDArray[np.uint8]) -> None:
+    import PIL.Image
+
+    palette = PIL.Image.new("P", (1, 1))
+    palette.putpalette(colours.tobytes())
+    first, *others = (
+        PIL.Image.fromarray(frame).quantize(palette=palette, dither=PIL.Image.Dither.NONE)
+        for frame in frames
+    )
+    first.save(path, save_all=True, append_images=others, duration=1000 // FPS, loop=0)
+
+
+def _write_mp4(path: Path, frames: Iterable[Image]) -> None:
+    from imageio_ffmpeg import write_frames
+
+    frames = iter(frames)
+    first, count = next(frames), 1
+    height, width, _ = first.shape
+    writer = write_frames(
+        str(path), (width, height), fps=FPS, quality=8, macro_block_size=2, output_params=["-an"]
+    )
+    writer.send(None)
+    try:
+        writer.send(first)
+        for frame in frames:
+            writer.send(frame)
+            count += 1
+    finally:
+        writer.close()
+    _check_movie(path, count)
+
+
+def _check_movie(path: Path, count: int) -> None:
+    """Raises OutputError if ffmpeg could not write all frames; it does not say so."""
+    from imageio_ffmpeg import count_frames_and_secs
+
+    with suppress(RuntimeError):
+        if count_frames_and_secs(path)[0] == count:
+            return
+    raise OutputError("the movie could not be written whole; is the disk full?")
+
+
+SHEETS = ("top", "bottom")
+CELLS = {3: "triangle", 4: "quad"}
+
+
+def write_dataset(
+    path: Path, fields: SolutionFields, skin: SkinSurface, about: dict[str, str]
+) -> None:
+    """Writes .vtu or .xdmf, whole or not at all. about: texts kept in a VTU by name."""
+    with whole_file(path) as unfinished:
+        if path.suffix == ".vtu":
+            _write_vtu(unfinished, fields, skin, about)
+        else:
+            _write_xdmf(unfinished, fields, skin)
+
+
+def constant_fields(fields: SolutionFields) -> Iterator[tuple[str, Real]]:
+    """Fields that are the same at all frequencies: name with unit, values by point."""
+    yield "capacitance_F_per_m2", fields.capacitance
+    yield "capacitance_factor", fields.factor
+    yield "deflection_m", fields.deflection
+    yield "flat_position_m", _in_space(fields.x)
+
+
+def fields_at(fields: SolutionFields, at: int) -> Iterator[tuple[str, Real]]:
+    """Fields at a frequency by number: name with unit, values by point."""
+    for number, sheet in enumerate(SHEETS):
+        V, J = fields.potential[number, at], fields.current[number, at]
+        for part, take in (("re", np.real), ("im", np.imag)):
+            yield f"potential_{sheet}_{part}_V", take(V)
+            yield f"current_{sheet}_{part}_A_per_m", _in_space(take(J))
+    V = fields.potential[0, at] - fields.potential[1, at]
+    yield "potential_difference_V", np.abs(V)
+    yield "potential_phase_deg", np.degrees(np.angle(V))
+    yield "power_W_per_m2", fields.power[at]
+    yield "sensitivity_ln_Rs_per_m2", fields.by_rise_Rs[at]
+    yield "sensitivity_ln_Cp_per_m2", fields.by_rise_Cp[at]
+
+
+def _in_space(vectors: Real) -> Real:
+    """Flat vectors (2, point) as rows of three."""
+    return np.vstack([vectors, np.zeros_like(vectors[:1])]).T
+
+
+def _write_vtu(
+    path: Path, fields: SolutionFields, skin: SkinSurface, about: dict[str, str]
+) -> None:
+    grid = skin.mesh.cast_to_unstructured_grid()
+    for name, values in constant_fields(fields):
+        grid.point_data[name] = values
+    for at, frequency in enumerate(fields.frequency):
+        for name, values in fields_at(fields, at):
+            grid.point_data[f"{name}@{frequency:.9g}Hz"] = values
+    grid.field_data["frequency_Hz"] = fields.frequency
+    grid.field_data["Z_re_ohm"], grid.field_data["Z_im_ohm"] = fields.Z.real, fields.Z.imag
+    for name, text in about.items():
+        grid.field_data[name] = [
+            text.encode("ascii", "backslashreplace").decode()
+        ]  # VTK accepts ASCII only
+    path.write_text(_xml(grid), encoding="ascii")
+
+
+def _xml(grid: UnstructuredGrid) -> str:
+    """Text that VTK would write itself; there a full disk would end the process."""
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
+
+    writer = vtkXMLUnstructuredGridWriter()
+    writer.SetInputData(grid)
+    writer.SetDataModeToBinary()
+    writer.WriteToOutputStringOn()
+    writer.Write()
+    return writer.GetOutputString()
+
+
+def _write_xdmf(path: Path, fields: SolutionFields, skin: SkinSurface) -> None:
+    from meshio.xdmf import TimeSeriesWriter
+
+    with TimeSeriesWriter(path, data_format="XML") as writer:
+        writer.write_points_cells(skin.points.T, [(CELLS[len(skin.cells)], skin.cells.T)])
+        for at, frequency in enumerate(fields.frequency):
+            data = {**dict(constant_fields(fields)), **dict(fields_at(fields, at))}
+            writer.write_data(float(frequency), point_data=data)
+
 
 MOVIES = (".gif", ".mp4")
 PICTURES = (*STILLS, *MOVIES)
@@ -138,8 +309,6 @@ def _write_frames(
     report: Callable[[str], None],
 ) -> None:
     from .figure import rendered
-    from .movie import write_movie
-    from .painting import Image
 
     def images() -> Iterator[Image]:
         start = monotonic()
@@ -154,7 +323,6 @@ def _write_frames(
 
 
 def _write_data(path: Path, stage: ViewedPress, what: str) -> None:
-    from .paraview import write_dataset
 
     about = {
         "scene": stage.parts.text,

@@ -20,7 +20,7 @@ from PIL import Image
 from rcskin.hardware.reader.line_format import read_line_format
 from rcskin.hardware.record.press_order import read_order
 from rcskin.hardware.switch.switch_table import read_switch
-from rcskin.hardware.virtual.press_routines import read_script
+from rcskin.hardware.virtual.serving import read_script
 from rcskin.localization.inputs.sweep_files import read_first
 from rcskin.localization.model import localizer_file
 from rcskin.localization.study.axis import scene_table

@@ -12,7 +12,7 @@ import pytest
 from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.hioki.im3523 import VirtualHioki
-from rcskin.hardware.virtual.interpreter import answer
+from rcskin.hardware.virtual.instrument import answer
 from rcskin.hardware.virtual.measurement import MeasurementSetup
 from rcskin.hardware.virtual.meter_server import run_in_thread
 from rcskin.hardware.virtual.recorded_skin import exact_readout

@@ -6,7 +6,7 @@ import sys
 
 NEIGHBOURS = """
 import numpy as np
-from rcskin.localization.processor_count import physical_cpu_count
+from rcskin.localization.trust.kinds import physical_cpu_count
 from sklearn.neighbors import KNeighborsRegressor
 
 X = np.random.default_rng(0).standard_normal((300, 3))

@@ -10,8 +10,8 @@ import xarray as xr
 from rcskin.hardware.meter.hioki import CP_RS_X, STATUS_AND_VALUES
 from rcskin.hardware.meter.meter_reading import MeterReading, parse_reading
 from rcskin.hardware.record.press_order import parse_step
+from rcskin.hardware.virtual.hioki.im3523 import measurement_text
 from rcskin.hardware.virtual.hioki.meter_state import Settings
-from rcskin.hardware.virtual.hioki.reading_text import measurement_text
 from rcskin.hardware.virtual.measurement import MeasurementSetup
 from rcskin.simulator.measure.specimen import MeterSessionErrors, Specimen
 from rcskin.simulator.meters.accuracy_table import read_table

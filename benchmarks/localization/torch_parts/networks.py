@@ -15,8 +15,7 @@ from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inputs.sweep_files import read_first
 from rcskin.localization.learners.classifiers import leading_components
 from rcskin.localization.learners.networks import COMPONENTS, HIDDEN
-from rcskin.localization.streaming.class_names import class_numbers
-from rcskin.localization.streaming.sweep_stream import SweepStream
+from rcskin.localization.streaming.sweep_stream import SweepStream, class_numbers
 from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.generation import generate
 from torch import Tensor, nn

@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...arrays import Real
-from ...models.parameters import COSINE_MODES, FACTORS, VALUES, own_values
+from ...models.parameters import COSINE_MODES, FACTORS, VALUES, effects_of, own_values
 from ...progress import ProgressCallback, silent, tracked
 from ...scene.parts import Setup, Skin
+from ...surroundings.rim import rim_densities
 from ..fitting.fit import Fit
 from ..likelihood.distributions import Distributions
 from ..likelihood.profile_distribution import CONFIDENCE, cut_normal
 from .identifiability import Information
-from .physical_quantities import products
 from .sheet_intervals import (
     COMMON,
     MISMATCH,
@@ -30,6 +30,41 @@ from .sheet_intervals import (
     sheets,
     slopes_of,
 )
+
+
+def products(skin: Skin, setup: Setup, values: Mapping[str, float]) -> Iterator[Product]:
+    """All such quantities of a scene. values: of all parameters."""
+    yield from sheets(skin, setup, values)
+    c, factor = skin.foam.unpressed_capacitance_per_area, math.exp(values["capacitance"])
+    yield Product("foam capacitance", "F/m²", c, factor * c, {"capacitance": 1.0})
+    film = math.exp(values["contact_resistance"])
+    for contact in skin.contacts:
+        if not contact.ideal:
+            name, resistance = f"contact {contact.name}", contact.resistance
+            slopes = {"contact_resistance": 1.0}
+            yield Product(name, "ohm m", resistance, resistance * film, slopes)
+    yield from _of_surroundings(skin, values)
+
+
+def _of_surroundings(skin: Skin, values: Mapping[str, float]) -> Iterator[Product]:
+    """Distances or capacitances of bodies, and capacitances of the rim."""
+    around, own = skin.around, effects_of(skin)
+    if around is None:
+        return
+    for body in around.body if "body" in own else ():
+        name, factor = f"body, {body.side}", math.exp(values["body"])
+        if body.distance is None:
+            c = body.per_area
+            yield Product(name, "F/m²", c, c * factor, {"body": 1.0})
+        else:
+            yield Product(name, "m", body.distance, body.distance / factor, {"body": -1.0})
+    if "rim" in own:
+        factor = math.exp(values["rim"])
+        rim = rim_densities(skin)
+        for part in ("mutual", "top", "bottom"):
+            if value := getattr(rim, part):
+                yield Product(f"rim, {part}", "F/m", value, value * factor, {"rim": 1.0})
+
 
 UNITS = {name: "" if unit.startswith("(") else unit for name, unit in VALUES.items()}
 UNITS |= dict.fromkeys(COSINE_MODES, "")

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.hardware.virtual.faults import Fault
-from rcskin.hardware.virtual.interpreter import answer
+from rcskin.hardware.virtual.instrument import answer
 from rcskin.hardware.virtual.keysight.e4980a import VirtualE4980A
 from rcskin.hardware.virtual.keysight.e4990a import VirtualE4990A
 from rcskin.hardware.virtual.keysight.keysight_instrument import KeysightInstrument

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.hioki.im3523 import VirtualHioki
-from rcskin.hardware.virtual.interpreter import answer
+from rcskin.hardware.virtual.instrument import answer
 from rcskin.hardware.virtual.measurement import MeasurementSetup
-from rcskin.hardware.virtual.press_routines import press_by_script
 from rcskin.hardware.virtual.recorded_skin import exact_readout
+from rcskin.hardware.virtual.serving import press_by_script
 from rcskin.simulator.measure.specimen import Specimen
 from rcskin.simulator.meters.accuracy_table import read_table
 from rcskin.simulator.models.solver import Solver

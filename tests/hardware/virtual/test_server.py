@@ -13,7 +13,7 @@ from rcskin.hardware.meter.errors import PressError
 from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.virtual.clients import MAX_CLIENTS, MAX_LINE, LineReader
 from rcskin.hardware.virtual.meter_server import run_in_thread
-from rcskin.hardware.virtual.press_routines import press_at_random, press_by_script, read_script
+from rcskin.hardware.virtual.serving import press_at_random, press_by_script, read_script
 from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
 from rcskin.simulator.sweeps import InputError
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.gap.discrepancy import (
+from rcskin.localization.gap.gap_findings import (
     MAX_SAMPLE,
     discrepancy,
     energy_distance,

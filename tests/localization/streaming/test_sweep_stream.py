@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import rcskin
 from rcskin.localization.inputs.samples import samples_of
-from rcskin.localization.streaming.class_names import class_names
+from rcskin.localization.streaming.sweep_stream import class_names
 from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.memory_dataset import in_memory
 from rcskin.simulator.sweeps import InputError

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.calibration.fitting.fit_options import Options
 from rcskin.simulator.calibration.fitting.prior import Prior
-from rcskin.simulator.calibration.likelihood.profile import Profile, ProfiledQuantity
+from rcskin.simulator.calibration.likelihood.distributions import Profile, ProfiledQuantity
 from rcskin.simulator.calibration.likelihood.profile_distribution import (
     NORMAL,
     ProfileDistribution,

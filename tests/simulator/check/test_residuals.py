@@ -4,7 +4,7 @@ from contextlib import contextmanager
 
 import numpy as np
 import pytest
-from rcskin.simulator.check.residuals import draw_residuals
+from rcskin.simulator.check.report import draw_residuals
 from rcskin.simulator.sweeps.laws.examination import KRAMERS_KRONIG, examine
 
 FREQUENCY = np.geomspace(1e3, 2e5, 20)
@@ -36,7 +36,7 @@ def test_the_chart_is_a_whole_PNG(judge, tmp_path):
 def figures(monkeypatch, tmp_path, replacing):
     """A function that draws the chart of judgements and gives the figure."""
     from rcskin.simulator import chart_style
-    from rcskin.simulator.check import residuals
+    from rcskin.simulator.check import report as residuals
 
     @contextmanager
     def kept(*size):

@@ -1,11 +1,7 @@
 """What `describe` says of readers of gains, and of multisine readers."""
 
 import pytest
-from rcskin.simulator.describe.multisine_reader import (
-    FILLED,
-    describe_multisine,
-    fitted_resistance,
-)
+from rcskin.simulator.describe.facts import FILLED, describe_multisine, fitted_resistance
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.multisine import output_peak

@@ -2,8 +2,7 @@
 
 import pytest
 from rcskin.simulator.design.evaluator import SceneEvaluator, SearchSettings
-from rcskin.simulator.design.geometry import geometries, graded, moved
-from rcskin.simulator.design.reading_pool import terminals
+from rcskin.simulator.design.reading_pool import geometries, graded, moved, terminals
 from rcskin.simulator.design.search import search
 from rcskin.simulator.design.search_journal import SearchJournal
 from rcskin.simulator.design.skin_readout import material_of

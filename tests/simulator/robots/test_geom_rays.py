@@ -3,7 +3,7 @@
 import mujoco
 import numpy as np
 import pytest
-from rcskin.simulator.robots.geom_rays import entry
+from rcskin.simulator.robots.tactile_image import entry
 
 SIZES = {
     "sphere": [0.02, 0, 0],

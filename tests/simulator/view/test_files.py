@@ -8,8 +8,7 @@ from PIL import Image, ImageSequence
 from rcskin.simulator.scene.scene_files import parse_scene
 from rcskin.simulator.sweeps import InputError
 from rcskin.simulator.view import outputs
-from rcskin.simulator.view.movie import write_movie
-from rcskin.simulator.view.outputs import write_output
+from rcskin.simulator.view.outputs import write_movie, write_output
 
 
 @pytest.fixture

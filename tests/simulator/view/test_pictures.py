@@ -230,7 +230,7 @@ def test_movies_get_pictures_of_even_sides(fields, stage):
 def test_movies_keep_the_lines_between_pixels():
     """Those are half transparent: a palette without what they make of the colours breaks them."""
     from matplotlib import colormaps
-    from rcskin.simulator.view.movie import _palette
+    from rcskin.simulator.view.outputs import _palette
     from rcskin.simulator.view.painting import under_grid
 
     palette = _palette(["viridis"]).astype(float)
