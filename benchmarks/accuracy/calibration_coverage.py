@@ -31,7 +31,7 @@ from rcskin.simulator.calibration.results.sheet_intervals import sheets
 from rcskin.simulator.calibration.run import Calibration, calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
-from rcskin.simulator.models.parameters import FACTORS, VALUES, own_values, parts_with
+from rcskin.simulator.models.parameters import FACTORS, TABLE, own_values, parts_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.readout.meter import FrequencyGrid
@@ -152,7 +152,7 @@ def _drawn_twin(
 ) -> dict[str, float]:
     """All parameters: factors first, as the priors of leads are set by what the skin reads."""
     truth = own_values(scene.parts.skin, scene.parts.setup)
-    for names in (FACTORS, VALUES):
+    for names in (FACTORS, [name for name in TABLE if name not in FACTORS]):
         sweeps = _read(replace(case, read=_read_out), scene, truth, np.random.default_rng(0))
         known = priors(measurements_of(scene.parts, sweeps), kind)
         truth |= {name: _drawn(known[name], random) for name in names if name in known}

@@ -11,9 +11,8 @@ import numpy as np
 import torch
 from torch import Tensor, nn
 
-from ..models.cosine_modes import MAX_AMPLITUDE
 from ..models.heterogeneous.materials import gauged
-from ..models.parameters import SHEET_MODES
+from ..models.parameters import SHEET_MODES, TABLE
 from ..models.reduced.cases import strongest_finger
 from ..models.reduced.forward import Forward
 from ..models.reduced.forward_training import PIXEL_FACTORS, REACH
@@ -230,7 +229,7 @@ class SkinModule(nn.Module):
     def _check_reach(self, values: Mapping[str, Tensor], frequency: Tensor) -> None:
         """Raises InputError beyond the training: of resistances, or of f times both R and c."""
         for name, tensor in values.items():
-            largest = MAX_AMPLITUDE if name in SHEET_MODES else math.inf
+            largest = TABLE[name].high if name in SHEET_MODES else math.inf
             _check_range(f"`{name}`", tensor, -largest, largest)
         band = self.reduced.frequency
         scale = torch.exp(values["sheet_resistance"] + values["capacitance"].mean(1, keepdim=True))

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Complex, Integer, Real
 from ..measure.readout import errors_of, observed, observed_slope, reading_from
-from ..models.parameters import HALF_WAVES, VALUES, mode_values, own_values
+from ..models.parameters import HALF_WAVES, TABLE, mode_values, own_values
 from ..models.reduced.families.family_meshes import family_on
 from ..models.reduced.forward import Forward
 from ..models.session_spreads import session_spreads
@@ -182,7 +182,7 @@ def _moved(
     moved = dict(mean)
     for (name, deviation), turns in zip(deviations.items(), by, strict=False):
         value = mean[name] + deviation * float(turns)
-        moved[name] = max(value, 0.0) if name in VALUES else value
+        moved[name] = min(max(value, TABLE[name].low), TABLE[name].high)
     return moved
 
 

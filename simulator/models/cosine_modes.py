@@ -18,14 +18,13 @@ from .parameters import (
     BOTTOM_MODES,
     FOAM_MODES,
     HALF_WAVES,
+    MAX_AMPLITUDE,
     SHEET_MODES,
     TOP_MODES,
     Variation,
     mode_values,
 )
 
-MAX_AMPLITUDE = 0.3
-"""Largest amplitude over the mean: three of that size leave the value above zero."""
 NODES, POINTS = 9, 257
 """Nodes of a map of the modes along each side (error at most 1 % of an amplitude, none in the
 mean), and points along each side at which it is fitted."""

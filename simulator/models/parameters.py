@@ -17,7 +17,7 @@ from ..scene.foam.foam import VACUUM_PERMITTIVITY, Foam
 from ..scene.foam.foam_in_time import IN_TIME
 from ..scene.frequency import Loss
 from ..scene.parts import Pressing, SceneParts, Setup, Skin
-from ..scene.ranges import Finger
+from ..scene.ranges import MAX_INDUCTANCE, Finger
 from ..scene.readings.readers import Load, Source, own_source
 from ..scene.readout.meter import Leads
 from ..scene.surroundings import Body, Rim, Surroundings
@@ -27,10 +27,83 @@ from ..sweeps import InputError
 if TYPE_CHECKING:
     from ..scene.readings.contacts import Interface
 
+MAX_AMPLITUDE = 0.3
+"""Largest amplitude of a cosine mode: three of them together stay below the mean."""
+MIN_EXPONENT = 0.5 + 1e-6
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A number that readings of a skin depend on.
+
+    meaning: for messages. unit: empty for pure numbers. low, high: physical limits. factor: True
+    for the logarithm of a factor on the scene's own value, else it is the value itself. every: True
+    for a parameter of every scene.
+    """
+
+    meaning: str
+    unit: str = ""
+    low: float = -math.inf
+    high: float = math.inf
+    factor: bool = False
+    every: bool = False
+
+
+def _factor(meaning: str, every: bool = True) -> Parameter:
+    return Parameter(meaning, factor=True, every=every)
+
+
+def _value(meaning: str, unit: str = "", every: bool = True, low: float = 0.0) -> Parameter:
+    return Parameter(meaning, unit, low, every=every)
+
+
+def _amplitude(what: str, along: str) -> Parameter:
+    return Parameter(f"half wave of {what} along {along}", "", -MAX_AMPLITUDE, MAX_AMPLITUDE)
+
+
+ALONG = {"x": "x", "y": "y", "xy": "both sides"}
+"""Names of HALF_WAVES but the first, and the sides that they run along."""
+
+TABLE = {
+    "sheet_resistance": _factor("both sheets' resistance"),
+    "sheet_mismatch": _factor("the top sheet's resistance over the bottom's"),
+    "capacitance": _factor("capacitance of all the foam"),
+    "contact_resistance": _factor("resistance of all contacts"),
+    "loss_tangent": _value("loss tangent of the foam"),
+    "phase_exponent": replace(_value("1 for an ideal capacitance", low=MIN_EXPONENT), high=1.0),
+    "lead_resistance": _value("resistance of both leads", "ohm"),
+    "lead_inductance": replace(_value("inductance of both leads", "H"), high=MAX_INDUCTANCE),
+    "stray_capacitance": _value("capacitance between the leads", "F"),
+    "body": _factor("capacitance of all bodies near the skin", every=False),
+    "rim": _factor("capacitance along the outline", every=False),
+    "finger": _value("capacitance of every touch to earth", "F", every=False),
+    "leak": _value("conductance of the foam over its capacitance", "1/s", every=False),
+    "exponent_slope": _value("change of the phase exponent per decade", every=False),
+    "source_scale": _value("amplitude of all sources, relative", every=False),
+    "series_resistance": _value("resistance of the source", "ohm", every=False),
+    "load_capacitance": _value("capacitance of the input", "F", every=False),
+    "load_conductance": _value("conductance of the input", "S", every=False),
+    **{f"foam_{side}": _amplitude("the foam's capacitance", ALONG[side]) for side in ALONG},
+    **{f"top_{side}": _amplitude("the top sheet's conductance", ALONG[side]) for side in ALONG},
+    **{f"bottom_{side}": _amplitude("the bottom's conductance", ALONG[side]) for side in ALONG},
+}
+"""All parameters by name. Amplitudes are over the mean; they are 0 in every scene."""
+
+PARAMETERS = tuple(name for name, parameter in TABLE.items() if parameter.every)
+FACTORS = tuple(name for name, parameter in TABLE.items() if parameter.factor)
+EFFECTS = ("body", "rim", "finger")
+"""Parameters that a scene has if its surroundings allow."""
+FURTHER_LOSSES = ("leak", "exponent_slope")
+"""Losses of the foam that are 0 in most scenes, and parameters only on request."""
 SOURCE = "source_scale"
 READER = (SOURCE, "series_resistance", "load_capacitance", "load_conductance")
 """Scale of the source, and on request ohm, F and S, of the first interface. Scales and resistors of
 all others change by the same factor, and their inputs by the same capacitance and conductance."""
+FOAM_MODES, TOP_MODES, BOTTOM_MODES = (
+    tuple(f"{what}_{side}" for side in ALONG) for what in ("foam", "top", "bottom")
+)
+SHEET_MODES = (*TOP_MODES, *BOTTOM_MODES)
+COSINE_MODES = (*FOAM_MODES, *SHEET_MODES)
 
 
 def reader_values(setup: Setup) -> dict[str, float]:
@@ -87,11 +160,6 @@ def with_reader(
 def _conductance(load: Load) -> float:
     return 0.0 if load.resistance is None else 1 / load.resistance
 
-
-EFFECTS = ("body", "rim", "finger")
-"""Logarithms of factors on the capacitance of all bodies and of the rim; and the capacitance to
-earth of every touch in addition to its press, F. A scene has the parameters that its surroundings
-allow."""
 
 NEEDED = {
     "body": "it needs [surroundings.body], not solved",
@@ -229,52 +297,6 @@ def mode_values(skin: Skin, x: Real, modes: int) -> Real:
     return np.stack([np.cos(i * along) * np.cos(j * across) for i, j in HALF_WAVES[:modes]])
 
 
-FACTORS = {
-    "sheet_resistance": "both sheets' resistance",
-    "sheet_mismatch": "the top sheet's resistance over the bottom's",
-    "capacitance": "capacitance of all the foam",
-    "contact_resistance": "resistance of all contacts",
-    "body": "capacitance of all bodies near the skin",
-    "rim": "capacitance along the outline",
-}
-"""Parameters that are the logarithm of a factor on the scene's own value."""
-
-VALUES = {
-    "loss_tangent": "(tan d)",
-    "phase_exponent": "(1: ideal)",
-    "lead_resistance": "ohm",
-    "lead_inductance": "H",
-    "stray_capacitance": "F",
-    "finger": "F",
-    "leak": "1/s",
-    "exponent_slope": "(per decade)",
-    "source_scale": "(relative)",
-    "series_resistance": "ohm",
-    "load_capacitance": "F",
-    "load_conductance": "S",
-}
-"""Parameters that are the value itself, and their units."""
-
-FURTHER_LOSSES = ("leak", "exponent_slope")
-"""Losses of the foam that are 0 in most scenes, and parameters only on request."""
-
-ON_REQUEST = (*EFFECTS, *FURTHER_LOSSES, *READER)
-PARAMETERS = tuple(n for n in (*FACTORS, *VALUES) if n not in ON_REQUEST)
-"""Parameters of every scene."""
-
-
-FOAM_MODES = ("foam_x", "foam_y", "foam_xy")
-"""Amplitudes of cosine modes of the foam's capacitance over its mean, of HALF_WAVES but the first.
-They are 0 in every scene, and are parameters only on request."""
-
-TOP_MODES, BOTTOM_MODES = ("top_x", "top_y", "top_xy"), ("bottom_x", "bottom_y", "bottom_xy")
-"""Amplitudes of cosine modes of each sheet's conductance."""
-
-SHEET_MODES = (*TOP_MODES, *BOTTOM_MODES)
-COSINE_MODES = (*FOAM_MODES, *SHEET_MODES)
-KNOWN = (*PARAMETERS, *ON_REQUEST, *COSINE_MODES)
-
-
 def own_values(skin: Skin, setup: Setup) -> dict[str, float]:
     """The scene's own parameters, with its leak, its readers' and those of EFFECTS that change
     it."""
@@ -298,8 +320,8 @@ def all_values(skin: Skin, setup: Setup, given: Mapping[str, float] | None) -> d
     """
     own = own_values(skin, setup)
     for name in given or {}:
-        if name not in KNOWN:
-            raise InputError(f"`parameter` must be one of {', '.join(KNOWN)}, got {name!r}")
+        if name not in TABLE:
+            raise InputError(f"`parameter` must be one of {', '.join(TABLE)}, got {name!r}")
         if name in EFFECTS and name not in own:
             raise InputError(f"{skin.name}: {name} changes nothing here; {NEEDED[name]}")
     return own | dict(given or {})

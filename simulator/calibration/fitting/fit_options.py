@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from ...models.heterogeneous.elements_model import single_field
-from ...models.parameters import KNOWN
+from ...models.parameters import TABLE
 from ...sweeps import InputError
 from .measurements import Measurements
 from .prior import Kind, Prior
@@ -39,8 +39,8 @@ def candidates(
     """
     for option, names in (("fit", fit), ("fix", fix)):
         for name in names:
-            if name not in KNOWN and not (fit and name == OTHERS and name in fix):
-                raise InputError(f"`{option}` must be one of {', '.join(KNOWN)}, got {name!r}")
+            if name not in TABLE and not (fit and name == OTHERS and name in fix):
+                raise InputError(f"`{option}` must be one of {', '.join(TABLE)}, got {name!r}")
     for name in fit:
         if name in fix:
             raise InputError(f"{name} cannot be both fitted and fixed")
@@ -50,8 +50,8 @@ def candidates(
             )
         if name not in priors:
             raise InputError(f"{name} is known: [dataset.session] does not draw it")
-    known = set(KNOWN) - set(fit) if OTHERS in fix else set(fix)
-    unknown = [name for name in KNOWN if name in free and name in priors.keys() - known]
+    known = set(TABLE) - set(fit) if OTHERS in fix else set(fix)
+    unknown = [name for name in TABLE if name in free and name in priors.keys() - known]
     if not unknown:
         raise InputError("every parameter is fixed: there is nothing to fit")
     in_series = (

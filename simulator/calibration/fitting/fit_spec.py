@@ -11,7 +11,7 @@ import numpy as np
 
 from ...arrays import Real
 from ...measure.readout import ErrorModel
-from ...models.parameters import KNOWN
+from ...models.parameters import TABLE
 from ...press.press import pressed_factor
 from ...scene.readout.meter import Readout
 from ..likelihood.student import StudentT
@@ -46,7 +46,7 @@ class FitSpec:
             for (name, prior), each in zip(self.fitted.items(), u, strict=False)
         }
         both = {**self.fixed, **found}
-        return {name: both[name] for name in KNOWN if name in both} | both
+        return {name: both[name] for name in TABLE if name in both} | both
 
     def unknowns(self, values: Mapping[str, float]) -> Real:
         """Unknowns at parameter values; all others at the center of their priors."""

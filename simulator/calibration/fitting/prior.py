@@ -9,14 +9,14 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from ...models.cosine_modes import MAX_AMPLITUDE, NO_MODES, FittedModes
+from ...models.cosine_modes import NO_MODES, FittedModes
 from ...models.parameters import (
     COSINE_MODES,
-    FACTORS,
     FOAM_MODES,
     READER,
     SHEET_MODES,
     SOURCE,
+    TABLE,
     effects_of,
     own_values,
     reader_values,
@@ -24,7 +24,6 @@ from ...models.parameters import (
 )
 from ...models.session_spreads import SessionSpread, session_spreads
 from ...scene.parts import Plan, Setup
-from ...scene.ranges import MAX_INDUCTANCE
 from ...scene.readout.meter import Readout
 from ...sweeps import InputError
 from .measurements import Measurements
@@ -39,7 +38,6 @@ MODE_DEVIATION = 0.1
 """Standard deviation of a cosine mode over the mean."""
 FINGER = 10e-12
 """F: twice the capacitance of a finger's pad on a millimetre of cover."""
-MIN_EXPONENT = 0.5 + 1e-6
 MIN_SHARE = 1e-3
 """Smallest fitted series resistance and scale of the source, over those of the scene."""
 
@@ -80,7 +78,7 @@ def priors(
     modes = mode_deviations(measured.parts.plan, kind)
     spreads = spreads | {name: SessionSpread(0.0, modes[name]) for name in uneven.names}
     found = {
-        name: Prior(own[name] + shift, deviation, *limits(name))
+        name: Prior(own[name] + shift, deviation, *_limits(name))
         for name, (shift, deviation) in spreads.items()
         if deviation > 0
     }
@@ -100,7 +98,7 @@ def effect_prior(measured: Measurements, name: str) -> Prior:
     if name in READER:
         return _reader_prior(measured.parts.setup, name)
     if name != "finger":
-        return Prior(0.0, WIDE, *limits(name))
+        return Prior(0.0, WIDE, *_limits(name))
     touches = [touch for reading in measured.sweeps for touch in reading.press.touches]
     lowest = min((touch.finger for touch in touches), default=0.0)
     return Prior(0.0, FINGER, -lowest)
@@ -135,14 +133,8 @@ def sessions_vary_smoothly(plan: Plan) -> bool:
     return session.foam_pattern == "smooth" and session.foam_spread > 0
 
 
-def limits(name: str) -> tuple[float, float]:
-    """Physical limits of a parameter, which a scene may have."""
-    if name in FACTORS:
-        return -math.inf, math.inf
-    if name in COSINE_MODES:
-        return -MAX_AMPLITUDE, MAX_AMPLITUDE
-    highest = {"phase_exponent": 1.0, "lead_inductance": MAX_INDUCTANCE}
-    return MIN_EXPONENT if name == "phase_exponent" else 0.0, highest.get(name, math.inf)
+def _limits(name: str) -> tuple[float, float]:
+    return TABLE[name].low, TABLE[name].high
 
 
 def wide(measured: Measurements) -> dict[str, SessionSpread]:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import Real
-from ...models.parameters import COSINE_MODES, FACTORS, VALUES, effects_of, own_values
+from ...models.parameters import COSINE_MODES, FACTORS, TABLE, effects_of, own_values
 from ...progress import ProgressCallback, silent, tracked
 from ...scene.parts import Setup, Skin
 from ...surroundings.rim import rim_densities
@@ -66,8 +66,6 @@ def _of_surroundings(skin: Skin, values: Mapping[str, float]) -> Iterator[Produc
                 yield Product(f"rim, {part}", "F/m", value, value * factor, {"rim": 1.0})
 
 
-UNITS = {name: "" if unit.startswith("(") else unit for name, unit in VALUES.items()}
-UNITS |= dict.fromkeys(COSINE_MODES, "")
 HEADER = ("quantity", "unit", "scene", "fitted", "from", "to", "source")
 """Column heads of `FittedQuantity.cells`."""
 
@@ -190,10 +188,10 @@ def quantities(
     ]
     values = [
         FittedQuantity(
-            name, unit, start[name], fit.values[name], *own[name], identified[name], (name,)
+            name, known.unit, start[name], fit.values[name], *own[name], identified[name], (name,)
         )
-        for name, unit in UNITS.items()
-        if name in fitted
+        for name, known in TABLE.items()
+        if name in fitted and not known.factor
     ]
     sums = [
         _sum_of_modes(pair, fit, information, width)
@@ -247,7 +245,7 @@ def change_text(name: str, step: float) -> str:
     """Text of a change of a parameter."""
     if name in FACTORS:
         return f"{name} times {math.exp(step):.3g}"
-    return f"{name} {step:+.3g} {UNITS[name]}".strip()
+    return f"{name} {step:+.3g} {TABLE[name].unit}".strip()
 
 
 def weakly_identified(skin: Skin, setup: Setup, fit: Fit, information: Information) -> list[str]:

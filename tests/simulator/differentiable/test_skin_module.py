@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import rcskin
 from rcskin.simulator.measure.skins import drawn_skin
-from rcskin.simulator.models.parameters import KNOWN, all_values
+from rcskin.simulator.models.parameters import TABLE, all_values
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.press.press import press_on
 from rcskin.simulator.sweeps import InputError
@@ -353,7 +353,7 @@ def test_refused_fingers():
 
 def test_every_name_is_known_or_refused():
     module = rcskin.SkinModule(rcskin.reduce(STRIP, 1e-2))
-    for name in KNOWN:
+    for name in TABLE:
         try:
             module(module.rises(["none"]), {name: 0.01})
         except InputError as error:
