@@ -19,7 +19,8 @@ from rcskin.simulator.models.line_slopes import LineModel
 from rcskin.simulator.models.network.network_skin import NetworkSkin
 from rcskin.simulator.models.network.terminals import chain, read
 from rcskin.simulator.models.parameters import Variation, own_values
-from rcskin.simulator.models.reduced.cases import pixel_touches
+from rcskin.simulator.models.reduced.cases import Case, pixel_touches
+from rcskin.simulator.models.reduced.certificate import largest_bounds
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.parts import foam_parts
@@ -117,6 +118,22 @@ def test_the_certificate_bounds_what_the_reduction_leaves_out(model, touches, na
         assert (true <= bound + KRYLOV * KINDS[name].rtol + model.mesh_error).all()
         worst = max(worst, float(bound.max()))
     assert worst > 1e-3 * KINDS[name].rtol
+
+
+@kinds()
+def test_training_bounds_what_the_reduction_leaves_out_as_the_certificate_does(
+    model, touches, name
+):
+    """Without the basis turned for each skin. By depth a certificate also covers the foam's c."""
+    by_depth, closely = name in BY_DEPTH, 1e-3 * KINDS[name].rtol
+    for variation in [None] if by_depth else [None, other_skin(model)]:
+        own, cases = model.skin(variation), [Case(variation, *press) for press in touches]
+        found = largest_bounds(model, cases, model.frequency)
+        expected = [own.certificate(case.cells, case.rises).max() for case in cases]
+        if by_depth:
+            assert (found <= np.array(expected) + closely).all()
+        else:
+            np.testing.assert_allclose(found, expected, rtol=0.01, atol=closely)
 
 
 @kinds(left_out=["piezoresistive"])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -146,7 +146,7 @@ def sharing_skins(cases: list[Case], presses: int) -> list[Case]:
     ]
 
 
-def by_skin(cases: list[Case], skin: Skin) -> list[list[int]]:
+def by_skin(cases: Sequence[Case], skin: Skin) -> list[list[int]]:
     """Indices of the cases, grouped by skin. If presses change the sheets, a group is one case."""
     if gauged(skin):
         return [[k] for k in range(len(cases))]

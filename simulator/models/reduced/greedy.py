@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +30,8 @@ from ...scene.readings.contacts import Interface
 from ...sweeps import ToleranceError
 from ..heterogeneous.elements_model import circuit_of
 from ..heterogeneous.pressed_system import check_surroundings
-from .cases import Case, Draw, by_skin, covering, pixel_touches, sharing_skins, touched
+from .cases import Case, Draw, by_skin, covering, pixel_touches, sharing_skins
+from .certificate import largest_bounds
 from .compressing import COMPRESSED_SHARE, compressed, sizes
 from .families.family import Family
 from .families.family_meshes import resolved, weights_of_case
@@ -50,7 +50,7 @@ LARGEST = 1200
 TRAINING = "training a reduced model"
 """Label of the reduction's progress."""
 MESH_DRAWS = 4
-FREQUENCIES = 6
+FURTHER_FREQUENCIES = 2
 SNAPSHOT_SHARE = 0.1
 """Error of snapshots in the norm of K, over the part of them that may be dropped."""
 WORTH_ADDING = 0.1
@@ -140,8 +140,10 @@ class GreedyBasis:
         low, high = float(frequency[0]), float(frequency[-1])
         decades = max(4, math.ceil(math.log10(high / low)) + 1)
         self._shifts = np.abs(laplace_variable(np.geomspace(low, high, decades), loss))
-        self._certified = np.geomspace(low, high, FREQUENCIES)
+        self._certified = np.geomspace(low, high, decades + FURTHER_FREQUENCIES)
         self._most, self._K = 0.0, without_zeros(family.space.K)
+        self._sheets = [without_zeros(family.space.restricted(each)) for each in family.sheet_terms]
+        self._projected: list[Real] = [np.zeros((0, 0)) for _ in self._sheets]
 
     def grow(
         self,
@@ -160,24 +162,26 @@ class GreedyBasis:
         first = sharing_skins(covering(draw, random, cells, IDLE_DRAWS), PRESSES_ON_SKIN)
         for start in range(0, len(first), AT_ONCE):
             self._add(first[start : start + AT_ONCE])
-        quiet, reduced, roughly, begun = 0, self._reduced(), True, 0.0
+        quiet, reduced, begun, roughly = 0, self._reduced(), 0.0, True
         while quiet < min(max(MIN_QUIET_CASES, cells // 2), most):
             cases = [draw(random) for _ in range(BATCH)]
             roughly = roughly and any(case.variation is not None for case in cases)
             cases = sharing_skins(cases, PRESSES_ON_SKIN) if roughly else cases
-            found = bounds(reduced, cases, self._certified)
+            found = largest_bounds(reduced, cases, self._certified)
             begun = max(begun, float(np.nan_to_num(found).max()), 2 * limit)
             progress(TRAINING, _done(found.max(), begun, limit))
             if found.max() <= limit:
                 quiet, roughly = quiet + (0 if roughly else BATCH), False
                 continue
             self._add([cases[k] for k in np.flatnonzero(~(found <= NEAR * limit))])
-            quiet, reduced, roughly = 0, self._reduced(), True
+            quiet, reduced = 0, self._reduced()
             if reduced.size > LARGEST:
                 raise ToleranceError(
                     f"the reduced model leaves an error of {found.max():.1e} with {reduced.size} "
                     f"vectors, tolerance {self.rtol:g}"
                 )
+        if isinstance(self.family, IndentationFamily):
+            reduced = with_applicator_tables(reduced)
         return compressed(reduced, [draw(random) for _ in range(BATCH)])
 
     def _add(self, cases: list[Case]) -> None:
@@ -242,12 +246,6 @@ class GreedyBasis:
             unit.append(at_zero / np.sqrt(least))
         return np.hstack(unit)
 
-    @cached_property
-    def _sheets(self) -> list[csc_matrix]:
-        """Terms of the sheets' K in the space, S."""
-        space = self.family.space
-        return [without_zeros(space.restricted(term)) for term in self.family.sheet_terms]
-
     def _deviation(self, u: Real) -> Real:
         inner = self.family.space.inner
         return u[:inner] - self.family.space.lift[:inner] @ u[inner:]
@@ -271,8 +269,11 @@ class GreedyBasis:
             built=family,
         )
         W = reduced.coordinates
-        terms = [W.T @ (term @ W) for term in self._sheets]
-        terms += [family.space.film_energy(W, term) for term in family.film_terms]
+        self._projected = [
+            _extended(known, W, term)
+            for known, term in zip(self._projected, self._sheets, strict=True)
+        ]
+        films = [family.space.film_energy(W, term) for term in family.film_terms]
         size = sizes(len(family.space.conductance), self.vectors.shape[1], self._most)
         parts, share = parts_of(family.skin), TRAINED_SHARE * COMPRESSED_SHARE * self.rtol
         factors = family.masses.factors(W, size, share, parts)
@@ -280,24 +281,15 @@ class GreedyBasis:
         if family.far_inside is not None:
             far = family.far_inside.T @ W
             fixed[-1] = fixed[-1] + far.T @ far
-        reduced = replace(reduced, stiffness=np.stack(terms), factors=factors)
-        reduced = replace(reduced, fixed=np.stack(fixed)) if fixed else reduced
-        return with_applicator_tables(reduced) if isinstance(family, IndentationFamily) else reduced
+        reduced = replace(reduced, stiffness=np.stack([*self._projected, *films]), factors=factors)
+        return replace(reduced, fixed=np.stack(fixed)) if fixed else reduced
 
 
-def bounds(reduced: Reduced, cases: list[Case], frequency: Real) -> Real:
-    """Largest bound on the relative errors of Rs and Cp in each case, shape (case,).
-
-    frequency: Hz.
-    """
-    found = np.empty(len(cases))
-    for group in by_skin(cases, reduced.parts.skin):
-        own = [cases[k] for k in group]
-        presses = [(case.cells, case.rises) for case in own]
-        foams = [reduced.family.foam_of(case) for case in own]
-        skin = reduced.skin(own[0].variation, touched(reduced.parts.skin, *presses[0]))
-        found[group] = skin.certificates(presses, foams, frequency).max(axis=(0, 2, 3))
-    return found
+def _extended(known: Real, W: Real, term: csc_matrix) -> Real:
+    """W'TW of a symmetric term T, of which that of the first columns of W is known."""
+    first = len(known)
+    new = W.T @ (term @ W[:, first:])
+    return np.block([[known, new[:first]], [new[:first].T, new[first:]]])
 
 
 def _root(gram: Real) -> Real:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -38,7 +38,7 @@ from ..small_system.system import (
     with_terms,
 )
 from .cases import Case, touched
-from .certificate import AirCharges, certificate, min_conductance_factor
+from .certificate import certificates
 from .families.family import Family, changes, weights_under
 from .families.family_meshes import finer_families
 from .projection import Projection
@@ -225,54 +225,31 @@ class ReducedSkin:
 
         Shape (2, interface, frequency). frequency: Hz, by default those of the model.
         """
-        f, own = (
-            self.reduced.frequency if frequency is None else frequency,
-            self.under(cells, rises),
-        )
+        f = self.reduced.frequency if frequency is None else frequency
         with one_blas_thread():
-            reduction = own.certificates([(cells, rises)], [self.map_of(cells, rises)], f)[:, 0]
+            reduction = self.under(cells, rises)._by_reduction(cells, rises, f)
         return reduction + self.uncertainty_error(cells, rises, laplace_variable(f, self.loss))
 
     def uncertainty_error(self, cells: Integer, rises: Real, s: Complex) -> Real | float:
         """Relative errors of Rs and Cp of one press by the uncertainty of its foam. s: rad/s."""
         return 0.0
 
-    def certificates(
-        self, presses: Sequence[tuple[Integer, Real]], foams: Sequence[Real], frequency: Real
-    ) -> Real:
-        """Bounds by the reduction alone, for presses under which the sheets do not change.
+    def _by_reduction(self, cells: Integer, rises: Real, frequency: Real) -> Real:
+        """Bound of `certificate` by the reduction alone, for sheets as they are here, see `under`.
 
-        Shape (2, press, interface, frequency). foams: factors of each pressed skin, as the family's
-        `mass` takes them. Where the foam conducts too much for `air_nodes`, air has its loss here.
+        Where the foam conducts too much for `air_nodes`, air has its loss here.
         """
-        family, s = self.reduced.family, laplace_variable(frequency, self.loss)
+        s = laplace_variable(frequency, self.loss)
         try:
             air, skins = self.with_air(frequency)
         except ToleranceError:
             air, skins = LOSSLESS_FOAM, [self]
-        each = [skin._potentials(presses, s) for skin in skins]
+        each = [map(np.stack, zip(*skin.solved(cells, rises, s), strict=True)) for skin in skins]
         u, Q = (air.mean(own) for own in zip(*each, strict=True))
-        u = u.reshape(len(u), -1)
-        potential = self.reduced.coordinates @ np.hstack([u.real, u.imag])
-        current = family.currents(self.weights, potential)
-        masses = [family.mass_inside(foam) for foam in foams]
-        beyond = None if air.single else self._in_air(foams, air_factor(frequency, self.loss))
-        solved = potential, current, Q, s, self.min_conductance, self.combination
-        return certificate(family.space, masses, *solved, beyond)
-
-    def _potentials(
-        self, presses: Sequence[tuple[Integer, Real]], s: Complex
-    ) -> tuple[Complex, Complex]:
-        """Potentials in the model's coordinates, (N + n, press * excitation, s), and Q in S."""
-        u, Q = zip(*(own for press in presses for own in self.solved(*press, s)), strict=True)
-        return np.stack(u, axis=1), np.reshape(Q, (len(presses), -1, len(s)))
-
-    def _in_air(self, foams: Sequence[Real], factor: Complex) -> AirCharges:
-        """Share of air in M of each press; foams: see `certificates`."""
-        alone = np.zeros(len(foams[0]))
-        alone[np.flatnonzero(self.parts.in_air)] = 1.0
-        family = self.reduced.family
-        return AirCharges([family.mass_inside(alone * foam) for foam in foams], factor - 1)
+        solved = u.swapaxes(0, 1).reshape(u.shape[1], -1), Q[None]
+        more = None if air.single else air_factor(frequency, self.loss) - 1
+        foams = [self.map_of(cells, rises)]
+        return certificates(self.reduced, self.weights, foams, solved, s, more)[:, 0]
 
     def by_mesh(self, cells: Integer, rises: Real) -> float:
         """Estimated relative error of Rs and Cp of one press by the mesh; 0 for uniform scenes."""
@@ -283,13 +260,6 @@ class ReducedSkin:
         with one_blas_thread():
             read = reduced.rtol, reduced.frequency, reduced.circuit.excitations
             return reduced.family.solved(*pressed, *read)[1]
-
-    @property
-    def min_conductance(self) -> float:
-        """Lower bound of the factor on K anywhere. Raises InputError unless it is above zero."""
-        reduced = self.reduced
-        parts = foam_parts(reduced.parts.skin) if gauged(reduced.parts.skin) else 1
-        return min_conductance_factor(self.weights, reduced.circuit, reduced.modes, parts)
 
     def exact(self, cells: Integer, rises: Real) -> Complex:
         """Z in ohm of one press by the full system, shape (interface, frequency).

@@ -77,13 +77,13 @@ def own_coordinates(K: Real, M: Real, terminal_field: Integer) -> tuple[Real, Re
     coupling = K[N:, :N]
     lift = -np.linalg.solve(K[N:, N:], coupling)
     lifted = np.vstack([np.eye(N), lift])
-    conductance = _without_common(K[:N, :N] + coupling.T @ lift, terminal_field)
+    conductance = without_common(K[:N, :N] + coupling.T @ lift, terminal_field)
     _, basis = eigh(M[N:, N:], K[N:, N:])
     turn = np.hstack([lifted, np.vstack([np.zeros((N, len(basis))), basis])])
     return conductance, turn.astype(np.float64)
 
 
-def _without_common(conductance: Real, terminal_field: Integer) -> Real:
+def without_common(conductance: Real, terminal_field: Integer) -> Real:
     """Conductance whose rows and columns of one field add up to zero without rounding."""
     conductance = conductance.copy()
     for each in np.unique(terminal_field):
@@ -195,17 +195,23 @@ def diagonalised(masses: Real, terminals: int, s: Complex) -> Networks:
 
 
 def networks_in_air(
-    masses: Iterable[tuple[Real, Real]], terminals: int, s: Complex, omega: Real
+    masses: Iterable[tuple[Real, Real]],
+    terminals: int,
+    s: Complex,
+    omega: Real,
+    inside_K: Real | None = None,
 ) -> Networks:
     """Networks where a part of M is in air and lacks the foam's loss: K + s M + (j omega - s) M'.
 
-    masses: M and its part M' in air of each press, F, shape (N + n, N + n). omega: rad/s. There is
-    one factorization for each s.
+    masses: M and its part M' in air of each press, F, shape (N + n, N + n). omega: rad/s. inside_K:
+    K in the other coordinates than terminals, which it does not couple to these, S, shape (n, n);
+    None for 1. There is one factorization for each s.
     """
     N, found = terminals, []
     for M, air in masses:
         C = s[:, None, None] * M + (1j * omega - s)[:, None, None] * air
-        inside = -np.linalg.solve(np.eye(len(M) - N) + C[:, N:, N:], C[:, N:, :N])
+        K = np.eye(len(M) - N) if inside_K is None else inside_K
+        inside = -np.linalg.solve(K + C[:, N:, N:], C[:, N:, :N])
         found.append((C[:, :N, :N] + C[:, :N, N:] @ inside, inside))
     Y, inside = zip(*found, strict=True)
     return Networks(np.stack(Y), np.stack(inside))

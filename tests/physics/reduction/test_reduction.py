@@ -9,6 +9,7 @@ from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.fem.lanczos import Pencil, respond
 from rcskin.simulator.models.parameters import HALF_WAVES, Variation, mode_values, nominal
 from rcskin.simulator.models.reduced.cases import Case, pixel_touches
+from rcskin.simulator.models.reduced.certificate import largest_bounds
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.reduced.model_file import load
 from rcskin.simulator.models.small_system.lanczos import SINGLE_RTOL
@@ -56,7 +57,7 @@ def test_the_certificate_bounds_what_the_reduction_leaves_out(families, name):
         factors=full.factors[:, :, kept],
         fixed=np.array([M[np.ix_(kept, kept)] for M in full.fixed]),
     )
-    own = reduced.skin(None)
+    own, frequency = reduced.skin(None), reduced.frequency
     ratios = []
     for case in drawn(full.parts, 6):
         Z = own.sweep(case.cells, case.rises)
@@ -65,6 +66,7 @@ def test_the_certificate_bounds_what_the_reduction_leaves_out(families, name):
         bound = own.certificate(case.cells, case.rises)
         worth = true > 1e-7
         assert (true[worth] <= bound[worth]).all()
+        np.testing.assert_allclose(largest_bounds(reduced, [case], frequency), bound.max(), 1e-6)
         ratios.extend(bound[worth] / true[worth])
     assert ratios
     assert np.median(ratios) < 30

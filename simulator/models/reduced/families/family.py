@@ -182,6 +182,10 @@ class Family(ABC):
         near = self.space.matrix(self._masses_inside @ factors)
         return _with_far(near, self.far_inside, factors)
 
+    def applied_inside(self, factors: Real) -> csc_matrix | None:
+        """What applicators add to `mass_inside`, F; None without any. factors: see `mass`."""
+        return None
+
     @cached_property
     def far_inside(self) -> Real | None:
         """`far` of the space alone."""

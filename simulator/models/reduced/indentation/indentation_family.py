@@ -88,10 +88,19 @@ class IndentationFamily(HeterogeneousFamily):
 
     def mass(self, factors: NDArray) -> csc_matrix:
         """M in F, in the system's pattern. factors: see the class."""
+        mass, applied = self.masses.mass(factors[: self.parts.count]), self._applied(factors)
+        return mass if applied is None else self.system.pattern.matrix(mass.data + applied.data)
+
+    def applied_inside(self, factors: Real) -> csc_matrix | None:
+        """What applicators add to `mass_inside`, F; None without any. factors: see the class."""
+        applied = self._applied(factors)
+        return None if applied is None else self.space.restricted(applied)
+
+    def _applied(self, factors: NDArray) -> csc_matrix | None:
         rest, under = factors[: self.parts.count], factors[self.parts.count :]
-        mass, cells = self.masses.mass(rest), np.flatnonzero(under)
+        cells = np.flatnonzero(under)
         if not cells.size:
-            return mass
+            return None
         c, found = np.zeros_like(self.unpressed_capacitance), self.press(cells, under[cells])
         for each in found:
             of_parts = rest[self.part_of[each.cells]][:, None]
@@ -101,7 +110,7 @@ class IndentationFamily(HeterogeneousFamily):
         values = np.zeros(len(self.system.pattern.indices))
         unknowns, coupling = self.system.unknowns, self.circuit.coupling
         add_foam(values, coupling, self.elements, unknowns, c, within)
-        return self.system.pattern.matrix(mass.data + values)
+        return self.system.pattern.matrix(values)
 
     def mass_inside(self, factors: Real) -> csc_matrix:
         """M in F of the space alone. factors: see the class."""
