@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from functools import partial
 from importlib.metadata import version
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,19 +15,26 @@ from ...simulator.fem.factors import one_blas_thread
 from ...simulator.models.mechanics.force_depths import pressed_by_factors
 from ...simulator.models.validity import warnings
 from ...simulator.processes import map_in_order, worker_pool
-from ...simulator.progress import ProgressCallback, tracked
+from ...simulator.progress import ProgressCallback
 from ...simulator.scene.parts import SceneParts
 from .axis import Axis, with_values
-from .point import MAX_RTOL, EvaluationSettings, PointFindings, score_point
+from .point import (
+    MAX_RTOL,
+    EvaluationSettings,
+    FamilyOfSkins,
+    PointFindings,
+    families,
+    score_point,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
 
-Given = TypeVar("Given")
-Made = TypeVar("Made")
 NEEDED = ("rcskin.localization.cli", "rcskin.localization.study.execution")
 """Modules of the command and of every task, imported once for all processes."""
 NOISE_SHARE, MIN_RTOL = 0.1, 1e-7
+JOBS = 4
+"""Least number of jobs of each process, so that processes end at the same time."""
 VARIABLES = {
     "accuracy": ("share of sweeps whose class is found, on skins not trained on", "1"),
     "accuracy_sd": ("standard deviation of the accuracy between the parts held out", "1"),
@@ -91,8 +98,7 @@ def study(
     with worker_pool(
         workers, NEEDED, "too little memory may be the cause; fewer --workers"
     ) as pool:
-        jobs = [(each, trial, rtol) for each in points]
-        findings = list(_spread(_score_point, jobs, "accuracy", progress, pool))
+        findings = _scored(points, trial, rtol, progress, pool, workers)
     attributes = {
         "scene": points[0].text,
         "target": trial.target,
@@ -103,31 +109,40 @@ def study(
     return _dataset(axes, findings, attributes)
 
 
-def _score_point(
-    job: tuple[SceneParts, EvaluationSettings, float],
-) -> PointFindings:
-    return score_point(*job)
-
-
-def _spread(
-    function: Callable[[Given], Made],
-    given: Sequence[Given],
-    description: str,
+def _scored(
+    points: Sequence[SceneParts],
+    trial: EvaluationSettings,
+    rtol: float,
     progress: ProgressCallback,
     pool: ProcessPoolExecutor | None,
-) -> Iterator[Made]:
-    """Yield the function of each item, in order.
+    workers: int,
+) -> list[PointFindings]:
+    """Findings at each point. A process trains one family for all points of a job.
 
-    Each process uses one thread, so that results do not depend on `pool`.
+    Each process uses one thread, so that results do not depend on the pool.
     """
-    made = map_in_order(pool, partial(_on_one_thread, function), given)
-    for _, result in zip(tracked(given, description, progress), made, strict=True):
-        yield result
+    sharing, most = defaultdict[FamilyOfSkins, list[int]](list), -(-len(points) // (JOBS * workers))
+    for k, family in enumerate(families(points, trial, rtol)):
+        sharing[family].append(k)
+    each = [
+        (family, own[start : start + most])
+        for family, own in sharing.items()
+        for start in range(0, len(own), most)
+    ]
+    jobs = [([points[k] for k in own], trial, family) for family, own in each]
+    found = dict[int, PointFindings]()
+    for (_, own), made in zip(each, map_in_order(pool, _score_points, jobs), strict=True):
+        found |= zip(own, made, strict=True)
+        progress("accuracy", len(found), len(points))
+    return [found[k] for k in range(len(points))]
 
 
-def _on_one_thread(function: Callable[[Given], Made], given: Given) -> Made:
+def _score_points(
+    job: tuple[list[SceneParts], EvaluationSettings, FamilyOfSkins],
+) -> list[PointFindings]:
+    points, trial, family = job
     with one_blas_thread():
-        return function(given)
+        return [score_point(each, trial, family) for each in points]
 
 
 def _dataset(

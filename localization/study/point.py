@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -15,11 +15,12 @@ from ...simulator.dataset.dataset_plan import DatasetPlan, check_cells
 from ...simulator.dataset.drawn_presses import FIRST_BASELINES, pressed_pixels
 from ...simulator.dataset.drawn_session import audited
 from ...simulator.dataset.memory_dataset import in_memory
-from ...simulator.dataset.skin_model import SkinFamily, nominal_skin, reduced
+from ...simulator.dataset.skin_model import OtherSheets, SkinFamily, nominal_skin, reduced
 from ...simulator.measure.experiment import own_presses
 from ...simulator.measure.simulate import check_fits
 from ...simulator.measure.skins import AUDIT, stream
 from ...simulator.measure.symmetry import representative
+from ...simulator.models.reduced.reduced_model import Reduced
 from ...simulator.press.pixels import pixels_with_skin
 from ...simulator.press.press import Press, every_press, pressed_factor
 from ...simulator.scene.draws.randomisation import DrawnPress
@@ -43,6 +44,8 @@ SWEEPS = 2000
 """Number of sweeps of a draw, as in the data sets of the documentation."""
 SESSIONS = 4
 """Minimum number of skins of a draw: one is tested by a localizer trained on three others."""
+MAX_DECADES = 3.01
+"""Range of sheet resistances that one family of skins is trained for."""
 MAX_CACHED_FAMILIES = 4
 """Number of skin families that a process caches for further points."""
 REST_EVERY = 5
@@ -151,15 +154,17 @@ def strength(skin: Skin, press: Press) -> float:
     return pressed_factor(skin, press.touches[0]) if press.touches else 1.0
 
 
-def score_point(parts: SceneParts, trial: EvaluationSettings, rtol: float) -> PointFindings:
+def score_point(
+    parts: SceneParts, trial: EvaluationSettings, skins: FamilyOfSkins
+) -> PointFindings:
     """Draw a scene's sweeps, cross-validate a localizer on them, and separate the presses.
 
-    rtol: tolerance of the sweeps. Raises InputError if a draw has too few sweeps of a class.
+    Raises InputError if a draw has too few sweeps of a class.
     """
+    rtol, family = skins.rtol, skins.at(parts.skin.top.sheet_resistance)
     nominal = trial.nominal(parts.skin, parts.plan)
     labels: list[Label] = [label_of(press.pixel, trial.target) for press in nominal]
     plans = [trial.plan(parts, draw, rtol) for draw in range(trial.draws)]
-    family = _family(_without_readings(plans[0].parts), rtol)
     Z = impedances(parts, nominal, family, rtol)
     reading = parts.setup
     readings = in_units_of_error(
@@ -175,6 +180,64 @@ def score_point(parts: SceneParts, trial: EvaluationSettings, rtol: float) -> Po
     )
 
 
+@dataclass(frozen=True)
+class FamilyOfSkins:
+    """What the skins of some points have in common, for one trained model.
+
+    parts: of the scene with the largest resistance of the sheets, without what no skin depends on.
+    resistances: of the points' sheets over that, ascending. rtol: tolerance of the sweeps.
+    """
+
+    parts: SceneParts
+    resistances: tuple[float, ...]
+    rtol: float
+
+    def at(self, sheet_resistance: float) -> SkinFamily:
+        """The skins of a point. sheet_resistance: of its top sheet, ohm/sq."""
+        largest = self.parts.skin.top.sheet_resistance
+        return OtherSheets(_trained(self), sheet_resistance / largest)
+
+
+@lru_cache(maxsize=MAX_CACHED_FAMILIES)
+def _trained(family: FamilyOfSkins) -> Reduced:
+    return reduced(family.parts, family.rtol, family.resistances)
+
+
+def families(
+    points: Sequence[SceneParts], trial: EvaluationSettings, rtol: float
+) -> list[FamilyOfSkins]:
+    """The family of each point. Points whose skins differ by a factor on both sheets share one."""
+    drawn = [_without_readings(trial.plan(each, 0, rtol).parts) for each in points]
+    alike = defaultdict[SceneParts, list[int]](list)
+    for k, parts in enumerate(drawn):
+        alike[_with_unit_sheet(parts)].append(k)
+    found = dict[int, FamilyOfSkins]()
+    for group in alike.values():
+        resistance = np.array([drawn[k].skin.top.sheet_resistance for k in group])
+        decades = np.log10(resistance / resistance.min())
+        count = math.ceil(decades.max() / MAX_DECADES)
+        ends = np.linspace(0, decades.max(), count + 1)
+        part = np.searchsorted(ends[1:-1], decades)
+        for each in np.unique(part):
+            some = np.flatnonzero(part == each)
+            largest = some[resistance[some].argmax()]
+            factors = np.unique(resistance[some] / resistance[largest]).tolist()
+            family = FamilyOfSkins(drawn[group[largest]], tuple(factors), rtol)
+            found |= dict.fromkeys((group[k] for k in some), family)
+    return [found[k] for k in range(len(points))]
+
+
+def _with_unit_sheet(parts: SceneParts) -> SceneParts:
+    """The parts with a top sheet of 1 ohm/sq, and the same ratio of the sheets but for rounding."""
+    top, bottom = parts.skin.top, parts.skin.bottom
+    ratio = float(f"{bottom.sheet_resistance / top.sheet_resistance:.12g}")
+    sheets = {
+        "top": top.model_copy(update={"sheet_resistance": 1.0}),
+        "bottom": bottom.model_copy(update={"sheet_resistance": ratio}),
+    }
+    return replace(parts, skin=parts.skin.with_parts(**sheets))
+
+
 def _without_readings(parts: SceneParts) -> SceneParts:
     """The parts with defaults for everything on which their family of skins does not depend."""
     press, own = parts.plan.press, parts.plan.draws.press
@@ -188,11 +251,6 @@ def _without_readings(parts: SceneParts) -> SceneParts:
         drawn = {}
     plan = Plan(press=press, draws=parts.plan.draws.model_copy(update=drawn))
     return replace(parts, skin=replace(parts.skin, name=""), meter=Meter(), plan=plan)
-
-
-@lru_cache(maxsize=MAX_CACHED_FAMILIES)
-def _family(parts: SceneParts, rtol: float) -> SkinFamily:
-    return reduced(parts, rtol)
 
 
 def impedances(

@@ -16,6 +16,7 @@ from ..models.mechanics.force_depths import pressed_by_factors
 from ..models.network.terminals import reduced_for
 from ..models.parameters import HALF_WAVES, Variation, nominal
 from ..models.reduced.cases import Case
+from ..models.reduced.forward_training import BAND_POINTS
 from ..models.reduced.model_file import load, save
 from ..models.reduced.reduced_model import Reduced
 from ..press.batch import PressBatch, TouchedCells
@@ -82,10 +83,37 @@ class Training:
     load: Callable[[Path], SkinFamily]
 
 
-def reduced(parts: SceneParts, rtol: float) -> Reduced:
+@dataclass(frozen=True)
+class OtherSheets:
+    """Family of a scene whose sheets have another resistance than those of a trained family.
+
+    resistance: factor on both sheets' resistance; the family was trained on it.
+    """
+
+    trained: SkinFamily
+    resistance: float
+
+    @property
+    def grid(self) -> tuple[int, int]:
+        """See `SkinFamily`."""
+        return self.trained.grid
+
+    @property
+    def modes(self) -> int:
+        """See `SkinFamily`."""
+        return self.trained.modes
+
+    def skin(self, variation: Variation | None, /) -> SkinModel:
+        """One skin; None only for the trained family's own sheets."""
+        return self.trained.skin(variation and variation.with_sheets(self.resistance))
+
+
+def reduced(parts: SceneParts, rtol: float, resistances: tuple[float, ...] = (1.0,)) -> Reduced:
     """The reduced model of a scene, trained on draws like those of its data set.
 
-    Raises ToleranceError if the tolerance is not reached.
+    resistances: factors on both sheets' resistance, at most 1; scenes with any of these are
+    `OtherSheets` of the model. With a factor r, K of sheets and films at s is that of films that
+    conduct r times as well, at r s, over r. Raises ToleranceError if the tolerance is not reached.
     """
     divided = _divided(parts)
     grid = divided.skin.pixels.rows, divided.skin.pixels.columns
@@ -93,11 +121,18 @@ def reduced(parts: SceneParts, rtol: float) -> Reduced:
 
     def draw(random: np.random.Generator) -> Case:
         skin, _ = faulty_skin(parts, int(random.integers(2**62)), 0, grid, modes)
-        return Case(skin.variation, *_press(parts, random, grid))
+        resistance = resistances[int(random.integers(len(resistances)))]
+        variation = replace(skin.variation, films=resistance * skin.variation.films)
+        return Case(variation, *_press(parts, random, grid))
 
     same_sheets, creeps = _equal_sheets(parts.plan.draws.session), parts.skin.foam.in_time
     trained_to = TRAINING_SHARE * (OF_NODES if creeps else 1.0) * rtol
-    return reduced_for(divided, trained_to, draw, modes=modes, same_sheets=same_sheets)
+    f = parts.setup.frequency
+    band = np.geomspace(min(resistances) * f[0], f[-1], BAND_POINTS) if len(resistances) > 1 else f
+    model = reduced_for(
+        divided, trained_to, draw, modes=modes, same_sheets=same_sheets, frequency=band
+    )
+    return replace(model, frequency=f)
 
 
 def _press(parts: SceneParts, random: np.random.Generator, grid: tuple[int, int]) -> TouchedCells:

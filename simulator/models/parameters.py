@@ -262,6 +262,10 @@ class Variation:
         found[parts.in_air] *= self.air
         return found
 
+    def with_sheets(self, resistance: float) -> Variation:
+        """The variation with a further factor on both sheets' resistance."""
+        return replace(self, top=self.top / resistance, bottom=self.bottom / resistance)
+
     @property
     def same_sheets(self) -> bool:
         """True if both sheets vary over the skin in the same way."""
