@@ -8,6 +8,7 @@ waves of each. A twin is solved in full with maps of its waves, which are normal
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -108,10 +109,10 @@ def calibrated(
     scene: Scene, model: Forward, truth: dict[str, float], random: np.random.Generator
 ) -> Calibration:
     """Of a twin with such waves, read at rest and in a press of each pixel."""
-    made = with_sheet_modes(scene, truth)
-    twin = simulate(
-        Solver(made.parts, RTOL), every_press(scene.parts.skin, scene.press)
-    ).assign_attrs(scene=scene_text(scene))
+    parts = scene.parts
+    made = replace(parts, skin=with_sheet_modes(parts.skin, truth))
+    presses = every_press(parts.skin, scene.press)
+    twin = simulate(Solver(made, RTOL), presses).assign_attrs(scene=scene_text(scene))
     names = (*FITTED, *SHEET_MODES)
     asked = Options(names, ("others",), strengths=False, uneven_sheets=True)
     return calibrate(scene, read_out(twin, scene.readout, random), asked, model=model)

@@ -17,7 +17,6 @@ import numpy as np
 import pandas as pd
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.simulator.limits import bayes_accuracy, position_bound
-from rcskin.simulator.limits.touch_identity import with_pixels
 from rcskin.simulator.scene.readout.meter import meter_names
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene
@@ -69,7 +68,7 @@ def limits(draws: int, places: int | None) -> Iterator[dict[str, str]]:
     for name, readout in METERS.items():
         for what, scene, target in (
             ("columns 5x5", load_scene("sheet-5x5"), "column"),
-            ("pixels 6x6, two interfaces", with_pixels(two, 6), "pixel"),
+            ("pixels 6x6, two interfaces", two.with_({"pixels": 6}), "pixel"),
         ):
             found = [_accuracy(scene, readout, target, draws, rests) for rests in (0, MANY)]
             yield _row(what, name, *found)

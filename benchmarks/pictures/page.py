@@ -72,7 +72,7 @@ class Page:
 def made(scene: Scene, folder: Path) -> Page:
     """The page of a scene."""
     start, plain = time.perf_counter(), pressed_by_factors(scene.parts, "a page")
-    text = document(page_data(plain, reduced_for_page(plain.parts, RTOL, CELLS)))
+    text = document(page_data(plain, reduced_for_page(plain, RTOL, CELLS)))
     path = folder / f"{scene.name}.html"
     path.write_text(text, encoding="utf-8")
     return Page(path, len(text) / 1e6, time.perf_counter() - start)

@@ -28,7 +28,7 @@ def impedance(
     rows, columns = (cells * count for count in scene.pixels.shape)
     strain = deflection(scene, pixel, cells) / scene.skin.foam.thickness
     factor = scene.skin.foam.mechanics.factor(strain)
-    laid = scene.parts.on_grid(rows, columns)
+    laid = scene.with_({"pixels.rows": rows, "pixels.columns": columns})
     touches = [Touch(int(i) + 1, int(j) + 1, float(f)) for (i, j), f in np.ndenumerate(factor)]
     return scikit_fem_script.impedance(laid, Press(tuple(touches)), frequencies, Elements(1, 1))
 

@@ -61,8 +61,8 @@ class Foreign(Twin):
     @cached_property
     def drawn(self) -> DrawnSkin:
         """The skin and its leads at the first press."""
-        scene = self.scene.parts.on_grid(*GRID)
-        return drawn_skin(scene.parts, self.seed, self.number, GRID, len(HALF_WAVES))
+        parts = self.scene.parts.on_grid(*GRID)
+        return drawn_skin(parts, self.seed, self.number, GRID, len(HALF_WAVES))
 
     @cached_property
     def foreign(self) -> ForeignSkin:

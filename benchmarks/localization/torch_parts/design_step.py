@@ -75,7 +75,7 @@ def designed(scene: Scene, start: Design, steps: int, rtol: float) -> tuple[Desi
 
     Frequencies stay in the range of the meter, the resistance within a factor of REACH.
     """
-    loss, span = PixelLoss(start.on(scene.parts.skin), rtol), math.log(HIGH / LOW)
+    loss, span = PixelLoss(start.on(scene), rtol), math.log(HIGH / LOW)
     shares = torch.log(torch.tensor(start.frequencies, dtype=torch.float64) / LOW) / span
     places = torch.logit(shares.clamp(0.02, 0.98)).requires_grad_()
     turned = torch.zeros((), dtype=torch.float64, requires_grad=True)
@@ -93,7 +93,7 @@ def designed(scene: Scene, start: Design, steps: int, rtol: float) -> tuple[Desi
 
 def accuracy(scene: Scene, design: Design, sweeps: int, rtol: float) -> float:
     """Share of pixels that `gaussian` finds on skins that it did not learn from."""
-    own = design.on(scene.parts.skin)
+    own = design.on(scene)
     known = rcskin.dataset(own, sweeps, seed=1, rtol=rtol)
     unseen = rcskin.dataset(own, sweeps // 2, seed=2, rtol=rtol)
     model = rcskin.train(known, "pixel", "gaussian", quantities="dlnZ,dphase")

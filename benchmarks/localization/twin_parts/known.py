@@ -15,7 +15,6 @@ from rcskin.simulator.limits.random_press_limits import (
     distance_of_presses,
 )
 from rcskin.simulator.measure.experiment import own_presses
-from rcskin.simulator.measure.readout import errors_of, observed
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.draws.draw_distributions import truncated_normal
@@ -37,16 +36,13 @@ class TwinsHand(RandomPresses):
             offset=twin.hand.offset,
             against_rest=against_rest,
         )
-        self._twin, self._errors = (
-            twin,
-            errors_of(scene.parts.setup, scene.parts.meter, against_rest),
-        )
+        self._twin, self.setup = twin, self.setup.behind(twin.drawn.leads)
         self._own = twin.family.skin(twin.drawn.variation)
 
     def pressed(self, meant: Hypothesis, random: np.random.Generator, count: int) -> NDArray:
         """Whitened readings, without noise, of pixels pressed so many times; (press, number)."""
         twin = self._twin
-        asked = parse_press(_text(meant), self.scene.press.capacitance_factor)
+        asked = parse_press(_text(meant), twin.scene.press.capacitance_factor)
         events = random.integers(2**31, size=count).tolist()
         made = np.array(
             [
@@ -54,7 +50,7 @@ class TwinsHand(RandomPresses):
                 for press in (twin.pressed(asked, event) for event in events)
             ]
         )
-        return self._seen(self._rasterized(made[..., :2], made[..., 4], made[..., 2:4]))
+        return self.whitened(self._rasterized(made[..., :2], made[..., 4], made[..., 2:4]))
 
     def anywhere(self, random: np.random.Generator, count: int) -> tuple[NDArray, NDArray]:
         """Where touches were meant, m, shape (press, 2), and readings of where the hand put them;
@@ -64,14 +60,8 @@ class TwinsHand(RandomPresses):
         aside = truncated_normal(random.random((count, 2)), CUT)
         return meant, self.read((meant + self._offset * self._sides * aside)[:, None], random)
 
-    def _read(self, middles: NDArray, factors: NDArray) -> NDArray:
-        return self._seen(self._rasterized(middles, factors))
-
-    def _seen(self, batch: PressBatch) -> NDArray:
-        twin, frequencies = self._twin, self.scene.frequencies
-        Z = self._own.sweeps(batch, frequencies)
-        seen = twin.drawn.leads.at_meter(Z, frequencies)
-        return self._errors.whitened(observed(seen))
+    def _solved(self, batch: PressBatch) -> NDArray:
+        return self._own.sweeps(batch, self.setup.frequency)
 
 
 def known_accuracy(

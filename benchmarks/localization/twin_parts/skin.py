@@ -96,7 +96,7 @@ class Twin:
 
     def impedances(self, asked: Press, event: int) -> NDArray[np.complex128]:
         """Z in ohm behind the leads, shape (interface, frequency), at the hand's event-th press."""
-        touched = touched_cells(self.family.scene.parts.skin, self.pressed(asked, event))
+        touched = touched_cells(self.family.parts.skin, self.pressed(asked, event))
         Z = self.skin(event).sweep(*touched, self.scene.frequencies)
         return self.drawn.leads.at_meter(Z, self.scene.frequencies)
 

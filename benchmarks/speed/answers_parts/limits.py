@@ -73,12 +73,12 @@ def _rms(found: list[float], truth: float) -> float:
 
 def _judged(classifier, known: TouchReadings, sweeps: int) -> float:
     """Trained on drawn sweeps of the known skin, and judged on as many others."""
-    scene, random = known.scene, np.random.default_rng(1)
-    among = [each.pixels for each in hypotheses(scene.parts.skin, scene.parts.plan, TARGET)]
+    skin, plan, random = known.parts.skin, known.parts.plan, np.random.default_rng(1)
+    among = [each.pixels for each in hypotheses(skin, plan, TARGET)]
     which = random.integers(0, len(among), 2 * sweeps)
-    cells = [np.array([i * scene.pixels.columns + j for i, j in own], dtype=int) for own in among]
+    cells = [np.array([i * skin.pixels.columns + j for i, j in own], dtype=int) for own in among]
     starts = np.cumsum([0, *(len(cells[k]) for k in which)])
-    rises = own_presses(scene.parts.skin, scene.press).at(random.random(starts[-1])) - 1
+    rises = own_presses(skin, plan.press).at(random.random(starts[-1])) - 1
     clean = known.whitened(PressBatch(np.concatenate([cells[k] for k in which]), rises, starts))
     read = clean + random.standard_normal(clean.shape)
     classifier.fit(read[:sweeps], which[:sweeps])

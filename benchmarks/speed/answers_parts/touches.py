@@ -40,7 +40,7 @@ REDUCED_RTOL = 1e-4
 
 def laid(scene: Scene, press: Press, cells: int) -> tuple[Scene, Press]:
     """The same on so many cells along each side as pixels, pressed by the area that it covers."""
-    finer = scene.parts.on_grid(cells, cells)
+    finer = scene.with_({"pixels.rows": cells, "pixels.columns": cells})
     numbers, rises = touched_cells(finer.parts.skin, press)
     each = zip(*divmod(numbers, cells), rises, strict=True)
     return finer, Press(tuple(Touch(int(i) + 1, int(j) + 1, 1 + float(r)) for i, j, r in each))
