@@ -185,7 +185,7 @@ class Picker:
         self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
     ) -> float:
         """Merit of these readings and frequencies."""
-        own = self._pairs(material).of(readings, frequencies)
+        own = self._pairs_of(material, [self._pool[k] for k in readings], [*frequencies])
         candidates = by_reading(own, self._session, self._pair_source.merit)
         return candidates.slope(np.ones(candidates.candidates))[0]
 
@@ -280,16 +280,23 @@ class Picker:
         )
 
     def _pairs(self, material: Material) -> Pairs:
-        """Pairs of all samples, each with its share of the weight."""
+        """Pairs of all samples at all candidates, kept for the last material."""
         if self._kept is None or self._kept[0] != material:
-            found = []
-            for number in range(self._casts):
-                on = self._trained.readout(self._trained.sample(number), material, self._pool)
-                found.append(self._pair_source(on, self.frequency))
-            separation = np.concatenate([each.separation for each in found])
-            weight = np.concatenate([each.weight for each in found]) / len(found)
-            self._kept = material, Pairs(separation, weight)
+            every = list(range(len(self.frequency)))
+            self._kept = material, self._pairs_of(material, self._pool, every)
         return self._kept[1]
+
+    def _pairs_of(
+        self, material: Material, readings: Sequence[Interface], frequencies: Sequence[int]
+    ) -> Pairs:
+        """Pairs of all samples, each with its share of the weight."""
+        found = []
+        for number in range(self._casts):
+            on = self._trained.readout(self._trained.sample(number), material, readings)
+            found.append(self._pair_source(on, self.frequency[list(frequencies)]))
+        separation = np.concatenate([each.separation for each in found])
+        weight = np.concatenate([each.weight for each in found]) / len(found)
+        return Pairs(separation, weight)
 
 
 def _by_both(picked: Picked, every: int) -> Integer:

@@ -6,10 +6,12 @@ import itertools
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import minimize
 
+from ..arrays import Real
+from ..fem.factors import one_blas_thread
 from ..scene.parts import SceneParts
 from ..scene.scene import Scene
 from ..sweeps import InputError
@@ -20,46 +22,41 @@ from .scoring import Layout, lowest_tenth
 from .skin_readout import Material
 from .trained_skins import foam_bounds
 
-POINTS, GOLDEN_STEPS = 7, 6
-"""Grid points of a number within its bounds, and golden-section steps around the best of them."""
 DIGITS = 2
 """Significant digits of sheet resistance and thickness: materials are not made more precisely."""
-GOLDEN = (math.sqrt(5) - 1) / 2
+POINTS = 7, 3, 3
+"""Grid points of the mean of both sheets, of their ratio and of the foam, within their bounds."""
+STEP = 0.02
+"""Difference of a logarithm for slopes of the merit, whose digits a journal rounds."""
+LEAST = 1e-5
+"""Relative gain of merit at which the steps along slopes end."""
 
 Bounds = tuple[float, float]
 """Lowest and highest value."""
 
 
-def best_value(score: Callable[[float], float], bounds: Bounds, own: float) -> float:
-    """The number within bounds of the highest score, to DIGITS.
+def best_value(score: Callable[[Real], float], bounds: Sequence[Bounds], own: Real) -> Real:
+    """Positive numbers within bounds of the highest score, shape (number,).
 
-    Evaluates a logarithmic grid, then does golden-section steps around its best point. own: another
-    point of the grid, where it is within the bounds.
+    Bounded quasi-Newton steps along slopes by the logarithms, from the best point of a logarithmic
+    grid and of `own`. Numbers with equal bounds stay. R. H. Byrd et al., SIAM J. Sci. Comput. 16
+    (1995) 1190-1208.
     """
-    low, high = bounds
-    grid = {float(each) for each in np.geomspace(low, high, POINTS)}
-    points = sorted(
-        rounded_within(each, bounds) for each in grid | ({own} if low <= own <= high else set())
+    axes = [
+        np.unique(np.geomspace(low, high, points))
+        for (low, high), points in zip(bounds, POINTS, strict=False)
+    ]
+    points = [np.clip(own, *np.transpose(bounds)), *map(np.array, itertools.product(*axes))]
+    shares = [score(each) for each in points]
+    best = int(np.argmax(shares))
+    found = minimize(
+        lambda at: -score(np.exp(at)),
+        np.log(points[best]),
+        bounds=np.log(bounds),
+        method="L-BFGS-B",
+        options={"eps": STEP, "ftol": LEAST},
     )
-    shares = {each: score(each) for each in points}
-    best = max(points, key=lambda each: shares[each])
-    place = points.index(best)
-    left, right = (
-        math.log(points[max(place - 1, 0)]),
-        math.log(points[min(place + 1, len(points) - 1)]),
-    )
-    for _ in range(GOLDEN_STEPS):
-        first, second = (
-            rounded_within(math.exp(right - GOLDEN * (right - left)), bounds),
-            rounded_within(math.exp(left + GOLDEN * (right - left)), bounds),
-        )
-        for each in (first, second):
-            shares[each] = shares[each] if each in shares else score(each)
-        if shares[first] >= shares[second]:
-            right = math.log(second)
-        else:
-            left = math.log(first)
-    return max(sorted(shares), key=lambda each: shares[each])
+    return np.exp(found.x) if -found.fun > shares[best] else points[best]
 
 
 def rounded_within(value: float, bounds: Bounds) -> float:
@@ -70,15 +67,6 @@ def rounded_within(value: float, bounds: Bounds) -> float:
 ROUNDING = 1e-9
 MIN_GAIN = 3e-3
 """Smallest gain in merit for different sheets, another foam or other foils."""
-
-
-class MaterialChange(NamedTuple):
-    """A number of a material that may change: bounds, its value (`of`), and its change (`to`)."""
-
-    name: str
-    bounds: Bounds
-    of: Callable[[Material], float]
-    to: Callable[[Material, float], Material]
 
 
 @dataclass(frozen=True)
@@ -133,7 +121,8 @@ def search(parts: SceneParts, settings: SearchSettings) -> SearchResult:
     """The best design found. Raises InputError where the constraints do not fit the scene."""
     check_readers(parts.skin, parts.setup)
     evaluator = first_evaluator(parts, settings)
-    return _Search(evaluator, settings).run()
+    with one_blas_thread():
+        return _Search(evaluator, settings).run()
 
 
 class _Search:
@@ -149,16 +138,8 @@ class _Search:
         self._add_step("as it is", own)
         readings, frequencies = evaluator.own_readings, _nearest(evaluator, own)
         material = own.material
-        bounds = _of_mean(material, self._settings.request.sheet_resistance)
-
-        def score(sheets: float) -> float:
-            return evaluator.share_of(_sheets(material, sheets), readings, frequencies)
-
         if readings:
-            best = best_value(
-                self._with_progress("sheet resistance", score), bounds, _mean(material)
-            )
-            material = _sheets(material, best)
+            material = self._best_material(material, readings, frequencies, sheets_alone=True)
             self._add_step("sheet resistance", replace(own, material=material))
             readings = evaluator.readings_at(material, readings, frequencies).readings
             picked = Picked(tuple(readings), tuple(frequencies), 0.0, 0.0, 0.0)
@@ -167,11 +148,11 @@ class _Search:
         self._add_step(
             "frequencies" if readings else "readings", evaluator.layout(material, picked)
         )
-        for move in self._changes(material):
-            found = self._best_change(material, picked, move)
-            gains = found[1].share > picked.share + MIN_GAIN
-            if gains and self._add_step(move.name, evaluator.layout(*found), MIN_GAIN):
-                material, picked = found
+        changed = self._best_material(material, picked.readings, picked.frequencies)
+        found = evaluator.picked(changed, picked.readings, picked.frequencies)
+        gains = found.share > picked.share + MIN_GAIN
+        if gains and self._add_step("sheets and foam", evaluator.layout(changed, found), MIN_GAIN):
+            material, picked = changed, found
         for name, others in geometries(evaluator.parts.skin, self._settings.request):
             picked = self._best_geometry(
                 name, others(self._evaluator.parts.scene), material, picked
@@ -198,58 +179,46 @@ class _Search:
         self._evaluator = before
         return picked
 
-    def _changes(self, material: Material) -> list[MaterialChange]:
-        """Numbers of a material that the constraints allow to change."""
+    def _best_material(
+        self,
+        own: Material,
+        readings: Sequence[int],
+        frequencies: Sequence[int],
+        sheets_alone: bool = False,
+    ) -> Material:
+        """The best material at these readings and frequencies, within the constraints.
+
+        sheets_alone: at the same ratio of both sheets, up to DIGITS, and the same foam. Raises
+        InputError where the bounds of the sheets do not allow their ratio.
+        """
         request = self._settings.request
-        low, high = request.sheet_resistance
-        ratio = request.sheet_ratio
-
-        def mismatched(material: Material, by: float) -> Material:
-            """Both sheets within bounds at a given ratio, with little change of their mean."""
-            root = math.sqrt(by)
-            lowest, highest = low * max(root, 1 / root), high * min(root, 1 / root)
-            mean = min(max(_mean(material), lowest), max(highest, lowest))
-            return replace(
-                material,
-                top=rounded_within(mean * root, request.sheet_resistance),
-                bottom=rounded_within(mean / root, request.sheet_resistance),
+        sheets = request.sheet_resistance
+        start = np.array([math.sqrt(own.top * own.bottom), own.top / own.bottom, own.foam])
+        bounds = [sheets, (start[1], start[1]), (own.foam, own.foam)]
+        if max(start[1], 1 / start[1]) > sheets[1] / sheets[0] * (1 + ROUNDING):
+            raise InputError(
+                f"`sheet_resistance` from {sheets[0]:g} to {sheets[1]:g} ohm/sq is too narrow for "
+                f"sheets with a ratio of {max(start[1], 1 / start[1]):.3g}"
             )
+        if not sheets_alone:
+            ratio = min(request.sheet_ratio, sheets[1] / sheets[0])
+            if ratio > 1:
+                bounds[1] = 1 / ratio, ratio
+            bounds[2] = foam_bounds(self._evaluator.parts.skin, request)
 
-        moves = [
-            MaterialChange(
-                "sheet resistance again", _of_mean(material, (low, high)), _mean, _sheets
-            ),
-            MaterialChange("one sheet over the other", (1 / ratio, ratio), _ratio, mismatched),
-            MaterialChange(
-                "foam", foam_bounds(self._evaluator.parts.skin, request), _foam, _with_foam
-            ),
-        ]
-        return [move for move in moves if move.bounds[0] < move.bounds[1]]
+        def material(at: Real) -> Material:
+            mean, root, foam = float(at[0]), math.sqrt(at[1]), float(at[2])
+            most = max(root, 1 / root)
+            mean = min(max(mean, sheets[0] * most), max(sheets[1] / most, sheets[0] * most))
+            return Material(mean * root, mean / root, foam)
 
-    def _best_change(
-        self, material: Material, picked: Picked, move: MaterialChange
-    ) -> tuple[Material, Picked]:
-        """The best value of one number, with new picks for each value."""
+        def score(at: Real) -> float:
+            self._settings.progress("sheets" if sheets_alone else "sheets and foam")
+            return self._evaluator.share_of(material(at), readings, frequencies)
 
-        def picked_at(value: float) -> Picked:
-            changed = move.to(material, value)
-            return self._evaluator.picked(changed, picked.readings, picked.frequencies)
-
-        score = self._with_progress(move.name, lambda value: picked_at(value).share)
-        best = best_value(score, move.bounds, move.of(material))
-        return move.to(material, best), picked_at(best)
-
-    def _with_progress(
-        self, name: str, score: Callable[[float], float]
-    ) -> Callable[[float], float]:
-        """A score that also reports the progress of a search along a number."""
-        request = itertools.count()
-
-        def counted(value: float) -> float:
-            self._settings.progress(name, min(next(request) / (POINTS + GOLDEN_STEPS), 1.0))
-            return score(value)
-
-        return counted
+        best = material(best_value(score, bounds, start))
+        top, bottom = (rounded_within(each, sheets) for each in (best.top, best.bottom))
+        return Material(top, bottom, rounded_within(best.foam, bounds[2]))
 
     def _add_step(self, name: str, layout: Layout, worth: float = 0.0) -> bool:
         """Adds a step, and returns True if it meets the constraints and gains enough."""
@@ -273,42 +242,6 @@ class _Search:
             and low * (1 - ROUNDING) <= min(sheets)
             and max(sheets) <= high * (1 + ROUNDING)
         )
-
-
-def _mean(material: Material) -> float:
-    return math.sqrt(material.top * material.bottom)
-
-
-def _sheets(material: Material, mean: float) -> Material:
-    return material.times(mean / _mean(material))
-
-
-def _of_mean(material: Material, bounds: Bounds) -> Bounds:
-    """Bounds of the mean of both sheets, at their ratio, that keep both within given bounds.
-
-    Raises InputError where there is no such mean.
-    """
-    mean, (low, high) = _mean(material), bounds
-    lowest = low * mean / min(material.top, material.bottom)
-    highest = high * mean / max(material.top, material.bottom)
-    if lowest > highest:
-        raise InputError(
-            f"`sheet_resistance` from {low:g} to {high:g} ohm/sq is too narrow for sheets with a "
-            f"ratio of {max(_ratio(material), 1 / _ratio(material)):.3g}"
-        )
-    return lowest, highest
-
-
-def _ratio(material: Material) -> float:
-    return material.top / material.bottom
-
-
-def _foam(material: Material) -> float:
-    return material.foam
-
-
-def _with_foam(material: Material, foam: float) -> Material:
-    return replace(material, foam=foam)
 
 
 def _nearest(evaluator: SceneEvaluator, layout: Layout) -> list[int]:

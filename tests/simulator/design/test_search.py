@@ -97,13 +97,23 @@ def test_the_exact_bound_of_more_readings_and_frequencies_is_never_less(strip):
     assert all(more > less - error for less, more in itertools.pairwise(shares))
 
 
-def test_the_best_along_a_number_is_found_between_the_points_of_its_grid():
+@pytest.mark.parametrize(
+    ("bounds", "best"),
+    [((1.0, 1000.0), 37), ((100.0, 1000.0), 100), ((1.0, 2.0), 2), ((5.0, 5.0), 5)],
+)
+def test_the_best_number_is_found_between_the_points_of_its_grid(bounds, best):
     def told(value):
-        return -(math.log(value / 37.0) ** 2)
+        return -(math.log(value[0] / 37.0) ** 2)
 
-    assert best_value(told, (1.0, 1000.0), 5.0) == pytest.approx(37, rel=0.03)
-    assert best_value(told, (100.0, 1000.0), 5.0) == 100
-    assert best_value(told, (1.0, 2.0), 5.0) == 2
+    assert best_value(told, [bounds], np.array([5.0])) == pytest.approx(best, rel=0.03)
+
+
+def test_the_best_of_three_numbers_that_depend_on_each_other_is_found():
+    def told(at):
+        return 1 - 0.1 * np.square(np.log(at[0] * at[1] / 60) + [0, 1, -1] * np.log(at[1:2])).sum()
+
+    found = best_value(told, [(1.0, 1000.0), (0.5, 2.0), (1.0, 1.0)], np.array([5.0, 1.5, 1.0]))
+    assert found == pytest.approx([60, 1, 1], rel=0.03)
 
 
 class SampleReadings:
