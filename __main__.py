@@ -8,9 +8,8 @@ from .hardware.meter.errors import MeterError
 from .localization.cli import add_commands
 from .simulator.cli import app, with_short_help
 from .simulator.command_line import run
-from .simulator.requests.number_ranges import with_ranges
+from .simulator.requests.number_ranges import with_ranges, with_units
 from .simulator.requests.options import with_overwrite_options
-from .simulator.requests.typed_numbers import with_units
 
 __all__ = ["app", "main"]
 

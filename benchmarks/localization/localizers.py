@@ -18,8 +18,8 @@ import xarray as xr
 from matplotlib.figure import Figure
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.localization.evaluation.evaluation import RIGHT_OF_ALL, ClassScore, score
+from rcskin.localization.inputs.baselines import read_first
 from rcskin.localization.inputs.samples import samples_of
-from rcskin.localization.inputs.sweep_files import read_first
 from rcskin.localization.inversion.estimators import MODEL_BASED, chosen
 from rcskin.localization.trust.fitting import learn_classes, learn_positions
 from rcskin.simulator.dataset.dataset_plan import DatasetPlan

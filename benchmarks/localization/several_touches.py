@@ -20,7 +20,7 @@ import xarray as xr
 from numpy.typing import NDArray
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.benchmarks.localization.several_parts.best import KnownSkin, log_ratio
-from rcskin.localization.inputs.sweep_files import read_first
+from rcskin.localization.inputs.baselines import read_first
 from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.generation import generate

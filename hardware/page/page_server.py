@@ -23,9 +23,8 @@ from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
 from ...simulator.sweeps import InputError
-from .page_address import LINK, LOOPBACK, PageAddress
 from .page_connection import ConnectionLimit, PageConnection
-from .page_document import PageDocument
+from .page_document import LINK, LOOPBACK, PageAddress, PageDocument
 
 
 def state_json(state: Mapping[str, Any]) -> str:

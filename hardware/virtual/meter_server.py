@@ -8,7 +8,7 @@ from collections.abc import AsyncIterator, Iterator
 from contextlib import AsyncExitStack, asynccontextmanager, contextmanager
 from dataclasses import dataclass
 
-from ..page.page_address import LOOPBACK
+from ..page.page_document import LOOPBACK
 from ..tokens import stored_token
 from .clients import Clients, open_port
 from .control import ControlPort

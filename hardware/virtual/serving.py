@@ -13,13 +13,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...simulator.sweeps import UNPRESSED, InputError, ToleranceError, inputs
-from ..page.page_address import LOOPBACK
+from ..page.page_document import LOOPBACK
 from .control import ControlPort
 from .meter_server import Ports, open_ports
 
 if TYPE_CHECKING:
-    from ..page.page_address import PageAddress
-    from ..page.page_document import PageDocument
+    from ..page.page_document import PageAddress, PageDocument
     from .measurement import Skin
     from .served_skin import ServedSkin
     from .virtual_device import VirtualDevice

@@ -12,7 +12,7 @@ from ...simulator.sweeps import InputError
 from ..evaluation.evaluation import ClassScore, Score, join_scores, score
 from ..inputs.samples import Samples
 from ..inversion.estimators import MODEL_ADAPTED, MODEL_BASED, estimators
-from ..learners.corrections import class_offsets
+from ..learners.drift import class_offsets
 from ..model.localizer_model import Model
 from ..parts.predictor import Chain
 from ..trust.answers import NOTHING_PRESSED, threshold_of

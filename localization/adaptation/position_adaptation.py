@@ -9,7 +9,7 @@ import numpy as np
 from ...simulator.sweeps import InputError
 from ..evaluation.evaluation import PositionScore, join_scores, score
 from ..inputs.samples import Samples
-from ..learners.corrections import affine_correction
+from ..learners.drift import affine_correction
 from ..model.localizer_model import Model
 from ..parts.predictor import Chain
 from ..trust.fitted import Guards, Regressor

@@ -44,7 +44,7 @@ def adapt(
     from ...simulator.sweeps import InputError, checked_output
     from ..adaptation.class_adaptation import adapt_classes
     from ..adaptation.position_adaptation import adapt_positions
-    from ..inputs.sweep_files import read_first
+    from ..inputs.baselines import read_first
     from ..model.localizer_file import ENDING, save
     from .model_notes import load_model_for
 

@@ -53,9 +53,9 @@ def evaluate(
     from ..evaluation.fault_scores import FaultScore, fault_lines, fault_scores
     from ..evaluation.report import WRITTEN, lines_of, write_report
     from ..evaluation.result import evaluated
+    from ..inputs.baselines import read_first
     from ..inputs.features import default_quantities
     from ..inputs.samples import samples_of
-    from ..inputs.sweep_files import read_first
     from ..inversion.estimators import chosen
     from ..model.localizer_file import ENDING
     from .model_notes import accuracy_meaning, load_model_for, note_features, note_known_sweeps

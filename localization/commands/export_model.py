@@ -94,7 +94,7 @@ def _compared(
     """Text on the comparison of a graph with its model."""
     from ...simulator.sweeps import InputError, OutputError
     from ..export.onnx_check import difference, simulated_sweeps
-    from ..inputs.sweep_files import read_first
+    from ..inputs.baselines import read_first
     from .options import MAX_SWEEPS_READ
 
     if find_spec("onnxruntime") is None:

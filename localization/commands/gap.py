@@ -97,7 +97,7 @@ def gap(
 
 
 def _show(findings: GapFindings, report: Path) -> None:
-    from ...simulator.report.terminal import table
+    from ...simulator.report.files import table
     from ..gap.report.sentences import accuracy_table
 
     header, *rows = accuracy_table(findings)

@@ -47,7 +47,7 @@ def localize(
     from ...simulator.report.files import write_rows
     from ...simulator.sweeps import checked_output
     from ...simulator.sweeps.csv_cells import guarded
-    from ..inputs.sweep_files import read_first
+    from ..inputs.baselines import read_first
     from ..trust.answers import CANNOT_TELL
     from .model_notes import load_model_for, note_known_sweeps
 

@@ -77,7 +77,7 @@ def note_known_sweeps(model: Model, sweeps: xr.Dataset, path: Path) -> None:
     """Print a note if the model was trained or adapted on some of these sweeps."""
     import numpy as np
 
-    from ..inputs.fingerprints import fingerprints_of
+    from ..inputs.samples import fingerprints_of
 
     known = int(np.isin(fingerprints_of(sweeps), model.fingerprints).sum())
     if known:

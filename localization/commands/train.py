@@ -37,7 +37,7 @@ def train(
     """
     from ...simulator.progress import on_terminal
     from ...simulator.sweeps import checked_output
-    from ..inputs.sweep_files import read_first
+    from ..inputs.baselines import read_first
     from ..model.localizer_file import ENDING, save
     from ..model.training import train as train_model
     from .model_notes import note_features

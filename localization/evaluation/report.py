@@ -10,7 +10,7 @@ import numpy as np
 from ...simulator.chart_style import chart
 from ...simulator.notebook_display import SmallChart
 from ...simulator.report.files import filled_at_once, write_rows
-from ...simulator.report.rate_bars import rate_bars
+from ...simulator.report.page import rate_bars
 from ..inputs.targets import COORDINATES
 from ..trust.rates import BOUNDING_SESSIONS, with_intervals
 from .confusion import write_csv

@@ -18,11 +18,19 @@ from ...simulator.sweeps import InputError
 from ..inversion.estimators import chosen
 from ..learners.registry import Estimator
 from .distance import ReadingDeviation, meter_error
-from .model_accuracy import MODEL_FEATURES
+from .mean_accuracy import (
+    FEATURE_LABELS,
+    MODEL_FEATURES,
+    PairedSamples,
+    Split,
+    feature_sets,
+    largest_k,
+    paired_samples,
+    reserved_for_calibration,
+    touch_splits,
+)
 from .options import GapOptions
 from .pair import SweepPair, pixel_of
-from .paired_samples import FEATURE_LABELS, PairedSamples, feature_sets, paired_samples
-from .splits import Split, largest_k, reserved_for_calibration, touch_splits
 from .versions import Version, versions_of
 
 if TYPE_CHECKING:

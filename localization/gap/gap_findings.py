@@ -18,10 +18,19 @@ from ...simulator.sweeps import InputError, ToleranceError
 from ..evaluation.evaluation import ClassScore
 from .comparison import PreparedComparison
 from .distance import Distance, distances
-from .mean_accuracy import CrossValidated, MeanAccuracy, cross_validated, transfer_accuracy
-from .model_accuracy import MODEL_FEATURES, model_accuracies, scored
+from .mean_accuracy import (
+    FEATURE_LABELS,
+    MODEL_FEATURES,
+    CrossValidated,
+    MeanAccuracy,
+    PairedSamples,
+    cross_validated,
+    model_accuracies,
+    paired_samples,
+    scored,
+    transfer_accuracy,
+)
 from .pair import pixel_of
-from .paired_samples import FEATURE_LABELS, PairedSamples, paired_samples
 
 if TYPE_CHECKING:
     from ...simulator.calibration.misfit import JointEffect, MisfitCauses, ParameterEffect

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from hashlib import blake2b
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
 
 from ...simulator.measure.sweep_touches import counts_of
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.reading_quantities import kind_of
 from ..parts.plain import Plain
 from .baselines import check_baselines, finite_sweeps
 from .features import (
@@ -19,6 +23,7 @@ from .features import (
     available_features,
     baseline_changes,
     chosen_quantities,
+    in_blocks,
     names_beside,
     packed,
     taken_rows,
@@ -26,10 +31,28 @@ from .features import (
 from .targets import PIXELS, UNLABELLED, Target, has_target, labels, positions
 
 if TYPE_CHECKING:
-    import xarray as xr
-    from numpy.typing import NDArray
-
     from ...simulator.arrays import Integer, Mask, Real
+
+FINGERPRINT_BYTES = 8
+
+
+def fingerprints_of(sweeps: xr.Dataset) -> NDArray[np.uint64]:
+    """A 64-bit number for the readings of each sweep, shape (sweep,).
+
+    Readings are rounded to single precision, which text files keep too.
+    """
+    parts = in_blocks(np.arange(sweeps.sizes["sweep"]))
+    return np.concatenate([_fingerprints(sweeps.isel(sweep=part)) for part in parts])
+
+
+def _fingerprints(sweeps: xr.Dataset) -> NDArray[np.uint64]:
+    names = kind_of(sweeps.variables).sufficient
+    readings = np.stack([sweeps[name].values for name in names], axis=1)
+    rows = np.ascontiguousarray(readings.reshape(len(readings), -1), dtype=np.float32)
+    digests = b"".join(
+        blake2b(row.tobytes(), digest_size=FINGERPRINT_BYTES).digest() for row in rows
+    )
+    return np.frombuffer(digests, dtype=np.uint64)
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...simulator.chart_style import COLOURS
 from ...simulator.notebook_display import SmallChart
-from ...simulator.report.rate_bars import rate_bars
+from ...simulator.report.page import rate_bars
 from ..trust.fitted import Classifier
 from ..trust.rates import CountedRate, with_intervals
 

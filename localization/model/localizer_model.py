@@ -27,8 +27,7 @@ from ..inputs.features import (
     names_beside,
     taken_rows,
 )
-from ..inputs.fingerprints import fingerprints_of
-from ..inputs.samples import LocalizationProblem, Samples, samples_of
+from ..inputs.samples import LocalizationProblem, Samples, fingerprints_of, samples_of
 from ..inversion.adapted import Adapted
 from ..inversion.region import Region
 from ..inversion.regions import regions_of

@@ -10,8 +10,7 @@ import numpy as np
 from ...simulator.progress import ProgressCallback, silent
 from ...simulator.sweeps import InputError
 from ..inputs.features import Quantities, default_quantities
-from ..inputs.fingerprints import fingerprints_of
-from ..inputs.samples import Samples, samples_of
+from ..inputs.samples import Samples, fingerprints_of, samples_of
 from ..inputs.targets import has_target, labels
 from ..inversion.estimators import chosen
 from ..trust.diagnosis import Diagnosis, diagnosis_of, faults_of

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...simulator.report.rate_bars import Rate
+from ...simulator.report.page import Rate
 
 if TYPE_CHECKING:
     from ...simulator.arrays import Integer, Mask

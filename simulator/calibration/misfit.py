@@ -17,8 +17,7 @@ from ..scene.parts import SceneParts
 from ..sweeps import InputError, ToleranceError
 from .fitting.centered_model import CenteredModel, Model, checked_model, model_of
 from .fitting.fit import EXPLAINED, Fit, best_fit, model_tolerance, solve_from
-from .fitting.fit_options import Options, candidates
-from .fitting.fit_spec import FitSpec
+from .fitting.fit_options import FitSpec, Options, candidates
 from .fitting.measurements import measurements_of
 from .fitting.prior import Prior, effect_prior, noise_of, priors
 from .fitting.problem import LeastSquaresProblem, difference

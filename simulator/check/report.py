@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ..chart_style import COLOURS, ENDINGS, chart, frequency_axis
-from ..report.files import filled_at_once, write_rows
-from ..report.terminal import table
+from ..report.files import filled_at_once, table, write_rows
 from ..sweeps import InputError, checked_folder, checked_output
 from ..sweeps.laws.examination import Verdict
 

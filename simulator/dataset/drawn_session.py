@@ -12,10 +12,9 @@ import numpy as np
 from ..arrays import Complex, Integer, Real
 from ..fem.error_estimate import relative_difference
 from ..measure.creeping_sweeps import OF_NODES, Interpolation, interpolation
-from ..measure.drawn_faults import faulty_skin
 from ..measure.readout import MeterSession, shown_values
 from ..measure.skin_faults import SkinFault
-from ..measure.skins import AUDIT, METER, PRESSES, DrawnSkin, stream
+from ..measure.skins import AUDIT, METER, PRESSES, DrawnSkin, faulty_skin, stream
 from ..models.parameters import Variation
 from ..scene.parts import Meter, SceneParts, Setup
 from ..sweeps import ToleranceError

@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from ..arrays import Complex
-from ..measure.drawn_faults import drawn_fault
 from ..measure.skin_faults import OPEN, SkinFault, StuckSpot
+from ..measure.skins import drawn_fault
 from ..models.parameters import Variation
 from ..scene.draws.randomisation import FaultOdds
 from ..scene.parts import SceneParts, Setup, Skin

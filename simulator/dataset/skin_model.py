@@ -11,7 +11,7 @@ import numpy as np
 
 from ..arrays import Complex, Integer, Real
 from ..measure.creeping_sweeps import OF_NODES, interpolation
-from ..measure.drawn_faults import faulty_skin
+from ..measure.skins import faulty_skin
 from ..models.mechanics.force_depths import pressed_by_factors
 from ..models.network.terminals import reduced_for
 from ..models.parameters import HALF_WAVES, Variation, nominal

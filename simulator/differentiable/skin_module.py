@@ -1,16 +1,20 @@
 """Reduced skin as a PyTorch module: presses, skin parameters and frequencies in, readings out."""
-# pyright: reportMissingImports=false
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
 from torch import Tensor, nn
+from torch.autograd.function import once_differentiable
 
+from ..arrays import Complex, Integer, Real
+from ..fem.circuit import Circuit
+from ..fem.terminals import excited_terminals
 from ..models.heterogeneous.materials import gauged
 from ..models.parameters import SHEET_MODES, TABLE
 from ..models.reduced.cases import strongest_finger
@@ -18,22 +22,96 @@ from ..models.reduced.forward import Forward
 from ..models.reduced.forward_training import PIXEL_FACTORS, REACH
 from ..models.reduced.indentation.indentation_draws import spreading
 from ..models.reduced.reduced_model import Reduced, pressed_cells
+from ..models.small_system.system import diagonalised, own_coordinates, solved
 from ..press.parts import parts_of
 from ..press.press import Press, press_on
 from ..requests.argument_types import scene_of, typed
 from ..scene.parts import Pressing, Setup, Skin
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .admittance_forms import AdmittanceForms
-from .meter_tensors import at_meter, quantities
 from .skin_tensors import (
     SkinTensors,
     air_weights,
     all_tensors,
+    at_meter,
     check_names,
     known_values,
+    quantities,
     skin_of,
 )
+
+
+class AdmittanceForms(torch.autograd.Function):
+    """Q in S of each excitation, shape (press, excitation, s).
+
+    K: S, shape (skin, m, m), one skin or one for each press. M: F, shape (press, m, m). s: rad/s,
+    shape (skin, s). The coordinates are those of `Projection`. Forms are solved in double on the
+    processor. Gradients have no gradients of their own.
+    """
+
+    @staticmethod
+    def forward(
+        ctx: Any, K: Tensor, M: Tensor, s: Tensor, terminal_field: Integer, circuit: Circuit
+    ) -> Tensor:
+        """Q; the potentials are kept for the gradients."""
+        K_of, M_of, s_of = (each.detach().cpu().numpy() for each in (K, M, s))
+        given = K_of.astype(float), M_of.astype(float), s_of.astype(complex)
+        u, Q = (torch.as_tensor(own).to(s) for own in _solved(*given, terminal_field, circuit))
+        ctx.save_for_backward(u, M, s)
+        ctx.skins = len(K)
+        return Q
+
+    @staticmethod
+    @once_differentiable
+    def backward(ctx: Any, *gradients: Tensor) -> tuple[Tensor | None, ...]:
+        """Gradients of a real loss by K, M and s."""
+        (by_Q,), (u, M, s) = gradients, ctx.saved_tensors
+        by_K, by_M, by_s, *_ = ctx.needs_input_grad
+        weight = by_Q.conj()
+        found: list[Tensor | None] = [None] * 5
+        if by_K:
+            found[0] = _summed(_products(u, weight), ctx.skins)
+        if by_M:
+            found[1] = _products(u, weight * s[:, None])
+        if by_s:
+            stored = ((u @ M.to(u.dtype)[:, None]) * u).sum(dim=3)
+            found[2] = _summed((by_Q * stored.conj()).sum(dim=1), len(s))
+        return tuple(found)
+
+
+def _solved(
+    K: Real, M: Real, s: Complex, terminal_field: Integer, circuit: Circuit
+) -> tuple[Complex, Complex]:
+    """Potentials in V, shape (press, excitation, s, m), and Q in S."""
+    N, found = len(terminal_field), []
+    skins = [(K[0], M, s[0])]
+    if not len(K) == len(s) == 1:
+        skins = [(K[k % len(K)], M[k : k + 1], s[k % len(s)]) for k in range(len(M))]
+    for K_of, M_of, s_of in skins:
+        conductance, turn = own_coordinates(K_of, M_of[0], terminal_field)
+        excited = [
+            excited_terminals(each, terminal_field, conductance, np.eye(N))
+            for each in circuit.excitations
+        ]
+        u, Q = zip(*solved(excited, diagonalised(turn.T @ M_of @ turn, N, s_of)), strict=True)
+        found.append((np.stack(u, axis=1) @ turn.T, np.stack(Q, axis=1)))
+    u, Q = zip(*found, strict=True)
+    return np.concatenate(u), np.concatenate(Q)
+
+
+def _summed(gradient: Tensor, count: int) -> Tensor:
+    """Gradient of `count` skins from that of each press."""
+    return gradient if len(gradient) == count else gradient.sum(dim=0, keepdim=True)
+
+
+def _products(u: Tensor, weight: Tensor) -> Tensor:
+    """Real part of the weighted sum of u u' over excitations and s, shape (press, m, m).
+
+    u: shape (press, excitation, s, m). weight: shape (press, excitation, s).
+    """
+    one, other = (torch.view_as_real(own.flatten(1, 2)) for own in (u * weight[..., None], u))
+    return one[..., 0].mT @ other[..., 0] - one[..., 1].mT @ other[..., 1]
+
 
 ROUNDING = 1e-5
 """Relative distance beyond the range of the training that is taken as rounding."""

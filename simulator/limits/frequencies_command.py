@@ -102,7 +102,7 @@ def frequencies(
 
 
 def _table(found: FrequencyDesign) -> Table:
-    from ..report.terminal import table
+    from ..report.files import table
 
     heads = ["", "frequencies (Hz)", found.heading, found.over]
     rows = (

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from ..notebook_display import SmallChart, Tabular
-from ..report.rate_bars import Rate, rate_bars
+from ..report.page import Rate, rate_bars
 
 NORMAL = 1.96
 """Half of a 95 % interval, in standard errors."""

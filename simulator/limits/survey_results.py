@@ -13,8 +13,7 @@ import numpy as np
 from ..arrays import Real
 from ..bounds.touches.rasterization_errors import RasterizationErrors
 from ..measure.symmetry import describe_repeated
-from ..report.files import filled_at_once, write_json, write_rows
-from ..report.terminal import table
+from ..report.files import filled_at_once, table, write_json, write_rows
 from ..safe_text import say, terminal
 from ..scene.parts import SceneParts
 from ..sweeps.accuracy_text import bound_text

@@ -16,9 +16,8 @@ from ..arrays import Real
 from ..scene.foam.foam import VACUUM_PERMITTIVITY
 from ..scene.parts import Skin
 from ..scene.surroundings import Rim
-from .blocks import Shape, blocks, shape_of
 from .charges import capacitances
-from .panels import PanelBlock
+from .panels import PanelBlock, Shape, blocks, shape_of
 from .reflections import Layer, layer
 
 CACHED = 64

@@ -20,9 +20,8 @@ from ..scene.foam.foam import VACUUM_PERMITTIVITY
 from ..scene.parts import Skin
 from ..sweeps import InputError
 from . import array_cache
-from .blocks import Shape, shape_of
 from .charges import influence, sigma
-from .panels import PanelBlock, quarter
+from .panels import PanelBlock, Shape, quarter, shape_of
 from .reflections import Layer, layer
 
 SMOOTH = 1

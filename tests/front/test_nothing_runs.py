@@ -21,7 +21,7 @@ from rcskin.hardware.reader.line_format import read_line_format
 from rcskin.hardware.record.press_order import read_order
 from rcskin.hardware.switch.switch_table import read_switch
 from rcskin.hardware.virtual.serving import read_script
-from rcskin.localization.inputs.sweep_files import read_first
+from rcskin.localization.inputs.baselines import read_first
 from rcskin.localization.model import localizer_file
 from rcskin.localization.study.axis import scene_table
 from rcskin.simulator.meters import accuracy_table

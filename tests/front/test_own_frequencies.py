@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 import rcskin
 from rcskin import __main__ as front
-from rcskin.localization.inputs.sweep_files import read_first
+from rcskin.localization.inputs.baselines import read_first
 from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import read
 from typer.testing import CliRunner

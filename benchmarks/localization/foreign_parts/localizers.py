@@ -12,8 +12,8 @@ from rcskin.benchmarks.localization.foreign_parts.effects import BODY, MAX_FINGE
 from rcskin.benchmarks.localization.foreign_parts.skin import THICKNESS
 from rcskin.benchmarks.localization.twin_parts.training import CHANGE, SEED, WHOLE
 from rcskin.localization.adaptation.class_adaptation import adapt_classes
+from rcskin.localization.inputs.baselines import read_first
 from rcskin.localization.inputs.samples import Samples
-from rcskin.localization.inputs.sweep_files import read_first
 from rcskin.localization.model.localizer_file import load as load_model
 from rcskin.localization.model.localizer_file import save as save_model
 from rcskin.localization.model.localizer_model import Model

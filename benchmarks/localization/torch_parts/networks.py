@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 import torch
 import xarray as xr
+from rcskin.localization.inputs.baselines import read_first
 from rcskin.localization.inputs.samples import samples_of
-from rcskin.localization.inputs.sweep_files import read_first
 from rcskin.localization.learners.classifiers import leading_components
 from rcskin.localization.learners.networks import COMPONENTS, HIDDEN
 from rcskin.localization.streaming.sweep_stream import SweepStream, class_numbers

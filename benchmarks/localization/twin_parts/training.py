@@ -9,7 +9,7 @@ from pathlib import Path
 
 import xarray as xr
 from rcskin.benchmarks.localization.twin_parts.trials import Trial
-from rcskin.localization.inputs.sweep_files import read_first
+from rcskin.localization.inputs.baselines import read_first
 from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.dataset_plan import DatasetPlan

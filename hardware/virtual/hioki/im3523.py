@@ -13,8 +13,7 @@ from functools import cache
 from typing import Any
 
 from ....simulator.meters.accuracy_table import METER_BANDS, RANGES, VIRTUAL_MODEL
-from ..event_registers import Standard
-from ..instrument import Instrument
+from ..instrument import Instrument, Standard
 from ..language import (
     CommandError,
     ExecutionError,

@@ -12,7 +12,7 @@ from ....simulator.meters.accuracy_table import (
     ReadingConditions,
     full_scale,
 )
-from ..event_registers import EventRegisters, Standard
+from ..instrument import EventRegisters, Standard
 from ..measurement import NORMAL, OUTSIDE_GUARANTEE, OVERFLOW, UNDERFLOW
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass, field
 
-from ..event_registers import Standard
+from ..instrument import Standard
 
 TEXTS = {
     0: "No error",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..event_registers import Standard
+from ..instrument import Standard
 from ..language import MeterCommand
 from .keysight_instrument import CORRECTING, MEASURING, KeysightInstrument
 from .scpi_values import integer, switch, switch_text

@@ -12,8 +12,7 @@ from copy import deepcopy
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from ..event_registers import EventRegisters, Standard
-from ..instrument import Instrument
+from ..instrument import EventRegisters, Instrument, Standard
 from ..language import TRIGGER_IGNORED, ExecutionError, LanguageError, MeterCommand, Vocabulary
 from ..measurement import NO_RESULT, MeasurementResult, MeterSettings
 from .error_queue import (

@@ -12,7 +12,7 @@ import numpy as np
 from ....simulator.chart_style import COLOURS, chart
 from ...evaluation.confusion_chart import draw_confusion
 from ...evaluation.reliability import draw_reliability_and_risk
-from ..paired_samples import FEATURE_LABELS
+from ..mean_accuracy import FEATURE_LABELS
 from ..versions import BEFORE
 from .gap_curves import draw_accuracies, draw_distances
 from .sentences import cause_label, model_label

@@ -10,7 +10,7 @@ import numpy as np
 from ....simulator.chart_style import COLOURS, chart, frequency_axis
 from ....simulator.notebook_display import CLOSE_LEGEND, SmallChart
 from ....simulator.sweeps.reading_subset import read_mask
-from ..paired_samples import FEATURE_LABELS
+from ..mean_accuracy import FEATURE_LABELS
 from ..versions import AFTER, BEFORE
 
 if TYPE_CHECKING:

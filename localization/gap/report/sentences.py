@@ -8,7 +8,7 @@ import numpy as np
 
 from ....simulator.models.parameters import EFFECTS
 from ...trust.rates import CountedRate
-from ..paired_samples import FEATURE_LABELS
+from ..mean_accuracy import FEATURE_LABELS
 from ..versions import AFTER, BEFORE
 
 if TYPE_CHECKING:

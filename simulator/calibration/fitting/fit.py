@@ -22,7 +22,7 @@ from ...scene.parts import SceneParts
 from ...scene.readout.meter import Readout
 from ...sweeps import InputError
 from .centered_model import CenteredModel, centered_model, trainable_factors
-from .fit_spec import FitSpec
+from .fit_options import FitSpec
 from .initial_values import initial_values
 from .problem import LeastSquaresProblem
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from ...models.line_slopes import LineModel
 from ...scene.parts import Skin
-from .fit_spec import FitSpec
+from .fit_options import FitSpec
 from .measurements import Measurements
 from .problem import LeastSquaresProblem
 

@@ -17,9 +17,9 @@ import numpy as np
 from ...arrays import Complex, Integer, Real
 from ...measure.readout import observed, observed_slope
 from ...models.parameters import FACTORS, foam_parts
-from ..likelihood.qr_reduction import ReducedSystem, ResidualBlock, reduced_system
+from ..likelihood.student import ReducedSystem, ResidualBlock, reduced_system
 from .centered_model import CenteredModel
-from .fit_spec import FitSpec, deviation_of
+from .fit_options import FitSpec, deviation_of
 from .measurements import SessionSweep
 
 MIN_RISE = -0.9

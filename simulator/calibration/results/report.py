@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from ...measure.readout import flattened
 from ...models.parameters import FACTORS
 from ...report.files import files_in, filled_at_once, write_json, write_rows, write_text
-from ...report.terminal import table as in_columns
+from ...report.files import table as in_columns
 from ...safe_text import escaped
 from ...scene.scene_files import scene_text
 from ...sweeps.output_files import replacing

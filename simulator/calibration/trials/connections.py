@@ -19,7 +19,7 @@ from ...scene.parts import Setup, Skin
 from ...sweeps import InputError, ToleranceError
 from ..fitting.centered_model import CenteredModel, model_of
 from ..fitting.fit import EXPLAINED, Fit, best_of_starts, model_tolerance, solve_from
-from ..fitting.fit_spec import FitSpec
+from ..fitting.fit_options import FitSpec
 from ..fitting.initial_values import initial_values
 from ..fitting.measurements import Measurements, SessionSweep
 from ..fitting.prior import effect_prior

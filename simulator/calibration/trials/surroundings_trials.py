@@ -22,7 +22,7 @@ from ...surroundings.rim import rim_densities
 from ...sweeps import InputError, ToleranceError
 from ..fitting.centered_model import FAR, CenteredModel, centered_model
 from ..fitting.fit import EXPLAINED, Fit, certificate_limit, fitted_parts, solve_from
-from ..fitting.fit_spec import FitSpec
+from ..fitting.fit_options import FitSpec
 from ..fitting.prior import FINGER, Prior, effect_prior
 from ..fitting.problem import LeastSquaresProblem
 from .linear_step import LinearSteps, Step

@@ -7,8 +7,8 @@ import socket
 from http import HTTPStatus
 
 import pytest
-from rcskin.hardware.page.page_address import PageAddress
 from rcskin.hardware.page.page_connection import MAX_VIEWERS
+from rcskin.hardware.page.page_document import PageAddress
 from rcskin.hardware.page.page_server import LatestState, PageServer, state_json
 from rcskin.simulator.sweeps import InputError
 from websockets.exceptions import ConnectionClosed, InvalidStatus

@@ -2,9 +2,14 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.gap.mean_accuracy import cross_validated, transfer_accuracy
-from rcskin.localization.gap.paired_samples import PairedSamples, feature_sets, paired_samples
-from rcskin.localization.gap.splits import Split
+from rcskin.localization.gap.mean_accuracy import (
+    PairedSamples,
+    Split,
+    cross_validated,
+    feature_sets,
+    paired_samples,
+    transfer_accuracy,
+)
 from rcskin.localization.inputs.samples import LocalizationProblem
 from rcskin.localization.inversion.estimators import chosen
 

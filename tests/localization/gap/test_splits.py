@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.localization.gap.splits import largest_k, reserved_for_calibration, touch_splits
+from rcskin.localization.gap.mean_accuracy import largest_k, reserved_for_calibration, touch_splits
 from rcskin.simulator.sweeps import InputError
 
 

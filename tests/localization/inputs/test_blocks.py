@@ -5,7 +5,7 @@ import tracemalloc
 import numpy as np
 import pytest
 from rcskin.localization.inputs import features
-from rcskin.localization.inputs.sweep_files import read_first
+from rcskin.localization.inputs.baselines import read_first
 from rcskin.localization.learners import networks
 from rcskin.localization.model.training import train
 from rcskin.simulator.sweeps import build, concatenate, read, write

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.calibration.fitting.centered_model import centered_model
 from rcskin.simulator.calibration.fitting.fit import solve_from
-from rcskin.simulator.calibration.fitting.fit_spec import FitSpec
+from rcskin.simulator.calibration.fitting.fit_options import FitSpec
 from rcskin.simulator.calibration.fitting.measurements import measurements_of
 from rcskin.simulator.calibration.fitting.prior import priors
 from rcskin.simulator.calibration.fitting.problem import LeastSquaresProblem, difference

@@ -5,8 +5,12 @@ import json
 import numpy as np
 import pytest
 from rcskin.simulator.calibration.fitting.fit_options import Options
-from rcskin.simulator.calibration.likelihood.qr_reduction import ResidualBlock
-from rcskin.simulator.calibration.likelihood.student import StudentT, fitted_tail, likeliest
+from rcskin.simulator.calibration.likelihood.student import (
+    ResidualBlock,
+    StudentT,
+    fitted_tail,
+    likeliest,
+)
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import write

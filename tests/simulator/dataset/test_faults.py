@@ -7,7 +7,6 @@ from rcskin.simulator.dataset.drawn_session import drawn_sessions
 from rcskin.simulator.dataset.faulty_skins import family_parts, faulty_families
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.dataset.memory_dataset import in_memory
-from rcskin.simulator.measure.drawn_faults import drawn_fault
 from rcskin.simulator.measure.skin_faults import (
     AgedGain,
     DeadFoil,
@@ -17,6 +16,7 @@ from rcskin.simulator.measure.skin_faults import (
     kind_of_fault,
     parse_fault,
 )
+from rcskin.simulator.measure.skins import drawn_fault
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import press_on
 from rcskin.simulator.scene.readout.meter import Leads

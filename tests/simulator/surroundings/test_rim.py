@@ -6,7 +6,7 @@ from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.models.validity import rim_per_length
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.foam.foam import VACUUM_PERMITTIVITY
-from rcskin.simulator.surroundings import blocks, rim
+from rcskin.simulator.surroundings import panels, rim
 from rcskin.simulator.surroundings.rim import RimDensities, rim_densities
 from rcskin.simulator.sweeps import InputError
 
@@ -86,7 +86,7 @@ def test_the_error_covers_what_finer_panels_find(skin, monkeypatch):
     scene = skin("sheet-5x5", body={"distance": 5e-3})
     found, error = relative(scene)
     rim._solved.cache_clear()
-    monkeypatch.setattr(blocks, "PANELS", (9, 15))
+    monkeypatch.setattr(panels, "PANELS", (9, 15))
     finer, less = relative(scene)
     rim._solved.cache_clear()
     assert np.abs(found - finer).max() < error

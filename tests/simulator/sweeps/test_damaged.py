@@ -3,7 +3,7 @@
 import shutil
 
 import pytest
-from rcskin.localization.inputs.sweep_files import read_first
+from rcskin.localization.inputs.baselines import read_first
 from rcskin.localization.model.localizer_file import load
 from rcskin.simulator.dataset.exports.export import export
 from rcskin.simulator.scene.scene_files import BUILTIN, read_scene
