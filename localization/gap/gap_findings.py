@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from scipy.spatial.distance import cdist
 
 from ...simulator.arrays import Mask, Real
@@ -33,6 +32,8 @@ from .mean_accuracy import (
 from .pair import pixel_of
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from ...simulator.calibration.misfit import JointEffect, MisfitCauses, ParameterEffect
 
 PERMUTATIONS = 499

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from ...simulator.arrays import Integer, Mask, Real
@@ -26,6 +25,9 @@ from ..model.localizer_model import Model
 from ..trust.fitted import Classifier, Regressor
 from ..trust.folds import folds_of
 from .pair import pixel_of
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 class Split(NamedTuple):

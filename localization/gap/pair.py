@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from ...simulator.measure.simulate import resimulated
 from ...simulator.scene.scene import Scene
@@ -21,6 +20,7 @@ from ...simulator.sweeps.schema import MEASURED, VIRTUAL
 from ..inputs.features import at_interfaces
 
 if TYPE_CHECKING:
+    import xarray as xr
     from numpy.typing import NDArray
 
     from ...simulator.arrays import Integer

@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from ...simulator.sweeps import OPENING as OF_OPENING
 from ...simulator.sweeps import InputError, check, loaded, open_zarr, read
@@ -22,6 +21,7 @@ from ...simulator.sweeps.reading_subset import read_mask
 from ...simulator.sweeps.schema import complex_readings
 
 if TYPE_CHECKING:
+    import xarray as xr
     from numpy.typing import NDArray
 
     from ...simulator.arrays import Complex, Mask

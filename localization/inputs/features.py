@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, ReadingKind, kind_of
@@ -15,6 +14,7 @@ from ...simulator.sweeps.schema import complex_readings, taken_of
 from .baselines import check_baselines, finite_sweeps, has_baseline_before, log_baselines
 
 if TYPE_CHECKING:
+    import xarray as xr
     from numpy.typing import NDArray
 
     from ...simulator.arrays import Complex, Mask, Real

@@ -8,7 +8,6 @@ from hashlib import blake2b
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from ...simulator.measure.sweep_touches import counts_of
@@ -31,6 +30,8 @@ from .features import (
 from .targets import PIXELS, UNLABELLED, Target, has_target, labels, positions
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from ...simulator.arrays import Integer, Mask, Real
 
 FINGERPRINT_BYTES = 8

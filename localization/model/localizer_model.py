@@ -8,7 +8,6 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from ...simulator.notebook_display import SmallChart, Tabular
@@ -38,6 +37,8 @@ from ..trust.diagnosis import Diagnosis, diagnosis_features
 from ..trust.fitted import Classifier, Regressor
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from ...simulator.arrays import Real
     from ...simulator.scene.scene import Scene
 

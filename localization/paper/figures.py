@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from ...simulator.arrays import Real
 from ...simulator.chart_style import COLOURS, LINE_STYLES, UNPRESSED_COLOUR, chart, frequency_axis
@@ -25,6 +24,7 @@ from .paper_quantities import paper_frequencies, totals
 from .studies import DRAWS, SimulatedExperiment, crossed_cap
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
 
 PAPER = (

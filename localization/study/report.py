@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import xarray as xr
 
 from ...simulator.arrays import Real
 from ...simulator.chart_style import COLOURS, chart, plain_numbers, unit_axis
@@ -18,6 +17,7 @@ from ...simulator.sweeps.formats.netcdf import write_netcdf
 from .axis import ALL_PIXELS, BOTH_SHEETS, Axis, Key, with_values
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
 
 CONTOURS = {0.7: ":", 0.8: "--", 0.9: "-"}

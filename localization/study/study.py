@@ -7,9 +7,7 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
-
-import xarray as xr
+from typing import TYPE_CHECKING, Any
 
 from ...simulator.chart_style import checked_chart
 from ...simulator.notebook_display import Tabular
@@ -22,6 +20,9 @@ from . import execution
 from .axis import READY_MADE, Axis, axes_of, find_key, scene_table, with_values
 from .point import EvaluationSettings
 from .report import ENDINGS, answers, describe_experiment, draw_study, spacing, write_table
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 MAX_WORKERS = 256
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from ..arrays import Real
@@ -50,6 +50,9 @@ from .results.sheet_intervals import MISMATCH
 from .trials.connections import Connection, Measure, try_connections
 from .trials.physics_trials import misfit_trials
 from .trials.surroundings_trials import with_effects
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 ROUNDS = 12
 SETTLED = 0.01

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 
 from ..models.mechanics.indentation import deformation
 from ..press.press import parse_press, press_on, strength_of
@@ -16,6 +15,8 @@ from ..sweeps import InputError
 from ..sweeps.press_text import JOINT, WrittenTouch, parse_touches
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from ..arrays import Integer, Real
     from ..scene.parts import SceneParts
 

@@ -11,8 +11,6 @@ from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import pandas as pd
-
 from ..cleanup import temporary_folder
 from ..sweeps import InputError, made_folder, whole_file
 from ..sweeps.csv_cells import write_cells
@@ -20,6 +18,7 @@ from ..sweeps.output_files import check_all_replaceable
 from ..sweeps.writing import keep_beside
 
 if TYPE_CHECKING:
+    import pandas as pd
     from rich.table import Table
 
 

@@ -8,7 +8,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import gymnasium
 import numpy as np
 
 from ..arrays import Real
@@ -26,6 +25,8 @@ from .skin_mount import SkinMount, mounted, numbered
 from .tactile_image import TAKEN, TactileImager
 
 if TYPE_CHECKING:
+    import gymnasium
+
     from ..sensor.sensor_reading import SensorReading
 
 NEED_CURVATURE = ("mesh", "sdf")

@@ -13,10 +13,9 @@ from functools import cached_property
 from importlib.metadata import version
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from ...arrays import Mask, Real
@@ -36,6 +35,9 @@ from ...sweeps.schema import (
     UNKNOWN_PRESS,
     session_names,
 )
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 VALUES_AT_ONCE = 2**20
 """Largest number of values of a variable that are in memory at once."""

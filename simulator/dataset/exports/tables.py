@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 
 from ...sweeps.formats.csv import write_csv_parts
 from ...sweeps.reading_quantities import kind_of
@@ -23,6 +22,7 @@ from .exported_sweeps import Exported, parts
 if TYPE_CHECKING:
     import pandas as pd
     import pyarrow as pa
+    import xarray as xr
 
 MAX_BYTES = 100 * 2**20
 """Uncompressed size at which a file ends."""
