@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import wraps
+from numbers import Integral, Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn, ParamSpec, TypeGuard, TypeVar
 
@@ -54,15 +55,11 @@ def _check_type(name: str, value: object, annotation: str) -> None:
 
 def whole(value: object) -> TypeGuard[int]:
     """True for a whole number, also of NumPy, but not for True and False."""
-    from numbers import Integral
-
     return isinstance(value, Integral) and not isinstance(value, bool)
 
 
 def real(value: object) -> TypeGuard[float]:
     """True for a real number, also of NumPy, but not for True and False."""
-    from numbers import Real
-
     return isinstance(value, Real) and not isinstance(value, bool)
 
 

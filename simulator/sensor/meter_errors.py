@@ -27,6 +27,8 @@ def shown_quantities(
     fixed: NDArray,
     noise: NDArray,
     frequency: NDArray,
+    interface: int,
+    first: int,
     digits: int,
     kind: int,
 ) -> NDArray:  # pragma: no cover
@@ -34,25 +36,28 @@ def shown_quantities(
 
     reading: shape (skin, frequency). deviation: of the fixed errors of magnitude and phase, then of
     their noise, shape (4, skin, frequency), or 1 where they are all equal. fixed, noise: standard
-    normal numbers, shapes (2, skin) and (2, skin, frequency). frequency: Hz. digits: 0 for no
-    rounding. kind: IMPEDANCE for Rs, X, Cp; GAIN for magnitude and phase; MAGNITUDE.
+    normal numbers of all readings, shapes (2, skin, interface) and (2, skin, interface, frequency).
+    frequency: of all readings, Hz. interface, first: numbers of the interface and of the first
+    frequency of these readings. digits: 0 for no rounding. kind: IMPEDANCE for Rs, X, Cp; GAIN for
+    magnitude and phase; MAGNITUDE.
     """
     skins, frequencies = reading.shape
     found = np.empty((3 - kind, skins, frequencies))
     for skin in range(skins):
         own = min(skin, deviation.shape[1] - 1)
         for k in range(frequencies):
-            at = min(k, deviation.shape[2] - 1)
-            gain = 1 + deviation[0, own, at] * fixed[0, skin]
-            gain *= 1 + deviation[2, own, at] * noise[0, skin, k]
-            turn = deviation[1, own, at] * fixed[1, skin]
-            turn += deviation[3, own, at] * noise[1, skin, k]
+            at, there = min(k, deviation.shape[2] - 1), first + k
+            gain = 1 + deviation[0, own, at] * fixed[0, skin, interface]
+            gain *= 1 + deviation[2, own, at] * noise[0, skin, interface, there]
+            turn = deviation[1, own, at] * fixed[1, skin, interface]
+            turn += deviation[3, own, at] * noise[1, skin, interface, there]
             value = reading[skin, k] * gain * complex(math.cos(turn), math.sin(turn))
             if kind == IMPEDANCE:
                 found[0, skin, k] = value.real
                 found[1, skin, k] = value.imag
                 size = abs(value)
-                found[2, skin, k] = -(value.imag / size) / size / (2 * math.pi * frequency[k])
+                omega = 2 * math.pi * frequency[there]
+                found[2, skin, k] = -(value.imag / size) / size / omega
             else:
                 found[0, skin, k] = abs(value)
                 if kind == GAIN:
@@ -95,7 +100,7 @@ class MeterErrors:
             self._digits = meter.readout.display_digits
             self._randoms = [stream(seed, number, METER) for number in numbers]
             fixed = [random.standard_normal((2, self._shape[0], 1)) for random in self._randoms]
-            self._fixed = np.stack(fixed, axis=1)[..., 0]
+            self._fixed = np.ascontiguousarray(np.stack(fixed, axis=1)[..., 0])
             if self._uniform is not None:
                 self._uniform = self._deviation(np.ones((1, 1), dtype=complex), np.ones(1))
 
@@ -114,18 +119,15 @@ class MeterErrors:
         """
         while self._noisy and self._sweep < sweep:
             self._draw()
-        frequency, deviation = self._frequency[frequencies], self._uniform
+        deviation, first = self._uniform, frequencies.start
         if deviation is None:
-            slot = interface, frequencies.start
+            slot, frequency = (interface, first), self._frequency[frequencies]
             latest = self._latest.get(slot)
             if latest is None or not np.array_equal(latest[0], reading):
                 latest = self._latest[slot] = reading.copy(), self._deviation(reading, frequency)
             deviation = latest[1]
-        noise = np.ascontiguousarray(self._noise[:, :, interface, frequencies])
-        fixed = np.ascontiguousarray(self._fixed[:, :, interface])
-        reading = np.ascontiguousarray(reading)
-        given = reading, deviation, fixed, noise, frequency
-        return shown_quantities(*given, self._digits, self._kind)
+        given = np.ascontiguousarray(reading), deviation, self._fixed, self._noise, self._frequency
+        return shown_quantities(*given, interface, first, self._digits, self._kind)
 
     def _deviation(self, reading: Complex, frequency: Real) -> Real:
         """Deviations of the fixed errors, then of the noise, shape (4, skin, frequency)."""

@@ -16,6 +16,7 @@ from ..models.heterogeneous.materials import gauged
 from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..models.reduced.skin_stack import SkinStack
+from ..models.small_system.lanczos import Skins
 from ..press.batch import PressBatch
 from ..scene.parts import SceneParts, Setup, Skin
 from ..scene.readout.meter import Leads
@@ -53,6 +54,7 @@ class MountedSkins:
         )
         self.family, self.distinct, self.count = family, len(distinct), len(numbers)
         grid, modes = family.grid, family.modes
+        self._gauged = gauged(family.parts.skin)
         self._drawn = [
             _with_faults(drawn_skin(parts, seed, number, grid, modes), faults, parts.skin, grid)
             for number in distinct
@@ -60,7 +62,7 @@ class MountedSkins:
         self._setup = parts.setup.behind(_stacked_leads(self._drawn))
         names = [each.name for each in parts.setup.interfaces]
         self._connected = np.isin(names, names if connected is None else [*connected])
-        self._number = np.cumsum(self._connected) - 1
+        self._number = (np.cumsum(self._connected) - 1).tolist()
         gains = [fault.gain(parts.setup.frequency) for fault in faults]
         self._gain = np.prod(gains, axis=0) if faults else None
 
@@ -72,9 +74,10 @@ class MountedSkins:
         batch: one press for all skins, or one for each. frequencies: some of the scene's.
         """
         one = self._one_to_one
-        setup = self._at(interface if one else None, frequencies)
+        setup = self._setup_at(interface if one else None, frequencies.start, frequencies.stop)
         if self._connected[interface]:
-            chosen = [int(self._number[interface])] if one else None
+            number = self._number[interface]
+            chosen = slice(number, number + 1) if one else slice(None)
             Z = self._impedances(batch, chosen, frequencies)
         else:
             rows = len(self._rows(batch.count)[0])
@@ -100,29 +103,29 @@ class MountedSkins:
         entries, first = self._stack.entries(skins)
         return entries, np.repeat(of_rows, np.diff(first, append=len(entries))), first
 
-    def _impedances(
-        self, batch: PressBatch, chosen: list[int] | None, frequencies: slice
-    ) -> Complex:
+    def _impedances(self, batch: PressBatch, chosen: slice, frequencies: slice) -> Complex:
         """Z in ohm of chosen excitations, or of all interfaces: (row, interface, frequency)."""
-        if gauged(self.family.parts.skin):
+        if self._gauged:
             each = zip(*(own.tolist() for own in self._rows(batch.count)), strict=True)
             Z = np.stack([self._skins[skin].sweep(*batch.one(press)) for skin, press in each])
-            return Z[:, slice(None) if chosen is None else chosen, frequencies]
+            return Z[:, chosen, frequencies]
         stack, (entries, presses, first) = self._stack, self._entries(batch.count)
-        followed = self._skins[0].parts.followed(batch)
-        batch = PressBatch._make(map(np.ascontiguousarray, followed))
-        s = np.ascontiguousarray(stack.systems.s[:, frequencies])
-        systems = stack.systems._replace(s=s)
-        numbers = range(len(stack.excitations)) if chosen is None else chosen
-        Y: list[Complex] = [
-            systems.admittances(stack.excitations[k], batch, entries, presses) for k in numbers
-        ]
+        batch = self._skins[0].parts.followed(batch)
+        systems = self._systems_at(frequencies.start, frequencies.stop)
+        every = stack.excitations[chosen]
+        Y: list[Complex] = [systems.admittances(own, batch, entries, presses) for own in every]
         if len(entries) > len(first):
             weights = stack.weights[entries][:, frequencies]
             Y = [np.add.reduceat(weights * own, first) for own in Y]
-        if chosen is None:
+        if not self._one_to_one:
             Y = [*self._skins[0].combination.admittance(np.stack(Y))]
         return 1 / (np.stack(Y, axis=1) if len(Y) > 1 else Y[0][:, None])
+
+    @cached_method(SETUPS_KEPT)
+    def _systems_at(self, start: int | None, stop: int | None) -> Skins:
+        """Small systems of all entries at frequencies of a range."""
+        systems = self._stack.systems
+        return systems._replace(s=np.ascontiguousarray(systems.s[:, start:stop]))
 
     @cached_property
     def _one_to_one(self) -> bool:
@@ -136,9 +139,6 @@ class MountedSkins:
         if interface is None:
             return setup
         return replace(setup, interfaces=setup.interfaces[interface : interface + 1])
-
-    def _at(self, interface: int | None, frequencies: slice) -> Setup:
-        return self._setup_at(interface, frequencies.start, frequencies.stop)
 
     @cached_property
     def _skins(self) -> list[ReducedSkin]:

@@ -115,7 +115,9 @@ class Sensor:
         advice = "take fewer skins"
         check_count("skins", count, COPIES * 8 * self._numbers_per_skin, advice)
         numbers = range(skins) if whole(skins) else skins
-        if not (isinstance(numbers, Sequence) and numbers and all(map(_is_number, numbers))):
+        if not (
+            isinstance(numbers, Sequence) and numbers and all(whole(k) and k >= 0 for k in numbers)
+        ):
             raise InputError(f"`skins` must be >= 1, or a list of numbers >= 0, got {skins!r}")
         return numbers
 
@@ -323,8 +325,9 @@ class Sensor:
         if self._foam is not None:
             each = given.of_each(self.skins)
             self._foam.press(each.batch, np.array(each.fixed), self.time)
-        self._pressed, self._known = given, {}
-        self._report(given)
+        before, self._pressed, self._known = self._pressed, given, {}
+        if given[3:] != before[3:]:
+            self._report(given)
 
     def _report(self, given: GivenPress) -> None:
         """Store which skins are limited, and the forces beside them."""
@@ -335,12 +338,7 @@ class Sensor:
             each.flags.writeable = False
 
     def _taken(self, due: DueReading) -> Real:
-        """Quantities of one reading as displayed, shape (quantity, skin, frequency)."""
-        slot, sweep = due.slot, due.number // len(self._clock.slots)
-        return self._errors.shown(self._reading(due), sweep, slot.interface, slot.frequencies)
-
-    def _reading(self, due: DueReading) -> Complex:
-        """A reading without errors of the meter, shape (skin, frequency).
+        """Quantities of one reading as displayed, shape (quantity, skin, frequency).
 
         Skins whose foam has no memory are solved once at all frequencies of an interface for each
         change of the contacts.
@@ -349,10 +347,13 @@ class Sensor:
         assert mounted is not None
         if self._foam is not None:
             pressed = self._cells.spread(self._foam.pressed(due.middle / PER_SECOND))
-            return mounted.readings(pressed, interface, frequencies)
-        if interface not in self._known:
-            self._known[interface] = mounted.readings(self._pressed.batch, interface)
-        return self._known[interface][:, frequencies]
+            reading = mounted.readings(pressed, interface, frequencies)
+        else:
+            if interface not in self._known:
+                self._known[interface] = mounted.readings(self._pressed.batch, interface)
+            reading = self._known[interface][:, frequencies]
+        sweep = due.number // len(self._clock.slots)
+        return self._errors.shown(reading, sweep, interface, frequencies)
 
     def _deliver(self) -> None:
         """Makes readings visible that have ended."""
@@ -390,8 +391,3 @@ class Sensor:
             return UNKNOWN
         away = [abs(slot.middle - self._clock.period / 2) for slot in self._clock.slots]
         return labels[int(np.argmin(away))]
-
-
-def _is_number(skin: object) -> bool:
-    """True if a skin can have this number in the session."""
-    return whole(skin) and skin >= 0

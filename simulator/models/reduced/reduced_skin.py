@@ -198,7 +198,6 @@ class ReducedSkin:
 
     def _impedances(self, systems: Skins, batch: PressBatch) -> Complex:
         """Z in ohm of presses on this skin alone, shape (press, interface, s)."""
-        batch = batch._replace(cells=np.ascontiguousarray(batch.cells))
         every, none = np.arange(batch.count), np.zeros(batch.count, dtype=np.int64)
         Y = [systems.admittances(own, batch, none, every) for own in self.excited_alone]
         Y = Y if self.combination.one_to_one else [*self.combination.admittance(np.stack(Y))]

@@ -64,7 +64,8 @@ class Skins(NamedTuple):
         excitation: of each skin, with a first axis (skin,). Each press adds its rises, in units of
         the skin's parts, times M of its cells.
         """
-        return _swept(tuple(self), tuple(excitation), skins, presses, tuple(batch))
+        touched = np.ascontiguousarray(batch.cells), *batch[1:]
+        return _swept(tuple(self), tuple(excitation), skins, presses, touched)
 
 
 @compiled()

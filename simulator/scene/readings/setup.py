@@ -160,8 +160,13 @@ class Setup(Part):
         """
         if not self.one_to_one:
             return np.stack([each.gain for each in self._node_gains(Z)], axis=-2)
-        behind = self.leads.at_meter(Z, self.frequency)
+        series, parallel = self._branches
+        behind = series + Z / (1 + parallel * Z)
         return self._single_gain(behind)[0] if self.gain else behind
+
+    @cached_property
+    def _branches(self) -> tuple[Complex, Complex]:
+        return self.leads.branches(self.frequency)
 
     def slopes(self, Z: Complex) -> ReadingSlopes:
         """Derivatives of `at_meter`. Z: see there."""

@@ -275,11 +275,15 @@ class Leads(Table):
         """True if the leads do not change the readings."""
         return not (self.resistance or self.inductance or self.unguarded)
 
+    def branches(self, frequency: Real) -> tuple[Complex, Complex]:
+        """R + j omega L in series, ohm, and j omega C in parallel, S; frequency [Hz] last."""
+        omega = (2j * np.pi * frequency).astype(np.complex128)
+        return self.resistance + omega * self.inductance, omega * self.unguarded
+
     def at_meter(self, Z: Complex, frequency: Real) -> Complex:
         """Z in ohm at the meter's end: R + j omega L + 1/(1/Z + j omega C); frequency [Hz] last."""
-        omega = 2j * np.pi * frequency
-        series = self.resistance + omega * self.inductance
-        return series + Z / (1 + omega * self.unguarded * Z)
+        series, parallel = self.branches(frequency)
+        return series + Z / (1 + parallel * Z)
 
     def slopes(self, Z: Complex, frequency: Real) -> tuple[Complex, dict[str, Complex]]:
         """Derivatives of `at_meter` by Z, and by resistance, inductance and stray capacitance."""

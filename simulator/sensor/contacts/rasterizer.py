@@ -144,7 +144,7 @@ class ContactRasterizer:
         by = ADDED if by == FACTOR and added else by
         given = contacts.values, contacts.counts, by, self.foam, self.cells
         if self.coarse is not None:
-            return pressed_moments(*given, self.coarse)
+            return pressed_moments(*given[:3], tuple(self.foam), tuple(self.cells), self.coarse)
         stacks, limited, patches, fault = winkler_stacks(*given)
         return self._of_stacks(contacts, by, stacks, limited), limited, patches, fault
 

@@ -251,14 +251,16 @@ def pressed_moments(
     values: NDArray,
     counts: NDArray,
     by: int,
-    foam: FoamTables,
-    cells: GridCells,
+    tables: tuple,
+    lines: tuple,
     grid: tuple[int, int],
 ) -> tuple[PressBatch, NDArray, NDArray, Fault]:
     """Presses by `winkler_stacks` and `moments_of_stacks`, and further results of the first.
 
-    It is one call: most of a single press is the cost of a call.
+    tables, lines: fields of `FoamTables` and `GridCells`. It is one call, and plain tuples are
+    passed faster: most of a single press is the cost of a call.
     """
+    foam, cells = FoamTables(*tables), GridCells(*lines)
     stacks, limited, patches, fault = winkler_stacks(values, counts, by, foam, cells)
     if fault[2] != FINE:
         return empty_batch(len(values), 0), limited, patches, fault

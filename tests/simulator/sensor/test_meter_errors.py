@@ -26,14 +26,15 @@ def test_the_kernel_is_its_readable_twin(reader, digits):
     size = 10.0 ** random.uniform(-3, 8, (skins, 4))
     reading = size * np.exp(1j * random.uniform(-1.5, 1.5, size.shape))
     meters = MeterErrors(scene.parts.setup, scene.parts.meter, 5, range(skins), True)
-    shown = meters.shown(reading, 1, 0, slice(0, 4))
+    shown = meters.shown(reading[:, 1:], 1, 0, slice(1, 4))
     for skin in range(skins):
         own = stream(5, skin, METER)
         fixed = own.standard_normal((2, 1, 1))[:, 0]
         _, noise = (own.standard_normal((2, 1, 4))[:, 0] for _ in range(2))
         measured = with_errors(scene.readout, reading[skin], scene.frequencies, fixed, noise)
         twin = shown_values(measured, scene.frequencies, scene.parts.setup.kind, scene.readout)
-        np.testing.assert_allclose(shown[:, skin], [*twin.values()], rtol=1e-13)
+        every = np.array([*twin.values()])
+        np.testing.assert_allclose(shown[:, skin], every[:, 1:], rtol=1e-13)
 
 
 def test_errors_have_the_deviations_of_the_scene():
