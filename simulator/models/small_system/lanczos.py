@@ -147,10 +147,10 @@ def _lanczos_steps(
         for k in range(terminals):
             common[each, k] = excitation.common[each, k]
         _neutralise(common, charge, own, each, terminals, common[each])
-        _charge(unpressed, touched, common[each], charge[each], driven)
+        _charge(unpressed, touched, common[each, :terminals], charge[each], driven)
         own[each] = _dot(common[each, :terminals], charge[each, :terminals])
     _neutralise(common, charge, own, count, terminals, potential)
-    _charge(unpressed, touched, potential, residual, driven)
+    _charge(unpressed, touched, potential[:terminals], residual, driven)
     capacitance = _dot(potential, residual)
     now = excitation.conductance + s * capacitance
     convergent = 0.0j, 1.0 + 0.0j, 0.0j, 0.0j
@@ -192,14 +192,14 @@ def _charge(
 ) -> None:  # pragma: no cover
     """Writes M v in C into `charge`.
 
-    Unless `floating`, v is 0 at terminals and their charge is left out. Rows of factors are taken
-    four at a time: v and charge are then read less often.
+    v: 0 beyond its end. Unless `floating`, v is 0 at terminals and their charge is left out. Rows
+    of factors are taken four at a time: v and charge are then read less often.
     """
-    terminals, m = unpressed.rows.shape
+    (terminals, m), known = unpressed.rows.shape, len(v)
     for k in range(terminals, m):
-        charge[k] = unpressed.diagonal[k - terminals] * v[k]
+        charge[k] = unpressed.diagonal[k - terminals] * v[k] if k < known else 0.0
     for row in range(terminals if floating else 0):
-        charge[row] = _dot(unpressed.rows[row], v)
+        charge[row] = _dot(v, unpressed.rows[row])
         for k in range(terminals, m):
             charge[k] += unpressed.rows[row, k] * v[row]
     cells, rises = touched
@@ -208,7 +208,7 @@ def _charge(
         whole = len(factor) - len(factor) % 4
         for row in range(0, whole, 4):
             a = b = c = d = v.dtype.type(0)
-            for k in range(m):
+            for k in range(known):
                 a += factor[row, k] * v[k]
                 b += factor[row + 1, k] * v[k]
                 c += factor[row + 2, k] * v[k]
@@ -222,7 +222,7 @@ def _charge(
                     + d * factor[row + 3, k]
                 )
         for row in range(whole, len(factor)):
-            part = rise * _dot(factor[row], v)
+            part = rise * _dot(v, factor[row])
             for k in range(m):
                 charge[k] += part * factor[row, k]
 
