@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
@@ -26,6 +26,12 @@ from numpy.typing import NDArray
 from scipy.special import ndtr
 
 from ..arrays import Integer, Real
+from ..bounds.fisher_information import (
+    LowerTriangle,
+    SummedInformation,
+    lower_triangle,
+    remaining,
+)
 from ..bounds.touch_readings import Hypothesis
 from ..mesh.pixel_coverage import pixel_coverage
 from ..press.batch import PressBatch
@@ -36,10 +42,6 @@ from .skin_readout import SkinReadout
 TINY = 1e-12
 FARTHEST_STRENGTH = 10.0
 """Prior standard deviation of a touch's strength, over the unpressed capacitance."""
-
-
-LowerTriangle = Mapping[tuple[int, int], Real]
-"""Entries of symmetric matrices by (row, column), row >= column, each of shape (...)."""
 
 
 class MeritValue(NamedTuple):
@@ -69,26 +71,6 @@ class Merit(Protocol):
     def __call__(self, found: Real, weight: Real, /) -> MeritValue:
         """The merit and its derivative."""
         ...
-
-
-def lower_triangle(found: Real) -> LowerTriangle:
-    """Lower triangle of matrices of shape (..., p, p)."""
-    return {(a, b): found[..., a, b] for a in range(found.shape[-1]) for b in range(a + 1)}
-
-
-def remaining(found: LowerTriangle, known: Sequence[float], kept: int) -> LowerTriangle:
-    """Information on the first `kept` unknowns, with the others marginalized.
-
-    Eliminates the others one by one (Schur complements), for all cases at once. known: prior
-    information on each unknown.
-    """
-    left = {(a, b): entry + known[a] if a == b else entry for (a, b), entry in found.items()}
-    for last in range(len(known) - 1, kept - 1, -1):
-        for a in range(last):
-            share = left[last, a] / left[last, last]
-            for b in range(a + 1):
-                left[a, b] = left[a, b] - share * left[last, b]
-    return {place: left[place] for place in left if place[0] < kept}
 
 
 @dataclass(frozen=True)
@@ -282,7 +264,6 @@ def _profiled(middle: Real, slopes: Real) -> Real:
 ACCURACY = AccuracyMerit()
 MERIT_DIGITS = 6
 """Digits of a merit that are compared."""
-NUMBERS_AT_ONCE = 4_000_000
 
 
 @dataclass(frozen=True)
@@ -342,43 +323,18 @@ class AdditiveCandidates:
 
     def __init__(self, information: Real, weight: Real, merit: Merit = ACCURACY) -> None:
         """weight: of each case, shape (case,)."""
-        _, self.candidates, p, _ = information.shape
+        self._summed, self.candidates = SummedInformation(information), information.shape[1]
         self._merit, self._weight = merit, weight
-        self._lower = np.tril_indices(p)
-        self._place = np.empty((p, p), dtype=np.int64)
-        """Index of each entry of a matrix in its lower triangle, shape (p, p)."""
-        self._place[self._lower] = self._place.T[self._lower] = range(len(self._lower[0]))
-        entries = information.transpose(2, 3, 1, 0)[self._lower]
-        self._entries = np.ascontiguousarray(entries.swapaxes(0, 1)).reshape(self.candidates, -1)
-        """Entries of the lower triangles of all cases, shape (candidate, entry * case)."""
 
     def score(self, choices: Integer) -> Real:
         """1 minus the merit of choices, shape (choice, n) to (choice,)."""
-        step = max(1, NUMBERS_AT_ONCE // max(self._entries.shape[1], 1))
-        parts = [choices[k : k + step] for k in range(0, len(choices), step)]
-        return np.concatenate([self._score(part) for part in parts])
+        parts = self._summed.of(choices)
+        return np.concatenate([_remaining(self._merit.value(p, self._weight)) for p in parts])
 
     def slope(self, weights: Real) -> tuple[float, Real]:
         """The merit at weights of the candidates, and its exact derivatives by them."""
-        whole = np.moveaxis(self._at(weights)[self._place], -1, 0)
-        result = self._merit(whole, self._weight)
-        rows, columns = self._lower
-        both = np.where(rows == columns, 1.0, 2.0)[:, None]
-        by_entry = both * result.slope().transpose(1, 2, 0)[self._lower]
-        return float(result.value), self._entries @ by_entry.ravel()
-
-    def _score(self, choices: Integer) -> Real:
-        times = np.zeros((len(choices), self.candidates))
-        np.add.at(times, (np.arange(len(choices))[:, None], choices), 1.0)
-        found = np.moveaxis(self._at(times), -2, 0)
-        rows, columns = self._lower
-        places = zip(rows.tolist(), columns.tolist(), strict=True)
-        each: LowerTriangle = dict(zip(places, found, strict=True))
-        return _remaining(self._merit.value(each, self._weight))
-
-    def _at(self, weights: Real) -> Real:
-        """Information at weights of the candidates, (..., candidate) to (..., entry, case)."""
-        return (weights @ self._entries).reshape(*weights.shape[:-1], -1, len(self._weight))
+        result = self._merit(self._summed.at(weights), self._weight)
+        return float(result.value), self._summed.slope(result.slope())
 
 
 class TiedFrequencies:

@@ -19,7 +19,15 @@ import numpy as np
 from ..arrays import Integer, Real
 from ..bounds.choice import best_choice
 from ..bounds.fields import CELLS_PER_PIXEL, AnyFields, TouchSize, fields_of
-from ..bounds.fisher_information import in_noise, pixel_maps, session_errors, summed, variances
+from ..bounds.fisher_information import (
+    SummedInformation,
+    in_noise,
+    lower_triangle,
+    pixel_maps,
+    session_errors,
+    summed,
+    variances,
+)
 from ..bounds.frequency_sets import OPTIMAL, candidates_of, compared, too_near
 from ..bounds.position_bound import (
     Slopes,
@@ -45,22 +53,20 @@ MIN_SEPARATION = 1.0
 """Smallest separation, in the meter's errors, that all candidates together must reach."""
 NO_ROOM = 1e-30
 """m²: prior variance of a coordinate that is known."""
-AT_ONCE = 200_000
-"""Largest number of matrices that are inverted together."""
 
 
 @dataclass(frozen=True)
 class Criterion:
     """A figure of any set of candidates, to be minimized.
 
-    frequency: of the candidates, Hz. information: of each, shape (case, candidate, p, p). prior:
-    shape (p, p). merit: function from variances of the first `wanted` unknowns, shape (choice,
-    case, wanted), to the figure, shape (choice,). left_out: number of coordinates, or pairs of
-    pixels, that all candidates together do not resolve.
+    frequency: of the candidates, Hz. information: of each. prior: 1/deviation² of each unknown,
+    shape (p,). merit: function from variances of the first `wanted` unknowns, shape (choice, case,
+    wanted), to the figure, shape (choice,). left_out: number of coordinates, or pairs of pixels,
+    that all candidates together do not resolve.
     """
 
     frequency: Real
-    information: Real
+    information: SummedInformation
     prior: Real
     wanted: int
     merit: Callable[[Real], Real]
@@ -68,18 +74,14 @@ class Criterion:
 
     def score(self, choices: Integer) -> Real:
         """Figures of choices of candidates, shape (choice, n) to (choice,)."""
-        chunk = max(1, AT_ONCE // len(self.information))
-        parts = [choices[k : k + chunk] for k in range(0, len(choices), chunk)]
-        return np.concatenate([self._score(part) for part in parts])
+        known = self.prior.tolist()
+        parts = self.information.of(choices)
+        return np.concatenate([self.merit(variances(each, known, self.wanted)) for each in parts])
 
     @property
     def of_all(self) -> float:
         """Figure of all candidates together."""
-        return float(self._score(np.arange(len(self.frequency))[None])[0])
-
-    def _score(self, choices: Integer) -> Real:
-        total = self.information[:, choices].sum(axis=2).swapaxes(0, 1)
-        return self.merit(variances(total + self.prior, self.wanted))
+        return float(self.score(np.arange(len(self.frequency))[None])[0])
 
 
 def position_criterion(slopes: Slopes) -> Criterion:
@@ -88,9 +90,10 @@ def position_criterion(slopes: Slopes) -> Criterion:
     It uses the coordinates that all candidates together resolve. Raises InputError where there are
     none.
     """
-    information, prior = summed(slopes.by), np.diag(slopes.prior)
+    information = summed(slopes.by)
     anywhere = np.square(slopes.room) / 12
-    resolved = variances(information.sum(axis=1) + prior, 2) < anywhere
+    every = lower_triangle(information.sum(axis=1))
+    resolved = variances(every, slopes.prior.tolist(), 2) < anywhere
     if not resolved.any():
         raise InputError("no frequencies resolve the position of a touch")
 
@@ -98,7 +101,14 @@ def position_criterion(slopes: Slopes) -> Criterion:
         posterior = resolved / (1 / variance + 1 / np.maximum(anywhere, NO_ROOM))
         return np.sqrt(posterior.sum(axis=(-1, -2)) / resolved.any(axis=-1).sum())
 
-    return Criterion(slopes.frequency, information, prior, 2, merit, int((~resolved).sum()))
+    return Criterion(
+        slopes.frequency,
+        SummedInformation(information),
+        slopes.prior,
+        2,
+        merit,
+        int((~resolved).sum()),
+    )
 
 
 def identity_criterion(
@@ -130,7 +140,7 @@ def identity_criterion(
     ]
     slopes, prior = _pair_slopes(parts.plan.press, touch.rise, pairs, answers, model)
     information = summed(slopes)
-    whole = variances(information.sum(axis=1) + np.diag(prior), 1)[:, 0]
+    whole = variances(lower_triangle(information.sum(axis=1)), prior.tolist(), 1)[:, 0]
     resolved = whole < MIN_SEPARATION**-2
     if not resolved.any():
         raise InputError(f"{parts.skin.name}: no frequencies distinguish any two {target}s")
@@ -139,7 +149,8 @@ def identity_criterion(
         return np.sqrt(variance[..., 0].max(axis=-1))
 
     left_out = int((~resolved).sum())
-    return Criterion(frequency, information[resolved], np.diag(prior), 1, merit, left_out)
+    every = SummedInformation(information[resolved])
+    return Criterion(frequency, every, prior, 1, merit, left_out)
 
 
 def _pixel_touches(fields: AnyFields, touch: TouchSize) -> list[RasterizedTouch]:

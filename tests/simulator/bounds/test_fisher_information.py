@@ -5,6 +5,7 @@ import pytest
 from rcskin.simulator.bounds.fisher_information import (
     covariances,
     error_model,
+    lower_triangle,
     session_errors,
     summed,
     variances,
@@ -22,14 +23,14 @@ def test_bounds_are_the_inverse_of_the_information_whatever_the_units():
 def test_an_unknown_without_effect_has_infinite_variance_and_no_influence():
     J = np.random.default_rng(1).standard_normal((30, 3)) * [1, 0, 1]
     alone = np.linalg.inv(J[:, [0, 2]].T @ J[:, [0, 2]])
-    found = variances(J.T @ J, 3)
+    found = np.diagonal(covariances(J.T @ J, 3))
     np.testing.assert_allclose(found, [alone[0, 0], np.inf, alone[1, 1]], rtol=1e-9)
 
 
 def test_two_unknowns_with_one_effect_are_not_resolved():
     J = np.repeat(np.random.default_rng(1).standard_normal((30, 1)), 2, axis=1)
     single = 1 / (J[:, 0] @ J[:, 0])
-    assert (variances(J.T @ J, 2) > 1e6 * single).all()
+    assert (np.diagonal(covariances(J.T @ J, 2)) > 1e6 * single).all()
 
 
 @pytest.mark.parametrize("against_rest", [0, 3])
@@ -46,6 +47,17 @@ def test_errors_of_the_session_as_unknowns_are_the_meters_covariance(noisy, agai
     flat = plain.reshape(-1, 2)
     full = np.linalg.inv(flat.T @ np.linalg.solve(model.covariance, flat))
     np.testing.assert_allclose(covariances(information, 2), full, rtol=1e-6)
+
+
+@pytest.mark.parametrize("wanted", [1, 2])
+def test_variances_are_those_of_the_covariance_also_of_what_nothing_determines(wanted):
+    J = np.random.default_rng(3).standard_normal((5, 6, 4))
+    J[1, :, 1], J[2, :, 0] = 2 * J[1, :, 0], 0.0
+    information, known = J.swapaxes(1, 2) @ J, [0.0, 0.0, 0.5, 2.0]
+    found = variances(lower_triangle(information), known, wanted)
+    full = covariances(information + np.diag(known), wanted)
+    np.testing.assert_allclose(found, np.diagonal(full, axis1=1, axis2=2), rtol=1e-3)
+    assert np.isinf(found[2, 0])
 
 
 def test_a_meter_without_noise_is_refused(noisy):
