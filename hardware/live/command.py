@@ -98,7 +98,7 @@ def live(
     ] = None,
 ) -> None:
     """Localize touches live. A pipe gets time, answer, probability and latency in ms."""
-    from ...localization.filtering.touch_dynamics import TouchDynamics
+    from ...localization.filtering.chain import TouchDynamics
     from ...simulator.sweeps import InputError
     from ..event_counter import EventCounter
     from ..meter.restoring.termination import orderly_termination

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from ...localization.filtering.adaptive import AdaptiveSweep
-    from ...localization.filtering.touch_dynamics import TouchDynamics
+    from ...localization.filtering.chain import TouchDynamics
     from ...localization.inversion.region import Region
     from ...localization.model.localizer_model import Model
     from ...simulator.scene.parts import SceneParts

@@ -97,8 +97,8 @@ def _filtered_answers(
 ) -> tuple[list[str], list[list[str]]]:
     """Header and rows with --filter: each answer uses its sweep and all previous ones."""
     from ...simulator.sweeps import InputError
+    from ..filtering.chain import TouchDynamics
     from ..filtering.follower import Follower
-    from ..filtering.touch_dynamics import TouchDynamics
     from ..inputs.targets import COORDINATES
 
     if not pace > 0:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -29,22 +28,6 @@ from .cell_grid import cell_grid_of
 from .chain import Evidence
 from .follower import FollowedAnswer, Follower
 
-
-@dataclass(frozen=True, eq=False)
-class AdaptiveSettings:
-    """Settings of adaptive sweeps.
-
-    model: localizer of the answers. certain: probability of an answer at which a sweep may end.
-    follower: its belief is the prior of a sweep; None without one. within: mm; a place is known
-    well enough if its region is no larger than a disc of this radius.
-    """
-
-    model: Model
-    certain: float
-    follower: Follower | None
-    within: float
-
-
 MIN_PRIOR = 1e-6
 
 
@@ -54,11 +37,11 @@ class AdaptiveSweep(ABC):
     It ends when `next` is None.
     """
 
-    def __init__(self, settings: AdaptiveSettings, baseline: Complex, gap: float) -> None:
-        self._terms, self.gap, self._at_rest = settings, gap, baseline
-        self._interfaces = settings.model.interfaces
-        self._frequencies = np.array(settings.model.frequencies)
-        taken = np.array(settings.model.problem.taken, dtype=bool)
+    def __init__(self, policy: AdaptivePolicy, baseline: Complex, gap: float) -> None:
+        self._policy, self.gap, self._at_rest = policy, gap, baseline
+        self._interfaces = policy.model.interfaces
+        self._frequencies = np.array(policy.model.frequencies)
+        taken = np.array(policy.model.problem.taken, dtype=bool)
         shape = len(self._interfaces), self._frequencies.size
         self._places = np.argwhere(taken if taken.size else np.ones(shape, dtype=bool))
 
@@ -104,12 +87,12 @@ class ClassSweep(AdaptiveSweep):
     """Adaptive sweep for a classifier."""
 
     def __init__(
-        self, settings: AdaptiveSettings, step: ModelBased, baseline: NDArray, gap: float
+        self, policy: AdaptivePolicy, step: ModelBased, baseline: NDArray, gap: float
     ) -> None:
-        super().__init__(settings, baseline, gap)
-        learned, prior = settings.model.learned, None
-        if settings.follower is not None:
-            known = settings.follower.expected(gap)[:-1]
+        super().__init__(policy, baseline, gap)
+        learned, prior = policy.model.learned, None
+        if policy.follower is not None:
+            known = policy.follower.expected(gap)[:-1]
             prior = np.log(np.maximum(known / known.sum(), MIN_PRIOR))
         assert isinstance(learned, Classifier)
         self._posterior, self._sharpness = (
@@ -125,19 +108,19 @@ class ClassSweep(AdaptiveSweep):
     @property
     def is_certain(self) -> bool:
         """True if a class is probable enough."""
-        return bool(self._posterior.probabilities.max() >= self._terms.certain)
+        return bool(self._posterior.probabilities.max() >= self._policy.certain)
 
     def answer(self, during: float) -> FollowedAnswer:
         """Answer by the readings so far. during: their duration, s."""
-        posterior, terms = self._posterior, self._terms
-        if terms.follower is not None:
+        posterior, policy = self._posterior, self._policy
+        if policy.follower is not None:
             likelihoods = self._sharpness * posterior.log_densities
-            return terms.follower.update(Evidence(likelihoods), self.gap, during)
+            return policy.follower.update(Evidence(likelihoods), self.gap, during)
         probabilities = posterior.probabilities
         best = int(probabilities.argmax())
         chance = float(probabilities[best])
-        silent = posterior.novel or chance < terms.certain
-        label = CANNOT_TELL if silent else str(terms.model.classes[best])
+        silent = posterior.novel or chance < policy.certain
+        label = CANNOT_TELL if silent else str(policy.model.classes[best])
         return FollowedAnswer(label, chance, probabilities, 0.0)
 
 
@@ -149,10 +132,10 @@ class PlaceSweep(AdaptiveSweep):
     """Adaptive sweep for a model of positions."""
 
     def __init__(
-        self, settings: AdaptiveSettings, step: ModelBasedPosition, baseline: NDArray, gap: float
+        self, policy: AdaptivePolicy, step: ModelBasedPosition, baseline: NDArray, gap: float
     ) -> None:
-        super().__init__(settings, baseline, gap)
-        self._grid = cell_grid_of(settings.model)
+        super().__init__(policy, baseline, gap)
+        self._grid = cell_grid_of(policy.model)
         self._placing = PlacePosterior(step, self._prior(step, gap))
 
     @property
@@ -163,21 +146,21 @@ class PlaceSweep(AdaptiveSweep):
     @property
     def is_certain(self) -> bool:
         """True if the skin is certainly unpressed, or the region of the touch is small enough."""
-        rest, certain = self._placing.unpressed, self._terms.certain
+        rest, certain = self._placing.unpressed, self._policy.certain
         if rest > 1 - certain:
             return rest >= certain
-        return self._region().area <= math.pi * self._terms.within**2
+        return self._region().area <= math.pi * self._policy.within**2
 
     def answer(self, during: float) -> FollowedAnswer:
         """Answer by the readings so far. during: their duration, s."""
-        placing, follower = self._placing, self._terms.follower
+        placing, follower = self._placing, self._policy.follower
         if follower is not None:
-            likelihoods = placing.log_densities[0 if self._terms.model.knows_unpressed else 1 :]
+            likelihoods = placing.log_densities[0 if self._policy.model.knows_unpressed else 1 :]
             cells = self._grid.with_calibrated_deviations(cells_of(placing.posterior))
             return follower.update(Evidence(likelihoods), self.gap, during, cells)
         rest, nothing = placing.unpressed, np.zeros(0)
         chance = max(rest, 1 - rest)
-        if placing.novel or chance < self._terms.certain:
+        if placing.novel or chance < self._policy.certain:
             return FollowedAnswer(CANNOT_TELL, chance, nothing, 0.0)
         if rest > 0.5:
             return FollowedAnswer("0", chance, nothing, 0.0)
@@ -185,23 +168,20 @@ class PlaceSweep(AdaptiveSweep):
 
     def _place(self) -> tuple[float, ...]:
         """Peak x and y of the blurred posterior, and its deviations from there, mm."""
-        places = self._placing.places
-        best = places.peak(BLUR)
-        squares = (places.mean - best) ** 2 + np.einsum("eii->ei", places.covariance)
-        off = self._grid.learned.factor[:2] * np.sqrt(places.weight @ squares)
-        return (*best.tolist(), *off.tolist())
+        best, off = self._placing.places.peak_and_deviation(BLUR)
+        return (*best.tolist(), *(self._grid.learned.factor[:2] * off).tolist())
 
     def _region(self) -> Region:
         return region_of(self._placing.places, PROBABILITY)
 
     def _prior(self, step: ModelBasedPosition, gap: float) -> Real:
         """ln prior of the unpressed skin and of each cell."""
-        terms = self._terms
-        rest = UNPRESSED_PRIOR if terms.model.knows_unpressed else 0.0
+        policy = self._policy
+        rest = UNPRESSED_PRIOR if policy.model.knows_unpressed else 0.0
         own = log_prior_of(step, rest)
-        if terms.follower is None:
+        if policy.follower is None:
             return own
-        known = np.maximum(terms.follower.expected(gap)[:-1], MIN_PRIOR / CELLS)
+        known = np.maximum(policy.follower.expected(gap)[:-1], MIN_PRIOR / CELLS)
         if not rest:
             return np.append(-np.inf, np.log(known) + own[1:])
         return np.log(known) + own - np.log(np.append(rest, np.full(CELLS, (1 - rest) / CELLS)))
@@ -215,8 +195,10 @@ INVERTING = ModelBased | AdaptedClassifier | ModelBasedPosition | AdaptedPositio
 class AdaptivePolicy:
     """Starts an `AdaptiveSweep` for each sweep.
 
-    model, certain, follower, within: see `AdaptiveSettings`.
-    Raises InputError for a model that has no likelihoods of parts of a sweep.
+    model: localizer of the answers. certain: probability of an answer at which a sweep may end,
+    CERTAIN by default. follower: its belief is the prior of a sweep; None without one. within: mm;
+    a place is known well enough if its region is no larger than a disc of this radius. Raises
+    InputError for a model that has no likelihoods of parts of a sweep.
     """
 
     def __init__(
@@ -236,17 +218,18 @@ class AdaptivePolicy:
             raise InputError(f"`certain` must be between 0 and 1, got {certain:g}")
         if not 0 < within < np.inf:
             raise InputError(f"`within` must be above 0 mm, got {within:g}")
-        self._terms = AdaptiveSettings(model, certain or CERTAIN, follower, within)
+        self.model, self.certain = model, certain or CERTAIN
+        self.follower, self.within = follower, within
         self._skin: tuple[xr.Dataset, tuple[Any, Complex]] | None = None
 
     def begin(self, rest: xr.Dataset, gap: float) -> AdaptiveSweep:
         """Start the next sweep. rest: baseline sweeps. gap: s since the previous sweep."""
         if self._skin is None or self._skin[0] is not rest:
-            self._skin = rest, inverter_for(self._terms.model, rest)
+            self._skin = rest, inverter_for(self.model, rest)
         step, baseline = self._skin[1]
         if isinstance(step, ModelBased):
-            return ClassSweep(self._terms, step, baseline, gap)
-        return PlaceSweep(self._terms, step, baseline, gap)
+            return ClassSweep(self, step, baseline, gap)
+        return PlaceSweep(self, step, baseline, gap)
 
 
 def inverter_for(model: Model, rest: xr.Dataset) -> tuple[Any, Complex]:

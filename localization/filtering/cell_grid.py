@@ -75,9 +75,7 @@ class CellGrid:
         kept = belief > NEGLIGIBLE * belief.max()
         share = belief[kept] / belief[kept].sum()
         places = PlaceDistribution(share, mean[kept], covariance[kept], self.bounds, self.mask)
-        best = places.peak(BLUR)
-        squares = (places.mean - best) ** 2 + np.einsum("eii->ei", places.covariance)
-        return best, np.sqrt(share @ squares)
+        return places.peak_and_deviation(BLUR)
 
 
 def cell_grid_of(model: Model) -> CellGrid:

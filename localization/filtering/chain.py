@@ -1,19 +1,49 @@
-"""Hidden Markov model in continuous time, with sweeps during which the state may change.
+"""Touches over time: their rates, and a hidden Markov model whose state may change within a sweep.
 
-It is the forward pass of L. R. Rabiner, Proc. IEEE 77 (1989) 257-286, section III A. If the state
-changes within a sweep, the readings before the cut are of one state and those after it of another.
+The model is the forward pass of L. R. Rabiner, Proc. IEEE 77 (1989) 257-286, section III A. If the
+state changes within a sweep, the readings before the cut are of one state and those after it of
+another.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
 
 from ...simulator.arrays import Integer, Mask, Real
+from ...simulator.sweeps import InputError
 
 MIN_LIKELIHOOD = 1e-300
+
+
+@dataclass(frozen=True)
+class TouchDynamics:
+    """Mean durations of exponential distributions, and a speed.
+
+    lasts: duration of a touch, s. every: time from a touch's end to the next one, s. speed: speed
+    of a touch along the skin, mm/s; it keeps its direction for a second. Raises InputError for a
+    value that is not above 0.
+    """
+
+    lasts: float = 2.0
+    every: float = 5.0
+    speed: float = 20.0
+
+    def __post_init__(self) -> None:
+        for each in fields(self):
+            value = getattr(self, each.name)
+            if not 0 < value < math.inf:
+                raise InputError(f"`touch-{each.name}` must be above 0, got {value:g}")
+
+    def crossings(self, width: float) -> float:
+        """Rate in 1/s at which a touch leaves a part of the skin of this width in mm.
+
+        If it crosses the part within a second, the rate is that of a random walk: speed² / width².
+        """
+        return self.speed / width * max(1.0, self.speed / width)
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,8 +26,7 @@ from ..model.localizer_model import Model
 from ..trust.answers import CANNOT_TELL
 from ..trust.fitted import Classifier, Regressor
 from .cell_grid import CellGrid, cell_grid_of
-from .chain import Belief, Chain, Cut, Evidence
-from .touch_dynamics import TouchDynamics
+from .chain import Belief, Chain, Cut, Evidence, TouchDynamics
 
 OTHER = 0.05
 """Share of touches of unknown kinds, which are the last state."""

@@ -15,7 +15,7 @@ from ..parts.plain import Sizes, require
 from ..parts.predictor import Predictor
 from .classifier import InversionPlan, novelty_limit
 from .hypotheses import Mixture, mixture
-from .region import PlaceDistribution, SkinMask, skin_mask_of
+from .region import PlaceDistribution, SkinMask, rms_distance, skin_mask_of
 
 DEGREE = 3
 SLOPES = ((1, 0, 0), (0, 1, 0), (0, 0, 1))
@@ -169,7 +169,7 @@ class ModelBasedPosition(Predictor):
         posteriors = [self._posterior(each) for each in X / self.noise]
         best = np.array([self._best_estimate(each) for each in posteriors]).reshape(-1, 3)
         pairs = zip(posteriors, best, strict=True)
-        return best, np.array([_distance(*each) for each in pairs]).reshape(-1, 3)
+        return best, np.array([rms_distance(*own[1:], at) for own, at in pairs]).reshape(-1, 3)
 
     def places(self, X: Real) -> list[PlaceDistribution]:
         """The posterior of the place of each sweep."""
@@ -246,11 +246,6 @@ def _shares(mask: SkinMask, bounds: Real) -> Real:
         .mean(axis=(1, 3))
         .ravel()
     )
-
-
-def _distance(posterior: Posterior, theta: Real) -> Real:
-    squares = (posterior.mean - theta) ** 2 + np.einsum("eii->ei", posterior.covariance)
-    return np.sqrt(posterior.share @ squares)
 
 
 def _middles(low: float, high: float, count: int) -> Real:

@@ -65,6 +65,11 @@ PEAK_TOLERANCE = 1e-6
 """Step below which the search for the peak ends, mm."""
 
 
+def rms_distance(weight: Real, mean: Real, covariance: Real, at: Real) -> Real:
+    """Root-mean-square distances along each axis of weighted normal distributions from a point."""
+    return np.sqrt(weight @ ((mean - at) ** 2 + np.einsum("eii->ei", covariance)))
+
+
 @dataclass(frozen=True, eq=False)
 class PlaceDistribution:
     """Posterior of a sweep's place: normal distributions within the skin, x and y in mm.
@@ -87,6 +92,11 @@ class PlaceDistribution:
         away = np.stack([x, y], axis=-1)[..., None, :] - self.mean[kept]
         density = np.exp(-_squared_distance(inverse, away) / 2) @ peak
         return density if self.mask is None else density * self.mask.contains(x, y)
+
+    def peak_and_deviation(self, blur: float) -> tuple[Real, Real]:
+        """The peak, see `peak`, and the root-mean-square distances along x and y from it."""
+        best = self.peak(blur)
+        return best, rms_distance(self.weight, self.mean, self.covariance, best)
 
     def peak(self, blur: float) -> Real:
         """Peak of the blurred posterior, shape (2,).

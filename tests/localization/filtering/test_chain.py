@@ -5,9 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.localization.filtering.chain import Belief, Cut, Evidence
+from rcskin.localization.filtering.chain import Belief, Cut, Evidence, TouchDynamics
 from rcskin.localization.filtering.follower import chain_of_classes, chain_of_places
-from rcskin.localization.filtering.touch_dynamics import TouchDynamics
 from rcskin.simulator.sweeps import InputError
 from scipy.linalg import expm
 

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from rcskin.localization.filtering.adaptive import AdaptivePolicy
+from rcskin.localization.filtering.chain import TouchDynamics
 from rcskin.localization.filtering.follower import Follower
-from rcskin.localization.filtering.touch_dynamics import TouchDynamics
 from rcskin.localization.inversion.estimators import MODEL_BASED
 from rcskin.localization.model.training import train
 from rcskin.localization.trust.answers import CANNOT_TELL
