@@ -18,10 +18,10 @@ from rcskin.simulator.calibration.run import Calibration, calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.cosine_modes import FittedModes, with_sheet_modes
-from rcskin.simulator.models.network.terminals import reduced_for
 from rcskin.simulator.models.parameters import SHEET_MODES
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.terminals import reduced_for
 from rcskin.simulator.press.press import every_press
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene, scene_text

@@ -13,12 +13,12 @@ from ..arrays import Complex, Integer, Real
 from ..measure.creeping_sweeps import OF_NODES, interpolation
 from ..measure.skins import faulty_skin
 from ..models.mechanics.force_depths import pressed_by_factors
-from ..models.network.terminals import reduced_for
 from ..models.parameters import HALF_WAVES, Variation, nominal
 from ..models.reduced.cases import Case
-from ..models.reduced.forward_training import BAND_POINTS
+from ..models.reduced.forward import BAND_POINTS
 from ..models.reduced.model_file import load, save
 from ..models.reduced.reduced_model import Reduced
+from ..models.terminals import reduced_for
 from ..press.batch import PressBatch, TouchedCells
 from ..scene.draws.randomisation import Session
 from ..scene.parts import SceneParts, Skin

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from ..arrays import Complex, Real
 from ..bounds.likelihood import Likelihood
 from ..measure.skins import DrawnSkin
-from ..models.network.network_skin import NetworkSkin
+from ..models.network_skin import NetworkSkin
 from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.batch import PressBatch

@@ -10,10 +10,10 @@ from functools import cached_property
 import numpy as np
 
 from ..measure.skins import DrawnSkin, drawn_skin
-from ..models.network.terminals import read, require_no_spread, trained
 from ..models.parameters import HALF_WAVES, nominal
 from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.reduced_model import Reduced
+from ..models.terminals import read, require_no_spread, trained
 from ..progress import ProgressCallback, silent
 from ..scene.design_goals import Design
 from ..scene.parts import SceneParts, Setup, Skin

@@ -18,8 +18,7 @@ from ..fem.terminals import excited_terminals
 from ..models.heterogeneous.materials import gauged
 from ..models.parameters import SHEET_MODES, TABLE
 from ..models.reduced.cases import strongest_finger
-from ..models.reduced.forward import Forward
-from ..models.reduced.forward_training import PIXEL_FACTORS, REACH
+from ..models.reduced.forward import PIXEL_FACTORS, REACH, Forward
 from ..models.reduced.indentation.indentation_draws import spreading
 from ..models.reduced.reduced_model import Reduced, pressed_cells
 from ..models.small_system.system import diagonalised, own_coordinates, solved

@@ -17,8 +17,8 @@ from ..arrays import Real
 from ..measure.experiment import own_presses
 from ..measure.readout import errors_of
 from ..mesh.pixel_coverage import pixel_coverage
-from ..models.network.terminals import reduced_for
 from ..models.reduced.forward import Forward
+from ..models.terminals import reduced_for
 from ..models.uniform import require_static
 from ..press.batch import NOTHING, PressBatch
 from ..press.parts import parts_of

@@ -15,10 +15,10 @@ from ..arrays import Complex, Integer, Real
 from ..bounds.likelihood import Likelihood
 from ..bounds.posterior import Templates, axes_of, posterior, starts_of
 from ..bounds.touch_readings import CELLS, MAX_FACTOR, MIN_FACTOR, Hypothesis
-from ..models.network.terminals import reduced_for
 from ..models.reduced.cases import Case
 from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
+from ..models.terminals import reduced_for
 from ..press.batch import PressBatch
 from ..press.rasterized import Footprints, rasterized
 from ..press.walls import require_no_walls

@@ -16,12 +16,12 @@ from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.line_slopes import LineModel
-from rcskin.simulator.models.network.network_skin import NetworkSkin
-from rcskin.simulator.models.network.terminals import chain, read
+from rcskin.simulator.models.network_skin import NetworkSkin
 from rcskin.simulator.models.parameters import Variation, own_values
 from rcskin.simulator.models.reduced.cases import Case, pixel_touches
 from rcskin.simulator.models.reduced.certificate import largest_bounds
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.terminals import chain, read
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.parts import foam_parts
 from rcskin.simulator.press.pixels import pixels_with_skin

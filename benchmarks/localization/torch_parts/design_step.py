@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import rcskin
 import torch
-from rcskin.simulator.models.reduced.forward_training import REACH
+from rcskin.simulator.models.reduced.forward import REACH
 from rcskin.simulator.scene.scene import Scene
 from torch import Tensor
 

@@ -16,7 +16,6 @@ from ...fem.circuit import two_fields
 from ...fem.factors import one_blas_thread
 from ...fem.terminals import Combination
 from ...method_cache import cached_method
-from ...models.network.terminals import chain, read
 from ...models.parameters import by_sheets
 from ...models.reduced.cases import Case
 from ...models.reduced.families.family_meshes import unreduced
@@ -24,6 +23,7 @@ from ...models.reduced.greedy import GreedyBasis
 from ...models.reduced.reduced_skin import MAX_SKINS, ReducedSkin
 from ...models.small_system.system import added, at_terminals, diagonalised, mass_of
 from ...models.solution import Response, at_meter
+from ...models.terminals import chain, read
 from ...progress import silent
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.parts import SceneParts, Setup

@@ -12,11 +12,10 @@ from ...arrays import Integer, Real
 from ...models.cosine_modes import NO_MODES, FittedModes
 from ...models.heterogeneous.elements_model import single_field
 from ...models.line_slopes import LineModel
-from ...models.network.terminals import reduced_for
 from ...models.parameters import EFFECTS, FACTORS, own_values, parts_with
-from ...models.reduced.forward import Forward
-from ...models.reduced.forward_training import REACH
+from ...models.reduced.forward import REACH, Forward
 from ...models.solution import Response
+from ...models.terminals import reduced_for
 from ...progress import ProgressCallback, silent
 from ...scene.parts import SceneParts, Setup, Skin
 from ...sweeps import InputError

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 
@@ -13,10 +15,13 @@ from ...fem.factors import one_blas_thread
 from ...press.batch import PressBatch, TouchedCells
 from ...press.parts import Parts, parts_of
 from ...press.press import Press
+from ...press.rasterized import touched_cells
+from ...press.touch import Rectangle
 from ...progress import ProgressCallback, silent
 from ...scene.frequency import laplace_variable, slopes_of_s
-from ...scene.parts import SceneParts
-from ..cosine_modes import StiffnessTerms, amplitudes
+from ...scene.parts import Plan, SceneParts, Setup, Skin
+from ...scene.readout.meter import FrequencyGrid
+from ..cosine_modes import StiffnessTerms, amplitudes, random_amplitudes, variation_with_modes
 from ..heterogeneous.elements_model import single_field
 from ..heterogeneous.materials import gauge_slopes, gauged, gauges
 from ..parameters import (
@@ -28,16 +33,106 @@ from ..parameters import (
     loss_of,
     own_values,
     reading_of,
+    variation_of,
 )
 from ..solution import Response, at_meter
-from .cases import touched
-from .cosine_modes.model_with_modes import FoamModeTerms
-from .forward_training import training_band, training_draw, uniform_variation
+from .cases import Case, Draw, pixel_touches, strongest_finger, touched
 from .greedy import reduce
 from .indentation.indentation_draws import require_whole_pixels
+from .model_with_modes import FoamModeTerms
 from .reduced_model import Reduced, pressed_cells
 from .reduced_skin import ReducedSkin
 from .slopes import Sensitivity, sensitivities, sensitivity
+
+SMALLEST, LARGEST, FACTORS = 0.03, 0.5, (1.3, 3.0)
+
+
+def random_presses(skin: Skin, rng: np.random.Generator, count: int) -> list[Press]:
+    """One rectangle or two separate ones, of 3 to 50 % of the sides, anywhere, factors from 1.3 to
+    3."""
+    return [_random_press(skin, rng, 1 + number % 2) for number in range(count)]
+
+
+def _random_press(skin: Skin, rng: np.random.Generator, touches: int) -> Press:
+    while True:
+        drawn = tuple(_random_rectangle(skin, rng) for _ in range(touches))
+        if not any(_overlap(one, other) for one, other in combinations(drawn, 2)):
+            return Press(drawn)
+
+
+def _random_rectangle(skin: Skin, rng: np.random.Generator) -> Rectangle:
+    sides = np.array([skin.length, skin.width])
+    size = rng.uniform(SMALLEST, LARGEST, 2) * sides
+    place = size / 2 + rng.uniform(size=2) * (sides - size)
+    (x, y), (width, height) = place.tolist(), size.tolist()
+    return Rectangle(x, y, width, height, rng.uniform(*FACTORS))
+
+
+def _overlap(one: Rectangle, other: Rectangle) -> bool:
+    a, b = one.box, other.box
+    return max(a.left, b.left) < min(a.right, b.right) and max(a.bottom, b.bottom) < min(
+        a.top, b.top
+    )
+
+
+REACH = 3.0
+"""Largest factor on parameters and frequencies that a model is trained for, both ways."""
+PIXEL_FACTORS = (0.5, 3.0)
+BAND_POINTS = 20
+
+
+def training_band(setup: Setup) -> Real:
+    """Frequencies from the lowest of a scene over REACH to the highest times REACH, Hz."""
+    low, high = setup.frequency[0], setup.frequency[-1]
+    return np.array(
+        FrequencyGrid(start=low / REACH, stop=high * REACH, points=BAND_POINTS).values()
+    )
+
+
+def uniform_variation(skin: Skin, values: Mapping[str, float], modes: int) -> Variation:
+    """Variation of these parameters, with modes of the sheets but not of the foam."""
+    return variation_with_modes(variation_of(skin, values), values, modes)
+
+
+def training_draw(parts: SceneParts, cells_per_pixel: int, modes: int, varied: bool) -> Draw:
+    """Draw of presses on skins of any parameters.
+
+    Presses are on pixels, or anywhere if pixels are divided into several cells. modes: of each
+    sheet's conductance. varied: False if the model needs the scene's own skin only.
+    """
+    skin, divided = parts.skin, parts.divided(cells_per_pixel).skin
+    on_pixels = pixel_touches(divided, parts.plan, PIXEL_FACTORS)
+    own = own_values(skin, parts.setup)
+    fixed = [name for name in dict.fromkeys(parts_of(divided).fixed) if name in own]
+
+    def draw(random: np.random.Generator) -> Case:
+        mismatch, film = random.uniform(-1, 1, 2) * math.log(REACH)
+        drawn = own | {"sheet_mismatch": mismatch, "contact_resistance": film}
+        drawn |= random_amplitudes(random) if modes > 1 else {}
+        factors = random.uniform(-1, 1, len(fixed)) * math.log(REACH)
+        drawn |= dict(zip(fixed, factors.tolist(), strict=True))
+        variation = uniform_variation(divided, drawn, modes) if varied else None
+        if cells_per_pixel == 1:
+            return replace(on_pixels(random), variation=variation)
+        press = random_presses(divided, random, 2)[int(random.integers(2))]
+        return Case(
+            variation,
+            *touched_cells(divided, _by_fingers(skin, divided, parts.plan, press, random)),
+        )
+
+    return draw
+
+
+def _by_fingers(
+    skin: Skin, divided: Skin, plan: Plan, press: Press, random: np.random.Generator
+) -> Press:
+    """Press with the same touches by fingers, if the scene has an earth that they reach."""
+    if not parts_of(divided).fingers:
+        return press
+    strongest = strongest_finger(skin, plan)
+    fingers = random.uniform(0.0, strongest, len(press.touches)).tolist()
+    touches = zip(press.touches, fingers, strict=True)
+    return press.of(replace(touch, finger=finger) for touch, finger in touches)
 
 
 class Forward:

@@ -35,7 +35,7 @@ from .certificate import largest_bounds
 from .compressing import COMPRESSED_SHARE, compressed, sizes
 from .families.family import Family
 from .families.family_meshes import resolved, weights_of_case
-from .indentation.applicator_meshes import resolved as resolved_under_applicators
+from .indentation.applicator_tables import resolved as resolved_under_applicators
 from .indentation.indentation_draws import separated_draws, spreading
 from .indentation.indentation_family import IndentationFamily
 from .indentation.indentation_model import with_applicator_tables

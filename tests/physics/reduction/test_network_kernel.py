@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.fem.terminals import Combination, through_virtual_earth
-from rcskin.simulator.models.network.network_skin import wiring_of
+from rcskin.simulator.models.network_skin import wiring_of
 from rcskin.simulator.models.small_system.system import UnpressedMass, mass_of
 from rcskin.simulator.models.small_system.woodbury import (
     SIDE_BY_SIDE,

@@ -5,10 +5,10 @@ import itertools
 import numpy as np
 import pytest
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.models.network.network_skin import NetworkSkin
-from rcskin.simulator.models.network.terminals import chain, read, trained
+from rcskin.simulator.models.network_skin import NetworkSkin
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.terminals import chain, read, trained
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.readings.contacts import Interface

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import FullFields
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.models.network.network_skin import NetworkSkin
-from rcskin.simulator.models.network.terminals import trained
+from rcskin.simulator.models.network_skin import NetworkSkin
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.solution_fields import fields
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.terminals import trained
 from rcskin.simulator.press.batch import NOTHING, PressBatch
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.scene.air_nodes import air_factor, air_nodes

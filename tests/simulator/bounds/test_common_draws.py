@@ -9,9 +9,9 @@ from rcskin.simulator.bounds.position_bound import chosen_touch, places_on, posi
 from rcskin.simulator.bounds.posterior import NEGLIGIBLE, in_tiles, posterior, posterior_of_tiles
 from rcskin.simulator.bounds.touch_readings import TouchReadings, hypotheses
 from rcskin.simulator.measure.experiment import own_presses
-from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.parameters import nominal
 from rcskin.simulator.models.reduced.cases import pixel_touches
+from rcskin.simulator.models.terminals import read, trained
 from rcskin.simulator.scene.parts import Setup
 from rcskin.simulator.sweeps import InputError
 from rcskin.tests.simulator.bounds.every_strength import compared, exact

@@ -6,9 +6,9 @@ from rcskin.simulator.bounds.fields import FullFields, TouchSize
 from rcskin.simulator.bounds.fields.reduced_fields import ReducedFields
 from rcskin.simulator.bounds.touches.area_rasterizer import AreaRasterizer, covered_about
 from rcskin.simulator.models.line import Line
-from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.parameters import parts_with
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.terminals import read, trained
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Rectangle
 from rcskin.simulator.scene.scene_files import load_scene

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
-from rcskin.simulator.models.network.terminals import reduced_for
 from rcskin.simulator.models.parameters import parts_with
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.terminals import reduced_for
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.parts import Meter, Pressing
 from rcskin.simulator.scene.readout.meter import Readout

@@ -10,10 +10,10 @@ from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.cosine_modes import with_foam_modes, with_sheet_modes
-from rcskin.simulator.models.network.terminals import reduced_for
 from rcskin.simulator.models.parameters import FOAM_MODES, SHEET_MODES
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.terminals import reduced_for
 from rcskin.simulator.press.press import every_press
 from rcskin.simulator.scene.scene_files import read_scene, scene_text
 from rcskin.simulator.sweeps import InputError, write

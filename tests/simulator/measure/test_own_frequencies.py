@@ -10,9 +10,9 @@ from rcskin.simulator.limits import bayes_accuracy, position_bound
 from rcskin.simulator.measure.readout import ErrorModel, read_out
 from rcskin.simulator.measure.simulate import resimulated, simulate
 from rcskin.simulator.measure.symmetry import repeated
-from rcskin.simulator.models.network.terminals import reduced_for
 from rcskin.simulator.models.reduced.cases import pixel_touches
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.models.terminals import reduced_for
 from rcskin.simulator.press.press import every_press
 from rcskin.simulator.scene.readout.meter import Readout
 from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rcskin.simulator.fem.circuit import two_fields
-from rcskin.simulator.models.network.terminals import read, trained
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.reduced.model_file import load, save
+from rcskin.simulator.models.terminals import read, trained
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError
 from rcskin.tests.spoiling import share_refused

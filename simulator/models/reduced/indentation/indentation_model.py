@@ -23,8 +23,7 @@ from ..compressing import typical
 from ..families.family import Family
 from ..reduced_model import Reduced
 from ..reduced_skin import KRYLOV_SHARE, ReducedSkin
-from .applicator_meshes import family_on, finer_families
-from .applicator_tables import FoamPotentials, Tables, tables
+from .applicator_tables import FoamPotentials, Tables, family_on, finer_families, tables
 from .applicators import MIN_RISE, PixelApplicators
 from .indentation_family import IndentationFamily
 

@@ -12,18 +12,18 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TypedDict, TypeVar
 
-from ...arrays import Real
-from ...progress import ProgressCallback, silent
-from ...scene.parts import Pressing, SceneParts, Setup, Skin
-from ...scene.readings.contacts import Contact, Interface
-from ...scene.readings.wiring_checks import check_wiring, conductor_groups
-from ...sweeps import InputError
-from ..heterogeneous.elements_model import single_field
-from ..reduced.cases import Draw
-from ..reduced.greedy import reduce
-from ..reduced.indentation.indentation_draws import spreading
-from ..reduced.projection import Projection
-from ..reduced.reduced_model import Reduced
+from ..arrays import Real
+from ..progress import ProgressCallback, silent
+from ..scene.parts import Pressing, SceneParts, Setup, Skin
+from ..scene.readings.contacts import Contact, Interface
+from ..scene.readings.wiring_checks import check_wiring, conductor_groups
+from ..sweeps import InputError
+from .heterogeneous.elements_model import single_field
+from .reduced.cases import Draw
+from .reduced.greedy import reduce
+from .reduced.indentation.indentation_draws import spreading
+from .reduced.projection import Projection
+from .reduced.reduced_model import Reduced
 
 Model = TypeVar("Model", bound=Projection)
 

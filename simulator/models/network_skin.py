@@ -7,15 +7,15 @@ from functools import cached_property
 
 import numpy as np
 
-from ...arrays import Complex, Integer, Real
-from ...fem.terminals import Combination, Excitation, allowed_potentials, combination
-from ...press.batch import PressBatch
-from ...scene.frequency import laplace_variable
-from ...scene.readings.contacts import Interface
-from ...sweeps import InputError
-from ..heterogeneous.materials import gauged
-from ..reduced.reduced_skin import ReducedSkin
-from ..small_system.woodbury import (
+from ..arrays import Complex, Integer, Real
+from ..fem.terminals import Combination, Excitation, allowed_potentials, combination
+from ..press.batch import PressBatch
+from ..scene.frequency import laplace_variable
+from ..scene.readings.contacts import Interface
+from ..sweeps import InputError
+from .heterogeneous.materials import gauged
+from .reduced.reduced_skin import ReducedSkin
+from .small_system.woodbury import (
     UnpressedNetwork,
     Wiring,
     admittances,

@@ -1,22 +1,36 @@
-"""Reduced model of a skin whose foam has cosine modes, which vary within pixels too.
-
-M of a part of uniform foam is F'F. A mode that is nowhere larger than 1 adds no more than that in
-any direction: in the part's own few coordinates it is F'SF, with S of size 1 at most. With
-amplitudes a, M of the part is F'(1 + sum of a S)F, which has factors again.
-"""
+"""Reduced models whose foam has cosine modes, and the family of them."""
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass, fields
 from functools import cached_property
 
 import numpy as np
 
-from ....arrays import Integer, Real
-from ..compressing import typical
-from ..families.family import Family
-from ..reduced_model import Reduced
-from .family_with_modes import family_with
+from ...arrays import Integer, Real
+from .compressing import typical
+from .families.family import Family
+from .families.heterogeneous_family import HeterogeneousFamily
+from .reduced_model import Reduced
+
+
+def family_with(family: Family, amplitudes: Real) -> Family:
+    """Family with cosine modes of the foam in M of every part.
+
+    amplitudes: over the mean, shape (mode,).
+    """
+    found = _with(family, amplitudes)
+    if isinstance(family, HeterogeneousFamily):
+        vars(found)["_finer"] = _with(family._finer, amplitudes)
+    return found
+
+
+def _with(family: Family, amplitudes: Real) -> Family:
+    found = copy(family)
+    vars(found).pop("_masses_inside", None)
+    vars(found)["masses"] = family.masses.plus(amplitudes, family.foam_modes)
+    return found
 
 
 @dataclass(frozen=True)
