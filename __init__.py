@@ -25,7 +25,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from .localization.api.analysis import calibrate, gap, limits, study
-from .localization.api.input_output import plot, read, write
+from .localization.api.arguments import plot, read, write
 from .localization.api.localizer import evaluate, features, load_model, localize, train
 from .localization.api.simulation import dataset, load, measured, reduce, sweep
 

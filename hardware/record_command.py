@@ -28,8 +28,7 @@ from .options import (
 
 if TYPE_CHECKING:
     from ..simulator.scene.parts import SceneParts, Setup, Skin
-    from .record.operators import Operator
-    from .record.press_order import PressStep
+    from .record.operators import Operator, PressStep
     from .record.recording_journal import RecordingHeader, RecordingJournal
     from .record.recording_terminal import RecordingScreen
 
@@ -187,7 +186,7 @@ def _steps(order: Path | None, skin: Skin, repetitions: int) -> list[PressStep]:
     from itertools import product
 
     from ..simulator.press.pixels import pixels_with_skin
-    from .record.press_order import read_order, standard_order
+    from .record.operators import read_order, standard_order
 
     rows, columns = skin.pixels.shape
     if order:

@@ -159,7 +159,7 @@ def sweep(
     from .sweeps import checked_output, sizes_text, write
 
     checked_output(output)  # before the solvers are imported, which takes half a second
-    from .measure.creeping_sweeps import describe_timing
+    from .measure.foam_state import describe_timing
     from .measure.simulate import answered, check_fits, gather
     from .models.mechanics.force_depths import depths_in_words
     from .models.solver import Solver, checked_model

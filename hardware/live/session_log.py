@@ -13,12 +13,11 @@ from ...simulator.cleanup import temporary_folder
 from ...simulator.sweeps import OPENING, UNPRESSED, InputError, read_joined, sizes_text
 from ...simulator.sweeps.reading_quantities import kind_of
 from ...simulator.sweeps.reading_subset import read_mask
-from ...simulator.sweeps.same_frequency import same_frequencies
-from ...simulator.sweeps.same_skin import check_same_skin
+from ...simulator.sweeps.same_skin import check_same_skin, same_frequencies
 from ...simulator.sweeps.schema import complex_readings
 from ..meter.meter_reading import MeterReading
 from ..record.measured_sweep import InterfaceTrace, MeasuredSweep, now
-from ..record.press_order import UNKNOWN
+from ..record.operators import UNKNOWN
 from ..record.recording_journal import (
     JournalEntry,
     RecordingHeader,

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...simulator.arrays import Complex, Real
-from ...simulator.sweeps.same_frequency import same_frequencies
+from ...simulator.sweeps.same_skin import same_frequencies
 from ..event_counter import Report
 from .line_format import LineFormat
 from .line_parser import SHOWN, LineContent, LineError, LineReading, parse_line

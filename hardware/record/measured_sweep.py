@@ -15,7 +15,7 @@ import numpy as np
 from ...simulator.meters.accuracy_table import outside_band
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.reading_quantities import ReadingKind
-from ...simulator.sweeps.same_frequency import SAME_FREQUENCY
+from ...simulator.sweeps.same_skin import SAME_FREQUENCY
 from ..meter.meter_reading import MeterReading, ReadingStatus
 from ..meter.reading_source import ReadingSource
 from ..switch.switch import Switch

@@ -20,8 +20,7 @@ from ..meter.restoring.termination import interruptible
 from ..switch.switch import Switch
 from .managed_meter import ManagedMeter
 from .measured_sweep import MeasuredSweep, check_frequencies, measure_sweep, now
-from .operators import Operator, StepStatus
-from .press_order import UNPRESSED_STEP, PressStep, parse_step
+from .operators import UNPRESSED_STEP, Operator, PressStep, StepStatus, parse_step
 from .recording_journal import (
     JournalEntry,
     RecordingHeader,

@@ -16,7 +16,7 @@ from ...simulator.sweeps import build
 from ...simulator.sweeps.schema import SESSIONS
 from ..meter.meter_reading import sweep_origin
 from .measured_sweep import MeasuredSweep, trace_times
-from .press_order import UNKNOWN, PressStep, parse_step
+from .operators import UNKNOWN, PressStep, parse_step
 from .recording_journal import JournalEntry, RecordingHeader
 
 if TYPE_CHECKING:

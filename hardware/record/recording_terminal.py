@@ -13,8 +13,7 @@ from ..meter.errors import MeterError
 from ..meter.meter_reading import MeterReading, ReadingStatus
 from ..meter.restoring.termination import raise_pending_signal
 from .measured_sweep import InterfaceTrace, MeasuredSweep
-from .operators import RecordingDisplay, StepStatus
-from .press_order import PressStep
+from .operators import PressStep, RecordingDisplay, StepStatus
 from .sweep_checks import percent_change
 
 if TYPE_CHECKING:

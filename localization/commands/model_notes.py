@@ -50,7 +50,7 @@ def note_version(model: Model, path: Path) -> None:
 
 def accuracy_meaning(problem: LocalizationProblem, scored: str, sweeps: xr.Dataset) -> str:
     """Line on the kind of sweeps that an accuracy applies to. scored: see `accuracy_text`."""
-    from ...simulator.sweeps.accuracy_text import CHANGES, accuracy_text
+    from ...simulator.sweeps.units import CHANGES, accuracy_text
     from ..inputs.features import are_changes
 
     used = ", ".join(problem.quantities)

@@ -104,8 +104,8 @@ def _hints(model: Model, sweeps: xr.Dataset) -> list[str]:
 
 def _coverage(model: Model) -> str:
     """Text with the number of held-out sweeps that the model or its gate answered."""
+    from ..trust.answers import CONFIDENCE, CountedRate
     from ..trust.fitted import Classifier
-    from ..trust.rates import CONFIDENCE, CountedRate
 
     learned = (model.gate or model).learned
     if not isinstance(learned, Classifier):

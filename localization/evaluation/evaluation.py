@@ -20,11 +20,10 @@ from ..inversion.region import Region, region_of
 from ..inversion.regions import PROBABILITY, places_of
 from ..learners.classifiers import reference
 from ..learners.registry import Estimator
-from ..trust.answers import Answers
+from ..trust.answers import Answers, CountedRate
 from ..trust.fitted import Classifier, Regressor
 from ..trust.fitting import learn_classes, learn_positions
 from ..trust.folds import describe_nested_splits, folds_of, splits_of
-from ..trust.rates import CountedRate
 from ..trust.temperature import calibration_error
 from .confusion import Confusion, compare, over_folds
 

@@ -11,7 +11,7 @@ import numpy as np
 from ...simulator.chart_style import COLOURS, chart
 from ..inversion.region import Region
 from ..inversion.regions import PROBABILITY
-from ..trust.rates import CONFIDENCE, interval
+from ..trust.answers import CONFIDENCE, interval
 from ..trust.temperature import calibration_error
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from ...simulator.notebook_display import SmallChart
 from ...simulator.report.files import filled_at_once, write_rows
 from ...simulator.report.page import rate_bars
 from ..inputs.targets import COORDINATES
-from ..trust.rates import BOUNDING_SESSIONS, with_intervals
+from ..trust.answers import BOUNDING_SESSIONS, with_intervals
 from .confusion import write_csv
 from .evaluation import ANSWERED, RIGHT_OF_ALL, ClassScore, PositionScore, Score
 

@@ -14,8 +14,7 @@ from ...simulator.scene.scene_files import scene_of_sweeps, scene_text
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.reading_quantities import kind_of
 from ...simulator.sweeps.reading_subset import read_mask, restricted, with_named_interface
-from ...simulator.sweeps.same_frequency import same_frequencies
-from ...simulator.sweeps.same_skin import check_same_skin
+from ...simulator.sweeps.same_skin import check_same_skin, same_frequencies
 from ...simulator.sweeps.schema import MEASURED, VIRTUAL
 from ..inputs.features import at_interfaces
 

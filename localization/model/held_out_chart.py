@@ -9,8 +9,8 @@ import numpy as np
 from ...simulator.chart_style import COLOURS
 from ...simulator.notebook_display import SmallChart
 from ...simulator.report.page import rate_bars
+from ..trust.answers import CountedRate, with_intervals
 from ..trust.fitted import Classifier
-from ..trust.rates import CountedRate, with_intervals
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

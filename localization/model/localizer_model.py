@@ -14,8 +14,7 @@ from ...simulator.notebook_display import SmallChart, Tabular
 from ...simulator.scene.scene_files import carried_scene
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.reading_quantities import kind_of
-from ...simulator.sweeps.same_frequency import same_frequencies
-from ...simulator.sweeps.same_skin import check_same_skin
+from ...simulator.sweeps.same_skin import check_same_skin, same_frequencies
 from ..inputs.baselines import check_baselines, finite_sweeps
 from ..inputs.features import (
     NAMES,

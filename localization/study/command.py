@@ -83,7 +83,7 @@ def study(
     from ...simulator.requests.requested_scene import requested_scene
     from ...simulator.requests.time_estimates import note_if_long, study_parts, study_seconds
     from ...simulator.sweeps import checked_output
-    from ...simulator.sweeps.accuracy_text import CHANGES, accuracy_text
+    from ...simulator.sweeps.units import CHANGES, accuracy_text
     from .axis import READY_MADE, axes_of, scene_table
     from .report import ENDINGS, first_lines
     from .study import checked_workers, with_study_settings

@@ -12,9 +12,8 @@ from ...simulator.arrays import Mask, Real
 from ..parts.parts import NearestErrors
 from ..parts.plain import Plain, Sizes, require
 from ..parts.predictor import Predictor
-from .answers import Answers, decide
+from .answers import Answers, CountedRate, decide
 from .kinds import KindGuard
-from .rates import CountedRate
 from .several import SeveralGuard
 from .temperature import probabilities
 

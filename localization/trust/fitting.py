@@ -14,12 +14,11 @@ from ..learners.classifiers import standardized
 from ..learners.registry import Estimator
 from ..parts.parts import NearestErrors
 from ..parts.predictor import Predictor
-from .answers import threshold_of
+from .answers import independent_sweeps, threshold_of
 from .fitted import Classifier, Guards, Regressor, with_known_baseline
 from .folds import PLENTY, Splits, held_out_indices, scoring_splits
 from .held_out import held_out_decisions, held_out_positions
 from .kinds import kind_guard
-from .rates import independent_sweeps
 from .several import several_guard
 from .temperature import probabilities, sharpness_of
 from .tuning import Train, trainer

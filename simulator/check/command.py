@@ -193,8 +193,7 @@ def plot(
     """Plot simulated or measured sweeps: Rs, Cp or gains, their changes, phase, Nyquist."""
     from ..requests.console import note, report_written
     from ..sweeps import sizes_text
-    from .curve_page import checked_drawing, draw
-    from .sweep_curves import MAX_DRAWN, checked_quantities
+    from .sweep_curves import MAX_DRAWN, checked_drawing, checked_quantities, draw
 
     checked_quantities(what or ())
     checked_drawing(output)

@@ -7,8 +7,7 @@ import numpy as np
 from ..arrays import Complex
 from ..bounds.touches.rasterization_errors import error_against_solver
 from ..fem.error_estimate import SAMPLED
-from ..measure.creeping_sweeps import reading_moments
-from ..measure.foam_state import FoamState
+from ..measure.foam_state import FoamState, reading_moments
 from ..measure.skins import CELLS, stream
 from ..models.reduced.indentation.indentation_draws import spreading
 from ..models.solution import reading_difference

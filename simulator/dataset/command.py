@@ -49,8 +49,7 @@ def dataset(
     from ..sweeps.errors import InterruptedWorkError
     from .dataset_plan import DatasetPlan, readings
     from .generation import generate, is_complete
-    from .layout import readings_along
-    from .store import finished_attributes
+    from .store import finished_attributes, readings_along
 
     loaded = requested_scene(scene)
     plan = DatasetPlan(

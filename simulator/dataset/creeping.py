@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..arrays import Real
-from ..measure.creeping_sweeps import reading_moments
+from ..measure.foam_state import reading_moments
 from ..press.batch import PressBatch
 from ..press.foam_creep import Creep, CreepState
 from ..press.parts import foam_parts

@@ -19,7 +19,7 @@ from ..scene.scene_files import parse_scene
 from ..sweeps import InputError
 from ..sweeps.inputs import objects
 from .creeping import check_creep
-from .drawn_fingers import check_surroundings
+from .drawn_touches import check_surroundings
 
 LAYOUT = 11
 """Version of the layout: increase it whenever the same plan gives other bytes, also unfinished."""

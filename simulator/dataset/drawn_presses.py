@@ -14,8 +14,14 @@ from ..press.rasterized import Footprints
 from ..scene.draws.draw_distributions import truncated_normal
 from ..scene.draws.randomisation import CUT, DrawnPress
 from ..scene.parts import Plan, SceneParts, Skin
-from .drawn_fingers import OWN_FINGERS, DrawnFingers, drawn_fingers
-from .strengths import drawn_strengths, pixel_texts, written_strength
+from .drawn_touches import (
+    OWN_FINGERS,
+    DrawnFingers,
+    drawn_fingers,
+    drawn_strengths,
+    pixel_texts,
+    written_strength,
+)
 from .touch_places import cell_presses, drawn_places, written_strengths
 from .touch_places import place_texts as texts_anywhere
 

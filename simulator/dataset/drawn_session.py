@@ -11,7 +11,7 @@ import numpy as np
 
 from ..arrays import Complex, Integer, Real
 from ..fem.error_estimate import relative_difference
-from ..measure.creeping_sweeps import OF_NODES, Interpolation, interpolation
+from ..measure.foam_state import OF_NODES, Interpolation, interpolation
 from ..measure.readout import MeterSession, shown_values
 from ..measure.skin_faults import SkinFault
 from ..measure.skins import AUDIT, METER, PRESSES, DrawnSkin, faulty_skin, stream

@@ -21,8 +21,8 @@ from . import store, workers
 from .audit import rounded_up
 from .dataset_plan import DatasetPlan, first_difference, readings
 from .faulty_skins import faulty_families, without_faults
-from .layout import min_size
 from .skin_model import REDUCED, SkinFamily, Training
+from .store import min_size
 from .work_block import PLAN_FILE, WorkFolder, audit_of
 
 ENDING = ".zarr"

@@ -13,8 +13,8 @@ from ..sweeps.schema import FAULT
 from .dataset_plan import DatasetPlan, readings
 from .drawn_session import NO_FAULTS, drawn_sessions
 from .faulty_skins import faulty_families, without_faults
-from .layout import joined_sessions, touch_variables, values
 from .skin_model import SkinFamily, reduced
+from .store import joined_sessions, touch_variables, values
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from ..arrays import Complex, Integer, Real
-from ..measure.creeping_sweeps import OF_NODES, interpolation
+from ..measure.foam_state import OF_NODES, interpolation
 from ..measure.skins import faulty_skin
 from ..models.mechanics.force_depths import pressed_by_factors
 from ..models.parameters import HALF_WAVES, Variation, nominal

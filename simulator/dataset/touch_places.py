@@ -17,8 +17,7 @@ from ..press.batch import PressBatch
 from ..press.rasterized import Footprints, rasterized
 from ..scene.parts import Plan, Pressing, Skin
 from ..scene.skin_region import covers
-from .drawn_fingers import DrawnFingers
-from .strengths import finger_texts, joined_texts, written_strength
+from .drawn_touches import DrawnFingers, finger_texts, joined_texts, written_strength
 
 if TYPE_CHECKING:
     from ..models.mechanics.relaxation_kernel import Bodies

@@ -18,8 +18,8 @@ from .audit import Audit, combined_audit
 from .dataset_plan import DatasetPlan, parse_plan
 from .drawn_session import drawn_sessions
 from .faulty_skins import NO_FAULT, family_parts
-from .layout import joined_sessions, values
 from .skin_model import SkinFamily
+from .store import joined_sessions, values
 
 if TYPE_CHECKING:
     import zarr

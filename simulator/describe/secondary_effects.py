@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..arrays import Real
-from ..measure.creeping_sweeps import reading_moments
+from ..measure.foam_state import reading_moments
 from ..models.solution import Solution, reference_capacitance
 from ..models.solver import Solver
 from ..models.validity import describe_thickness, rim_share

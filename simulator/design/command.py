@@ -99,7 +99,7 @@ def design(
     from ..progress import on_terminal
     from ..requests.requested_scene import requested_scene
     from ..scene.frequency import parse_band
-    from ..sweeps.accuracy_text import bound_text
+    from ..sweeps.units import bound_text
     from .evaluator import SearchSettings
     from .report.design_folder import answer, write_folder
     from .search import search

@@ -16,7 +16,7 @@ from ..measure.symmetry import describe_repeated
 from ..report.files import filled_at_once, table, write_json, write_rows
 from ..safe_text import say, terminal
 from ..scene.parts import SceneParts
-from ..sweeps.accuracy_text import bound_text
+from ..sweeps.units import bound_text
 from .limit_charts import draw_distances, draw_maps
 from .survey import SurveyOptions, Variant
 from .touch_identity import IdentityBounds

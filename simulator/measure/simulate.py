@@ -19,7 +19,7 @@ from ..sweeps import InputError, SweepTable, build, concatenate
 from ..sweeps.free_space import check_memory
 from ..sweeps.reading_subset import read_mask, restricted
 from ..sweeps.schema import complex_readings
-from .creeping_sweeps import solved_in_time
+from .foam_state import solved_in_time
 from .readout import read_out
 
 if TYPE_CHECKING:

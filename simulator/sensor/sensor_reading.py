@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Mask, Real
-from ..measure.creeping_sweeps import reading_spans
+from ..measure.foam_state import reading_spans
 from ..scene.parts import Meter, Setup
 from ..sweeps.reading_quantities import reading_name
 from .given_press import PressLabel

@@ -13,8 +13,7 @@ from .errors import InputError
 from .input_files import read
 from .inputs import objects
 from .reading_quantities import kind_of
-from .same_frequency import same_frequencies
-from .same_skin import difference
+from .same_skin import difference, same_frequencies
 from .schema import (
     CONTACT,
     CONTACTS,

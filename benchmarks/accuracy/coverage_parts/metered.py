@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from rcskin.hardware.meter.hioki import CP_RS_X, STATUS_AND_VALUES
 from rcskin.hardware.meter.meter_reading import MeterReading, parse_reading
-from rcskin.hardware.record.press_order import parse_step
+from rcskin.hardware.record.operators import parse_step
 from rcskin.hardware.virtual.hioki.im3523 import measurement_text
 from rcskin.hardware.virtual.hioki.meter_state import Settings
 from rcskin.hardware.virtual.measurement import MeasurementSetup

@@ -9,8 +9,7 @@ from pathlib import Path
 import xarray as xr
 from rcskin.benchmarks.localization.twin_parts.skin import Twin
 from rcskin.hardware.meter.instruments import open_meter
-from rcskin.hardware.record.operators import MachineOperator, press_virtual_skin
-from rcskin.hardware.record.press_order import parse_step
+from rcskin.hardware.record.operators import MachineOperator, parse_step, press_virtual_skin
 from rcskin.hardware.record.recorder import RecordingTask, record
 from rcskin.hardware.record.recording_output import recording_dataset
 from rcskin.hardware.record.recording_terminal import RecordingScreen

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ....simulator.models.parameters import EFFECTS
-from ...trust.rates import CountedRate
+from ...trust.answers import CountedRate
 from ..mean_accuracy import FEATURE_LABELS
 from ..versions import AFTER, BEFORE
 

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Mask, Real
-from ...measure.creeping_sweeps import reading_moments, spans_of
+from ...measure.foam_state import reading_moments, spans_of
 from ...measure.sweep_touches import MAX_TOUCHES, NUMBERS, SweepTouches, touches_of
 from ...scene.parts import Meter
 from ...scene.scene_files import scene_of_sweeps

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Mask, Real
-from ..same_frequency import tolerance
+from ..same_skin import tolerance
 from .labels import LineLabels
 from .tables.table import ImportedTable
 

@@ -12,8 +12,7 @@ from rcskin.hardware.live.live_meter import LiveMeter
 from rcskin.hardware.live.live_session import LiveSession
 from rcskin.hardware.live.session_log import SessionLog
 from rcskin.hardware.reader.line_format import LineFormat
-from rcskin.hardware.record.operators import MachineOperator, press_virtual_skin
-from rcskin.hardware.record.press_order import standard_order
+from rcskin.hardware.record.operators import MachineOperator, press_virtual_skin, standard_order
 from rcskin.hardware.record.recorder import RecordingTask, record
 from rcskin.hardware.record.recording_output import recording_dataset
 from rcskin.hardware.record.source_options import SourceOptions, source_setup

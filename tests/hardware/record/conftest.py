@@ -2,8 +2,7 @@
 
 import pytest
 from rcskin.hardware.meter.instruments import open_meter
-from rcskin.hardware.record.operators import MachineOperator, press_virtual_skin
-from rcskin.hardware.record.press_order import standard_order
+from rcskin.hardware.record.operators import MachineOperator, press_virtual_skin, standard_order
 from rcskin.hardware.record.recorder import RecordingTask
 from rcskin.hardware.record_command import header_of
 from rcskin.simulator.meters.accuracy_table import read_table

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from rcskin.hardware.meter.errors import NoAnswerError
 from rcskin.hardware.record.measured_sweep import check_frequencies
-from rcskin.hardware.record.press_order import parse_step
+from rcskin.hardware.record.operators import parse_step
 from rcskin.hardware.record.recorder import record
 from rcskin.hardware.record.recording_output import recording_dataset
 from rcskin.hardware.virtual.faults import Fault

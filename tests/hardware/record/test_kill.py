@@ -8,7 +8,7 @@ import sys
 import time
 
 import pytest
-from rcskin.hardware.record.press_order import standard_order
+from rcskin.hardware.record.operators import standard_order
 from rcskin.hardware.record.recording_journal import RecordingJournal
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.simulator.sweeps import read, violations

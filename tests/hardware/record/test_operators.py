@@ -11,8 +11,7 @@ from rcskin.hardware.meter.errors import MeterError
 from rcskin.hardware.meter.meter_reading import MeterReading, ReadingStatus
 from rcskin.hardware.meter.restoring.termination import interruptible, orderly_termination
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
-from rcskin.hardware.record.operators import press_by_command
-from rcskin.hardware.record.press_order import PressStep
+from rcskin.hardware.record.operators import PressStep, press_by_command
 from rcskin.hardware.record.recording_terminal import (
     PersonOperator,
     RecordingScreen,

@@ -3,7 +3,7 @@
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.hardware.record.press_order import (
+from rcskin.hardware.record.operators import (
     FIRST_BASELINES,
     UNPRESSED_STEP,
     PressStep,

@@ -9,8 +9,13 @@ import pytest
 from rcskin.hardware.meter.errors import (
     MeterError,
 )
-from rcskin.hardware.record.operators import MachineOperator
-from rcskin.hardware.record.press_order import UNPRESSED_STEP, PressStep, parse_step, standard_order
+from rcskin.hardware.record.operators import (
+    UNPRESSED_STEP,
+    MachineOperator,
+    PressStep,
+    parse_step,
+    standard_order,
+)
 from rcskin.hardware.record.recorder import record
 from rcskin.hardware.record.recording_journal import RecordingJournal
 from rcskin.hardware.record.recording_output import recording_dataset

@@ -8,7 +8,7 @@ from copy import deepcopy
 import numpy as np
 import pytest
 from rcskin.hardware.meter.link.connection import VisaConnection
-from rcskin.hardware.record.press_order import parse_step
+from rcskin.hardware.record.operators import parse_step
 from rcskin.hardware.record.recorder import record
 from rcskin.hardware.record.recording_output import recording_dataset
 from rcskin.hardware.virtual.language import messages

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.localization.trust.rates import (
+from rcskin.localization.trust.answers import (
     BOUNDING_SESSIONS,
     CONFIDENCE,
     CountedRate,

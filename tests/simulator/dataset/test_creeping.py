@@ -5,8 +5,7 @@ import pytest
 from rcskin.simulator.dataset.creeping import at_sweep_end
 from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.memory_dataset import in_memory
-from rcskin.simulator.measure.creeping_sweeps import reading_moments
-from rcskin.simulator.measure.foam_state import FoamState
+from rcskin.simulator.measure.foam_state import FoamState, reading_moments
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.mechanics.force_depths import pressed_by_factors
 from rcskin.simulator.models.solver import Solver

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.drawn_presses import drawn_presses, pressed_pixels
-from rcskin.simulator.dataset.layout import variables
+from rcskin.simulator.dataset.store import variables
 from rcskin.simulator.measure.skins import PRESSES, drawn_skin, stream
 from rcskin.simulator.press.finger import finger_capacitance
 from rcskin.simulator.press.parts import parts_of

@@ -5,8 +5,7 @@ import itertools
 import numpy as np
 import pytest
 from rcskin.simulator.inversion.touch_templates import templates
-from rcskin.simulator.measure.creeping_sweeps import reading_moments
-from rcskin.simulator.measure.foam_state import FoamState
+from rcskin.simulator.measure.foam_state import FoamState, reading_moments
 from rcskin.simulator.measure.simulate import resimulated, simulate
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, press_on

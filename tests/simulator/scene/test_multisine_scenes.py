@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.measure.creeping_sweeps import reading_moments
+from rcskin.simulator.measure.foam_state import reading_moments
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.hardware.record.press_order import parse_step
+from rcskin.hardware.record.operators import parse_step
 from rcskin.simulator.measure.sweep_touches import pressed_pixels, touches_of
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.sweeps import InputError

@@ -1,7 +1,7 @@
 """Two frequencies are the same within 1e-6, or within the digits that a file keeps."""
 
 import pytest
-from rcskin.simulator.sweeps.same_frequency import same_frequencies
+from rcskin.simulator.sweeps.same_skin import same_frequencies
 
 
 @pytest.mark.parametrize(

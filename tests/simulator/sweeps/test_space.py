@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from rcskin.hardware.record.press_order import standard_order
+from rcskin.hardware.record.operators import standard_order
 from rcskin.localization.study.point import EvaluationSettings
 from rcskin.simulator import processes
 from rcskin.simulator.models.solver import Solver

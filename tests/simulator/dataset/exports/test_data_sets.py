@@ -24,7 +24,7 @@ def test_touches_and_sessions_of_data_sets_travel(data, tmp_path):
 
 
 def test_times_of_simulated_sweeps_are_those_of_the_meter(data, tmp_path):
-    from rcskin.simulator.measure.creeping_sweeps import reading_moments
+    from rcskin.simulator.measure.foam_state import reading_moments
     from rcskin.simulator.scene.scene_files import scene_of_sweeps
 
     export(data, tmp_path / "out", "lerobot")
