@@ -75,11 +75,11 @@ READERS = {
     "accuracy": (accuracy_table.read_table, [".toml"], "meters/accuracy_table"),
     "switch": (read_switch, [".toml"], "switch/switch_table"),
     "reader": (read_line_format, [".toml"], "reader/line_format"),
-    "press order": (lambda path: read_order(path, 3, 3), [".txt"], "record/press_order"),
+    "press order": (lambda path: read_order(path, 3, 3), [".txt"], "record/operators"),
     "press script": (
         lambda path: read_script(path, SimpleNamespace(check=str)),
         [".txt"],
-        "virtual/press_routines",
+        "virtual/serving",
     ),
     "journal": (
         lambda path: unsealed_json(inputs.text(path, inputs.JOURNAL)),
