@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -119,7 +120,8 @@ def _scored(
 ) -> list[PointFindings]:
     """Findings at each point. A process trains one family for all points of a job.
 
-    Each process uses one thread, so that results do not depend on the pool.
+    Jobs of most pixels take longest and come first. Each process uses one thread, so that results
+    do not depend on the pool.
     """
     sharing, most = defaultdict[FamilyOfSkins, list[int]](list), -(-len(points) // (JOBS * workers))
     for k, family in enumerate(families(points, trial, rtol)):
@@ -129,6 +131,7 @@ def _scored(
         for family, own in sharing.items()
         for start in range(0, len(own), most)
     ]
+    each.sort(key=lambda job: math.prod(points[job[1][0]].skin.pixels.shape), reverse=True)
     jobs = [([points[k] for k in own], trial, family) for family, own in each]
     found = dict[int, PointFindings]()
     for (_, own), made in zip(each, map_in_order(pool, _score_points, jobs), strict=True):
