@@ -1,4 +1,5 @@
 """Checks of the arguments of public functions: an object or the path of its file."""
+# pyright: standard
 
 from __future__ import annotations
 

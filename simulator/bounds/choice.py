@@ -147,7 +147,7 @@ def _every(n: int, excludes: Mask) -> Integer:
 def _allowed(choices: Integer, excludes: Mask) -> Mask:
     """True for choices whose candidates do not exclude each other, shape (choice,)."""
     one, other = np.triu_indices(choices.shape[1], 1)
-    return ~excludes[choices[:, one], choices[:, other]].any(axis=1)
+    return np.logical_not(excludes[choices[:, one], choices[:, other]].any(axis=1))
 
 
 def _grown(score: Score, n: int, excludes: Mask) -> Integer:

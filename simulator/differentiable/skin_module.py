@@ -1,4 +1,5 @@
 """Reduced skin as a PyTorch module: presses, skin parameters and frequencies in, readings out."""
+# pyright: reportMissingImports=false
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
 """Tensors of a skin's parameters: weights of K, amounts of M, and s."""
+# pyright: reportMissingImports=false
 
 from __future__ import annotations
 

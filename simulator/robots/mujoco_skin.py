@@ -344,7 +344,7 @@ class MujocoSkin:
     ) -> gymnasium.Env:
         """Environment whose observations contain the readings; see `SkinObservation`."""
         require_packages("MujocoSkin.observed", EXTRA, "gymnasium")
-        from .skin_contacts import SkinObservation
+        from .skin_observation import SkinObservation
 
         return SkinObservation(env, self, key, changes)
 
