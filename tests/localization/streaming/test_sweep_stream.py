@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import rcskin
 from rcskin.localization.inputs.samples import samples_of
-from rcskin.localization.streaming.sweep_stream import class_names
 from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.memory_dataset import in_memory
 from rcskin.simulator.sweeps import InputError
@@ -15,6 +14,7 @@ from rcskin.simulator.sweeps import InputError
 torch = pytest.importorskip("torch", reason="PyTorch is not installed: pip install '.[torch]'")
 
 from rcskin.localization.streaming import sweep_stream  # noqa: E402  needs PyTorch
+from rcskin.localization.streaming.sweep_stream import class_names  # noqa: E402
 
 SESSION, RTOL = 12, 1e-2
 
