@@ -126,7 +126,7 @@ def draw_flat(found: Sequence[SensitivityCurve], scale: MeritScale, to: Path) ->
         axes.set_xticks(found[0].factors, [f"{factor:g}" for factor in found[0].factors])
         axes.minorticks_off()
         axes.set_xlabel("actual over designed value")
-        axes.set_ylabel(f"{scale.of}, nine of ten samples ({scale.unit})")
+        axes.set_ylabel(f"{scale.of},\nnine of ten samples ({scale.unit})")
         if scale.unit == "%":
             low, high = axes.get_ylim()
             axes.set_yticks([y for y in axes.get_yticks() if low <= y <= min(high, ALL)])
