@@ -9,7 +9,7 @@ from pathlib import Path
 
 from rcskin.benchmarks.pictures import gallery
 from rcskin.docs import api, commands, rooms
-from rcskin.simulator.scene.keys import listing
+from rcskin.simulator.scene import key_listing
 
 HERE = Path(__file__).parent
 
@@ -18,7 +18,7 @@ def pages() -> dict[Path, str]:
     """The text of each page by its path."""
     return {
         gallery.PAGE: gallery.page(),
-        HERE / "reference" / "keys.md": listing.page(),
+        HERE / "reference" / "keys.md": key_listing.page(),
         HERE / "reference" / "commands.md": commands.page(),
         HERE / "reference" / "api.md": api.page(),
         HERE / "explanation" / "rooms.md": rooms.page(),

@@ -96,7 +96,7 @@ def scenes(
 @app.command()
 def keys() -> None:
     """List every key of a scene file with type, unit, default, range and meaning, as Markdown."""
-    from .scene.keys.listing import page
+    from .scene.key_listing import page
 
     typer.echo(page(), nl=False)
 

@@ -34,7 +34,7 @@ from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.parameters import FACTORS, TABLE, own_values, parts_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.readout.meter import FrequencyGrid
+from rcskin.simulator.scene.meter import FrequencyGrid
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import ToleranceError

@@ -26,8 +26,8 @@ from rcskin.simulator.bounds.likelihood import Likelihood
 from rcskin.simulator.chart_style import COLOURS, chart
 from rcskin.simulator.design.skin_readout import Material
 from rcskin.simulator.design.trained_skins import TrainedSkins
+from rcskin.simulator.scene.contacts import Interface
 from rcskin.simulator.scene.design_goals import Design
-from rcskin.simulator.scene.readings.contacts import Interface
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene
 

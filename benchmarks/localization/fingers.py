@@ -18,7 +18,7 @@ from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.simulator.bounds.bayes import bayes
 from rcskin.simulator.bounds.touch_readings import Hypothesis, TouchReadings, hypotheses, kinds
 from rcskin.simulator.chart_style import COLOURS, chart
-from rcskin.simulator.scene.draws.draw_distributions import Fixed, Normal
+from rcskin.simulator.scene.randomisation import Fixed, Normal
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene
 

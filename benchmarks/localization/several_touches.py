@@ -25,8 +25,14 @@ from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.measure.sweep_touches import counts_of
-from rcskin.simulator.scene.draws.draw_distributions import Fixed, Lognormal, Normal
-from rcskin.simulator.scene.draws.randomisation import DrawnPress, Randomisation, Session
+from rcskin.simulator.scene.randomisation import (
+    DrawnPress,
+    Fixed,
+    Lognormal,
+    Normal,
+    Randomisation,
+    Session,
+)
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene
 

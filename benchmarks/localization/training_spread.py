@@ -26,8 +26,7 @@ from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inversion.estimators import chosen
 from rcskin.simulator.chart_style import COLOURS, LINE_STYLES, chart
 from rcskin.simulator.dataset.skin_model import reduced
-from rcskin.simulator.scene.draws.draw_distributions import Lognormal, Normal
-from rcskin.simulator.scene.draws.randomisation import MAX_UNEVENNESS
+from rcskin.simulator.scene.randomisation import MAX_UNEVENNESS, Lognormal, Normal
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import concatenate

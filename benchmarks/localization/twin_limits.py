@@ -20,7 +20,7 @@ from rcskin.benchmarks.localization.twin_parts.trials import TRIALS, Trial, few_
 from rcskin.localization.inputs.baselines import RECENT
 from rcskin.simulator.bounds.touch_readings import hypotheses
 from rcskin.simulator.limits.random_press_limits import RandomPresses, accuracy_of_presses
-from rcskin.simulator.scene.draws.draw_distributions import Normal
+from rcskin.simulator.scene.randomisation import Normal
 
 SAMPLES, FEW_SAMPLES = (1000, 4000), (50, 100)
 """Presses of each hypothesis that are summed over: how they close in on the limit."""

@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.simulator.limits import bayes_accuracy, position_bound
-from rcskin.simulator.scene.readout.meter import meter_names
+from rcskin.simulator.scene.meter import meter_names
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from rcskin.simulator.press.capacitance import capacitance_map
 from rcskin.simulator.press.press import Press
-from rcskin.simulator.scene.readings.contacts import Contact
+from rcskin.simulator.scene.contacts import Contact
 from rcskin.simulator.scene.scene import Scene
 
 TOUCHING = 1e-9

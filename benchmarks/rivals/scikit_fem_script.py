@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from rcskin.benchmarks.rivals.cells import Fields
 from rcskin.simulator.press.capacitance import capacitance_map
 from rcskin.simulator.press.press import Press
-from rcskin.simulator.scene.readings.contacts import Contact
+from rcskin.simulator.scene.contacts import Contact
 from rcskin.simulator.scene.scene import Scene
 from scipy.sparse import block_diag, csr_matrix, kron
 from scipy.sparse.linalg import spsolve

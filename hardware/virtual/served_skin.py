@@ -135,7 +135,7 @@ def instrument(
 
 def notes(meter: Instrument, served: ServedSkin) -> list[str]:
     """What a user must know of a served meter: how it differs from the real one."""
-    from ...simulator.scene.readout.meter import built_in, meter_names
+    from ...simulator.scene.meter import built_in, meter_names
 
     found = [meter.note] if meter.note else []
     parts, named = served.parts, meter.model != VIRTUAL_MODEL and meter.model in meter_names()

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ...simulator.calibration.fitting.prior import Kind
     from ...simulator.calibration.run import Calibration
     from ...simulator.limits.limit import Limit
-    from ...simulator.scene.draws.draw_distributions import AnyDistribution
+    from ...simulator.scene.randomisation import AnyDistribution
     from ...simulator.scene.scene import Scene
     from ..gap.gap_findings import GapFindings
     from ..inversion.estimators import EstimatorName

@@ -10,9 +10,9 @@ import numpy as np
 
 from ...simulator.arrays import Integer
 from ...simulator.models.line import HALF_POWER, PAPER_CONSTANT, interrogation_frequency
-from ...simulator.scene.foam.foam import VACUUM_PERMITTIVITY
+from ...simulator.scene.foam import VACUUM_PERMITTIVITY
+from ...simulator.scene.meter import Readout
 from ...simulator.scene.parts import Pressing, SceneParts, Setup, Skin
-from ...simulator.scene.readout.meter import Readout
 from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import load_scene
 from ..evaluation.confusion import Confusion

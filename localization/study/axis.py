@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 from pydantic import ValidationError
 
-from ...simulator.scene.keys.key_paths import at, keys
-from ...simulator.scene.readout.meter import FrequencyGrid
+from ...simulator.scene.keys import at, keys
+from ...simulator.scene.meter import FrequencyGrid
 from ...simulator.scene.scene import BOTH, Scene
 from ...simulator.scene.scene_files import BUILTIN, builtin_names, load_scene
 from ...simulator.scene.validation import one_line, unit_of

@@ -23,8 +23,8 @@ from ...simulator.measure.symmetry import representative
 from ...simulator.models.reduced.reduced_model import Reduced
 from ...simulator.press.pixels import pixels_with_skin
 from ...simulator.press.press import Press, every_press, pressed_factor
-from ...simulator.scene.draws.randomisation import DrawnPress
 from ...simulator.scene.parts import Meter, Plan, Pressing, SceneParts, Skin
+from ...simulator.scene.randomisation import DrawnPress
 from ...simulator.sweeps import InputError
 from ..evaluation.evaluation import held_out_accuracies
 from .separation import (

@@ -20,7 +20,7 @@ from scipy.spatial.distance import cdist
 
 from ...simulator.arrays import Complex, Mask, Real
 from ...simulator.measure.symmetry import Pixel
-from ...simulator.scene.readout.meter import Readout
+from ...simulator.scene.meter import Readout
 from ...simulator.sweeps import InputError
 
 Label = tuple[int, ...]

@@ -25,8 +25,8 @@ from ..measure.experiment import own_presses, strengths
 from ..method_cache import cached_method
 from ..press.batch import PressBatch
 from ..progress import ProgressCallback, silent, tracked
-from ..scene.draws.draw_distributions import AnyDistribution
 from ..scene.parts import SceneParts, Skin
+from ..scene.randomisation import AnyDistribution
 from ..sweeps import InputError
 from .likelihood import Likelihood
 from .posterior import Templates, axes_of, in_tiles, posterior, posterior_of_tiles, starts_of

@@ -25,8 +25,8 @@ from ..press.parts import parts_of
 from ..press.touch import Place, Rectangle, Touch
 from ..press.walls import require_no_walls
 from ..progress import ProgressCallback, silent, tracked
-from ..scene.draws.draw_distributions import AnyDistribution
 from ..scene.parts import Plan, Pressing, SceneParts, Skin
+from ..scene.randomisation import AnyDistribution
 from ..sweeps import InputError
 from ..sweeps.free_space import check_memory
 from .likelihood import Likelihood

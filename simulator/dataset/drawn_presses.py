@@ -11,9 +11,8 @@ from ..mesh.pixel_coverage import pixel_coverage, with_fingers_at, with_fingers_
 from ..press.batch import PressBatch
 from ..press.press import rod_text
 from ..press.rasterized import Footprints
-from ..scene.draws.draw_distributions import truncated_normal
-from ..scene.draws.randomisation import CUT, DrawnPress
 from ..scene.parts import Plan, SceneParts, Skin
+from ..scene.randomisation import CUT, DrawnPress, truncated_normal
 from .drawn_touches import (
     OWN_FINGERS,
     DrawnFingers,

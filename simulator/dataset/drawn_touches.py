@@ -15,9 +15,9 @@ from ..press.pixels import pixels_with_skin
 from ..press.press import PICOFARAD_DECIMALS
 from ..press.touch import Touch
 from ..press.walls import require_no_walls
-from ..scene.draws.randomisation import DrawnPress
 from ..scene.parts import Plan, Pressing, SceneParts, Skin
 from ..scene.pixel_grid import per_pixel
+from ..scene.randomisation import DrawnPress
 from ..scene.surroundings import NO_EARTH
 from ..sweeps import UNPRESSED, InputError
 

@@ -11,8 +11,8 @@ from ..arrays import Complex
 from ..measure.skin_faults import OPEN, SkinFault, StuckSpot
 from ..measure.skins import drawn_fault
 from ..models.parameters import Variation
-from ..scene.draws.randomisation import FaultOdds
 from ..scene.parts import SceneParts, Setup, Skin
+from ..scene.randomisation import FaultOdds
 from .audit import Audit
 from .dataset_plan import DatasetPlan
 from .skin_model import SkinFamily

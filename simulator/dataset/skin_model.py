@@ -20,8 +20,8 @@ from ..models.reduced.model_file import load, save
 from ..models.reduced.reduced_model import Reduced
 from ..models.terminals import reduced_for
 from ..press.batch import PressBatch, TouchedCells
-from ..scene.draws.randomisation import Session
 from ..scene.parts import SceneParts, Skin
+from ..scene.randomisation import Session
 from .creeping import in_foam_states
 from .drawn_presses import drawn_presses
 

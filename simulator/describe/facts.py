@@ -16,14 +16,13 @@ from ..models.line import cut_off_frequency
 from ..models.solver import Solver
 from ..press.pixels import pixels_with_skin
 from ..press.press import Press
+from ..scene.contacts import Contact, Interface
 from ..scene.extent import surface
-from ..scene.maps.factor_maps import AnyMap
-from ..scene.maps.tear import Tear
+from ..scene.factor_maps import AnyMap, Tear
+from ..scene.meter import Readout
 from ..scene.multisine import Multisine, crest_factor, multisine_deviation, output_peak
 from ..scene.parts import Meter, Pressing, SceneParts, Setup, Skin
 from ..scene.planar import Circle
-from ..scene.readings.contacts import Contact, Interface
-from ..scene.readout.meter import Readout
 from ..scene.scene import Scene
 from ..scene.skin import EARTH, Sheet, SheetsAndFoam
 from ..sweeps.errors import InputError

@@ -8,10 +8,10 @@ import numpy as np
 
 from ..models.solver import Solver
 from ..press.press import Press
+from ..scene.contacts import Interface
+from ..scene.meter_tables import Converter
 from ..scene.parts import SceneParts
-from ..scene.readings.contacts import Interface
-from ..scene.readings.readers import Load, Source
-from ..scene.readout.readout_tables import Converter
+from ..scene.readers import Load, Source
 from ..sweeps.errors import ToleranceError
 from ..sweeps.units import prefixed
 

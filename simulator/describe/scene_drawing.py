@@ -24,8 +24,8 @@ from ..report.from_above import (
     outline,
     ribbon,
 )
+from ..scene.contacts import Contact
 from ..scene.parts import Setup, Skin
-from ..scene.readings.contacts import Contact
 from ..scene.scene import Scene
 from ..sweeps import checked_output
 from .distinct_pixels import label_position

@@ -20,10 +20,9 @@ from ..press.finger import finger_capacitance
 from ..press.pixels import pixels_with_skin
 from ..press.press import Press
 from ..press.touch import Touch
-from ..scene.foam.foam import VACUUM_PERMITTIVITY
-from ..scene.foam.foam_in_time import Relaxation
+from ..scene.contacts import Contact
+from ..scene.foam import VACUUM_PERMITTIVITY, Relaxation
 from ..scene.parts import SceneParts, Skin
-from ..scene.readings.contacts import Contact
 from ..scene.scene import Scene
 from ..scene.surroundings import Body, Rim, Surroundings
 from ..sweeps import InputError, ToleranceError

@@ -14,10 +14,10 @@ from ..bounds.choice import Selection, best_selection, exchanged_by_slope, selec
 from ..bounds.touch_readings import hypotheses
 from ..measure.readout import errors_of, require_noise
 from ..meters.reading_time import SETTLE, reading_time
+from ..scene.contacts import Interface
 from ..scene.design_goals import Design
 from ..scene.multisine import Multisine
 from ..scene.parts import Meter, SceneParts, Setup
-from ..scene.readings.contacts import Interface
 from ..sweeps import InputError
 from .merits import (
     ACCURACY,

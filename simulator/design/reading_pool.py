@@ -7,11 +7,11 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 
+from ..scene.contacts import Interface
 from ..scene.design_goals import Design
 from ..scene.parts import Setup, Skin
-from ..scene.readings.contacts import Interface
-from ..scene.readings.wiring_checks import conductor_groups
 from ..scene.scene import Scene
+from ..scene.wiring_checks import conductor_groups
 from ..sweeps import InputError
 
 LENGTHS, PLACES = 3, (0.0, 0.5, 1.0)

@@ -11,9 +11,9 @@ import numpy as np
 from ..arrays import Real
 from ..bounds.bayes import CommonDraws
 from ..measure.experiment import own_presses
+from ..scene.contacts import Interface
 from ..scene.design_goals import Design
 from ..scene.parts import SceneParts
-from ..scene.readings.contacts import Interface
 from ..scene.scene import Scene
 from .skin_readout import Material, SkinReadout
 from .touch_positions import TouchPositions

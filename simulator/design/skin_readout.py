@@ -12,8 +12,8 @@ from ..models.network_skin import NetworkSkin
 from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..press.batch import PressBatch
+from ..scene.contacts import Interface
 from ..scene.parts import Setup, Skin
-from ..scene.readings.contacts import Interface
 
 
 @dataclass(frozen=True)

@@ -15,9 +15,9 @@ from ..models.reduced.cases import Case, pixel_touches
 from ..models.reduced.reduced_model import Reduced
 from ..models.terminals import read, require_no_spread, trained
 from ..progress import ProgressCallback, silent
+from ..scene.contacts import Interface
 from ..scene.design_goals import Design
 from ..scene.parts import SceneParts, Setup, Skin
-from ..scene.readings.contacts import Interface
 from .skin_readout import Material, SkinReadout, material_of
 from .touch_positions import TouchPositions
 

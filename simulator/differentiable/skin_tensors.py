@@ -27,7 +27,7 @@ from ..press.parts import Parts, foam_parts
 from ..scene.air_nodes import nodes_of
 from ..scene.frequency import REFERENCE, Loss
 from ..scene.parts import Setup
-from ..scene.readings.readers import own_source
+from ..scene.readers import own_source
 from ..sweeps import InputError
 
 

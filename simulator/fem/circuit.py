@@ -16,11 +16,11 @@ from typing import Literal
 import numpy as np
 
 from ..arrays import Real
+from ..scene.contacts import Contact, Interface
+from ..scene.node_gain import driven_terminals
 from ..scene.parts import Setup, Skin
-from ..scene.readings.contacts import Contact, Interface
-from ..scene.readings.node_gain import driven_terminals
-from ..scene.readings.wiring_checks import conductor_groups
 from ..scene.surroundings import Surroundings
+from ..scene.wiring_checks import conductor_groups
 from .terminals import Combination, Excitation, combination, through_virtual_earth
 
 SAME = 1e-12

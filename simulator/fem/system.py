@@ -13,8 +13,8 @@ from scipy.sparse import csc_matrix
 
 from ..arrays import Integer, Real
 from ..mesh.quadrilaterals import PixelMesh, Resolution, pixel_mesh
+from ..scene.contacts import Contact
 from ..scene.parts import Skin
-from ..scene.readings.contacts import Contact
 from ..sweeps.free_space import check_memory
 from .assembly import Group, Pattern, add_terms, edge_masses, fill, groups
 from .circuit import Circuit, Terminal

@@ -15,7 +15,7 @@ from skfem import ElementTriP1, ElementTriP2, ElementTriP3, ElementTriP4, MeshQu
 from skfem.assembly import Dofs
 
 from ..arrays import Integer, Real
-from ..scene.readings.contacts import Contact
+from ..scene.contacts import Contact
 from .assembly import DROPPED, Pattern, element_pairs, pattern_of_pairs, quadrilateral
 from .circuit import Circuit, Terminal
 

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from ..bounds.position_bound import PositionBounds
-    from ..scene.draws.draw_distributions import AnyDistribution
     from ..scene.parts import SceneParts
+    from ..scene.randomisation import AnyDistribution
     from .random_press_limits import LimitInterval
 from ..progress import ProgressCallback, silent
 

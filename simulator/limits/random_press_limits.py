@@ -23,9 +23,8 @@ from ..press.batch import PressBatch
 from ..press.rasterized import Footprints, rasterized
 from ..press.walls import require_no_walls
 from ..progress import ProgressCallback, silent, tracked
-from ..scene.draws.draw_distributions import AnyDistribution, truncated_normal
-from ..scene.draws.randomisation import CUT
 from ..scene.parts import SceneParts
+from ..scene.randomisation import CUT, AnyDistribution, truncated_normal
 from ..sweeps import InputError
 
 RTOL = 1e-3

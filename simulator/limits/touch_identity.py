@@ -26,8 +26,8 @@ from ..bounds.touch_readings import (
 from ..bounds.touches.rasterization_errors import RasterizationErrors
 from ..measure.experiment import combined_strengths, own_presses, quantiles
 from ..progress import ProgressCallback, silent
-from ..scene.draws.draw_distributions import AnyDistribution
 from ..scene.parts import Plan, SceneParts, Skin
+from ..scene.randomisation import AnyDistribution
 from ..sweeps import InputError
 
 OTHER_KINDS = {"pressed by a rod": by_rod, "touched by a finger without a press": touched_alone}

@@ -10,8 +10,8 @@ import numpy as np
 from ..arrays import Real
 from ..press.pixels import pixels_with_skin
 from ..press.press import Press, pixel_pressed
-from ..scene.draws.draw_distributions import AnyDistribution, Fixed, Normal
 from ..scene.parts import Plan, Pressing, Skin
+from ..scene.randomisation import AnyDistribution, Fixed, Normal
 from ..sweeps import InputError
 
 PRESSES, METER = 0, 1

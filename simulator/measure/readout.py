@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..arrays import Complex, Mask, Real
+from ..scene.meter import Readout
+from ..scene.meter_tables import ReadoutErrors
 from ..scene.parts import Setup
-from ..scene.readout.meter import Readout
-from ..scene.readout.readout_tables import ReadoutErrors
 from ..sweeps import InputError, build
 from ..sweeps.reading_quantities import ReadingKind, kind_of
 from ..sweeps.schema import complex_readings, taken_of

@@ -11,10 +11,10 @@ import numpy as np
 
 from ..arrays import Mask, Real
 from ..press.pixels import pixels_with_skin
-from ..scene.maps.tear import Tear
+from ..scene.contacts import Interface
+from ..scene.factor_maps import Tear
 from ..scene.parts import SceneParts, Setup, Skin
-from ..scene.readings.contacts import Interface
-from ..scene.readings.wiring_checks import BELOW
+from ..scene.wiring_checks import BELOW
 from ..sweeps import InputError
 
 OPEN = 1e12

@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 from ..arrays import Real
 from ..models.parameters import HALF_WAVES, Variation, mode_values
 from ..press.pixels import cell_centres, pixels_with_skin
-from ..scene.draws.draw_distributions import AnyDistribution, truncated_normal
-from ..scene.draws.randomisation import CUT, FaultOdds
-from ..scene.foam.foam_in_time import AMBIENT, ambient_factors
+from ..scene.contacts import EDGES
+from ..scene.foam import AMBIENT, ambient_factors
+from ..scene.meter import Leads
 from ..scene.parts import Plan, SceneParts, Skin
-from ..scene.readings.contacts import EDGES
-from ..scene.readout.meter import Leads
+from ..scene.randomisation import CUT, AnyDistribution, FaultOdds, truncated_normal
 from .skin_faults import AgedGain, DeadFoil, HalfFoil, SkinFault, StuckSpot, TornSheet
 
 MIDDLE = 0.1, 0.9

@@ -17,12 +17,12 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import Real
-from ..scene.maps.factor_maps import FactorMap
+from ..scene.contacts import Contact, path
+from ..scene.factor_maps import FactorMap
 from ..scene.parts import Pressing, Setup, Skin
-from ..scene.readings.contacts import Contact, path
-from ..scene.readings.wiring_checks import conductor_groups
 from ..scene.skin import Electrode, Sheet, SheetsAndFoam
 from ..scene.skin_region import curves
+from ..scene.wiring_checks import conductor_groups
 
 Pixel = tuple[int, int]
 """(row, column), counted from 1; (0, 0) is the unpressed skin."""

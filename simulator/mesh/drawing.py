@@ -12,12 +12,12 @@ from ..press.capacitance import touched_box
 from ..press.pixels import pixel_lines
 from ..press.press import Press
 from ..press.touch import Disc, Place, Polygon, Rectangle, Touch
+from ..scene.contacts import Contact
 from ..scene.parts import Skin
 from ..scene.pixel_grid import Pixels
 from ..scene.planar import Circle, Points, regular, sides
-from ..scene.readings.contacts import Contact
-from ..scene.readings.wiring_checks import strip
 from ..scene.skin import SheetsAndFoam
+from ..scene.wiring_checks import strip
 
 Shape = Circle | Points
 """Circle, or the corners of a polygon or polyline, shape (corner, 2)."""

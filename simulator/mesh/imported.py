@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..arrays import Integer, Mask
-from ..scene.form.mesh_file import MeshSurface, foil_lines
+from ..scene.mesh_file import MeshSurface, foil_lines
 from ..scene.planar import Circle, distance, nearest
 from ..scene.skin import SheetsAndFoam
 from ..sweeps import InputError, ToleranceError

@@ -18,11 +18,11 @@ from skfem import MeshQuad
 
 from ..arrays import Integer, Real
 from ..press.pixels import pixel_lines
+from ..scene.contacts import Contact
 from ..scene.parts import Skin
 from ..scene.planar import NO_LINES, SAME_LINE, Lines, distinct
-from ..scene.readings.contacts import Contact
-from ..scene.readings.wiring_checks import ACROSS, strip, touch_at
 from ..scene.skin import SheetsAndFoam
+from ..scene.wiring_checks import ACROSS, strip, touch_at
 
 
 def nodes(lines: Real, cells: int, widths: Mapping[float, float], growth: float = np.inf) -> Real:

@@ -9,10 +9,10 @@ import numpy as np
 
 from ..arrays import Integer, Real
 from ..press.press import Press
-from ..scene.form.outline import Curve
+from ..scene.contacts import Contact, curve_section
+from ..scene.form import Curve
 from ..scene.parts import Skin
 from ..scene.planar import Circle
-from ..scene.readings.contacts import Contact, curve_section
 from ..scene.skin_region import curves
 from .arcs import Arcs, arc_length, on_arcs
 from .arrangement import Arrangement, Chords, arranged, chords

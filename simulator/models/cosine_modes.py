@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Complex, Real
-from ..scene.maps.factor_maps import Grid
+from ..scene.factor_maps import Grid
 from ..scene.parts import Pressing, Skin
 from ..scene.skin import Electrode
 from ..sweeps import InputError

@@ -25,9 +25,9 @@ from ..fem.circuit import Circuit, one_field
 from ..press.capacitance import lines, tile_map
 from ..press.pixels import pixel_lines
 from ..press.press import Press
+from ..scene.contacts import Interface
 from ..scene.frequency import laplace_variable
 from ..scene.parts import Setup, Skin
-from ..scene.readings.contacts import Interface
 from ..sweeps import InputError
 from .uniform import require_uniform
 

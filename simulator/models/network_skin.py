@@ -10,8 +10,8 @@ import numpy as np
 from ..arrays import Complex, Integer, Real
 from ..fem.terminals import Combination, Excitation, allowed_potentials, combination
 from ..press.batch import PressBatch
+from ..scene.contacts import Interface
 from ..scene.frequency import laplace_variable
-from ..scene.readings.contacts import Interface
 from ..sweeps import InputError
 from .heterogeneous.materials import gauged
 from .reduced.reduced_skin import ReducedSkin

@@ -13,19 +13,18 @@ from ..arrays import Complex, Real
 from ..press.finger import finger_of
 from ..press.parts import SOLVED, foam_parts, parts_of
 from ..press.touch import Touch
-from ..scene.foam.foam import VACUUM_PERMITTIVITY, Foam
-from ..scene.foam.foam_in_time import IN_TIME
+from ..scene.foam import IN_TIME, VACUUM_PERMITTIVITY, Foam
 from ..scene.frequency import Loss
+from ..scene.meter import Leads
 from ..scene.parts import Pressing, SceneParts, Setup, Skin
 from ..scene.ranges import MAX_INDUCTANCE, Finger
-from ..scene.readings.readers import Load, Source, own_source
-from ..scene.readout.meter import Leads
+from ..scene.readers import Load, Source, own_source
 from ..scene.surroundings import Body, Rim, Surroundings
 from ..surroundings.rim import rim_densities
 from ..sweeps import InputError
 
 if TYPE_CHECKING:
-    from ..scene.readings.contacts import Interface
+    from ..scene.contacts import Interface
 
 MAX_AMPLITUDE = 0.3
 """Largest amplitude of a cosine mode: three of them together stay below the mean."""

@@ -9,9 +9,9 @@ from ..mesh.quadrilaterals import Resolution, singular_ends
 from ..press.capacitance import lines, patch, tile_map, touched_box
 from ..press.press import Press
 from ..press.touch import AnyTouch, Touch
+from ..scene.contacts import Contact
 from ..scene.parts import Skin
 from ..scene.planar import Lines, distinct
-from ..scene.readings.contacts import Contact
 
 ONE_CELL = [(order, 1) for order in (2, 3, 4, 5, 6, 7, 9)]
 """Orders with one cell in a pixel. 8 and 10 are left out: within a pixel most fields are nearly

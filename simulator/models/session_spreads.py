@@ -8,9 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Real
-from ..scene.draws.draw_distributions import AnyDistribution
-from ..scene.foam.foam_in_time import AMBIENT
+from ..scene.foam import AMBIENT
 from ..scene.parts import Plan, SceneParts, Skin
+from ..scene.randomisation import AnyDistribution
 from .parameters import own_values
 
 

@@ -14,9 +14,9 @@ from typing import TypedDict, TypeVar
 
 from ..arrays import Real
 from ..progress import ProgressCallback, silent
+from ..scene.contacts import Contact, Interface
 from ..scene.parts import Pressing, SceneParts, Setup, Skin
-from ..scene.readings.contacts import Contact, Interface
-from ..scene.readings.wiring_checks import check_wiring, conductor_groups
+from ..scene.wiring_checks import check_wiring, conductor_groups
 from ..sweeps import InputError
 from .heterogeneous.elements_model import single_field
 from .reduced.cases import Draw

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 
 from ..scene.extent import perimeter, surface
-from ..scene.foam.foam import ASSUMED_PERMITTIVITY, VACUUM_PERMITTIVITY
+from ..scene.foam import ASSUMED_PERMITTIVITY, VACUUM_PERMITTIVITY
 from ..scene.parts import Pressing, Setup, Skin
 
 LATERAL_LIMIT, FRINGE_LIMIT = 0.01, 0.1

@@ -33,8 +33,8 @@ from ..press.finger import PERSON, touched_area
 from ..press.parts import Parts, parts_of
 from ..press.touch import Touch
 from ..progress import ProgressCallback, silent
+from ..scene.meter import Readout
 from ..scene.parts import Meter, Pressing, SceneParts, Setup, Skin
-from ..scene.readout.meter import Readout
 from ..sweeps import InputError
 from .plan import plan
 from .raster import Raster, raster_fields

@@ -11,9 +11,9 @@ from ..mesh.arcs import edges_of
 from ..mesh.domain import Domain
 from ..mesh.pixel_coverage import pixel_coverage
 from ..models.reduced.families.family import Family, Triangulation
+from ..scene.contacts import Contact, curve_section, path
 from ..scene.parts import Skin
 from ..scene.planar import Circle
-from ..scene.readings.contacts import Contact, curve_section, path
 from ..scene.skin import SheetsAndFoam
 from ..scene.skin_region import curves
 

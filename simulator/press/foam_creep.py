@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Integer, Mask, Real
-from ..scene.foam.foam import Foam
+from ..scene.foam import Foam
 from ..sweeps import InputError
 
 NEGLIGIBLE = 1e-9

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from ..arrays import Integer, Mask, Real
-from ..scene.foam.foam_mechanics import Mechanics
+from ..scene.foam_mechanics import Mechanics
 from ..scene.parts import Skin
 from ..scene.surroundings import Surroundings
 from .batch import NOTHING, PressBatch, TouchedCells

@@ -7,7 +7,7 @@ from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 
-from ..scene.form.outline import check_simple
+from ..scene.form import check_simple
 from ..scene.parts import Pressing, Skin
 from ..scene.pixel_grid import per_pixel
 from ..scene.planar import SAME_LINE

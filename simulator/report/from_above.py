@@ -11,8 +11,8 @@ from ..chart_style import FOIL_COLOURS, foil_offset
 from ..mesh.arcs import edges_of
 from ..mesh.skin_mesh import domain
 from ..press.press import Press
+from ..scene.contacts import Contact, outwards, path
 from ..scene.parts import Skin
-from ..scene.readings.contacts import Contact, outwards, path
 from ..scene.skin_region import curves, on_skin
 
 if TYPE_CHECKING:

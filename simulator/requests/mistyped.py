@@ -116,7 +116,7 @@ def _of_others(option: str, commands: Mapping[str, Any]) -> list[str]:
 
 def _of_scene(option: str) -> list[str]:
     """The key of a scene file with the most similar name."""
-    from ..scene.keys.key_paths import paths
+    from ..scene.keys import paths
     from ..scene.scene import Scene
 
     ordered = sorted(reversed([*paths(Scene)]), key=lambda key: -key.count(0))

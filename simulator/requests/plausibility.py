@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from ..models.line import cut_off_frequency
-from ..scene.form.mesh_data import off_grid
+from ..scene.mesh_data import off_grid
 from ..scene.parts import Skin
 from ..scene.scene import Scene
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Mask, Real
 from ..compiled import compiled
-from ..scene.form.shape import Cylinder
+from ..scene.form import Cylinder
 from ..scene.skin import SheetsAndFoam
 from ..scene.skin_region import on_skin
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Mask, Real
-from ..scene.foam.foam_mechanics import Elastic
+from ..scene.foam_mechanics import Elastic
 from ..scene.parts import Skin
 from .engine import Geom, MjData, MjModel, engine
 from .skin_contacts import SkinContacts

@@ -31,7 +31,7 @@ from .ranges import Capacitance
 from .validation import Number, Table, Whole, within
 
 if TYPE_CHECKING:
-    from .readings.contacts import Interface
+    from .contacts import Interface
 
 OVERSAMPLED = 8
 """Points on a period of the highest tone; between them a peak is at most 8 % higher."""

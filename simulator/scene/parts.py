@@ -15,22 +15,21 @@ import numpy as np
 
 from ..arrays import Real
 from ..sweeps import InputError
+from .contacts import Contact, Interface, max_foil_distance
 from .design_goals import Design
-from .draws.randomisation import Randomisation
-from .foam.foam import Foam
-from .foam.foam_mechanics import Mechanics
-from .form.mesh_data import MeshData
-from .form.outline import Outline
-from .form.shape import Shape, Stretch
+from .foam import Foam
+from .foam_mechanics import Mechanics
+from .form import Outline, Shape, Stretch
+from .mesh_data import MeshData
+from .meter import Readout, Sweep
 from .part import Part
 from .pixel_grid import Pixels, Pressing
-from .readings.contacts import Contact, Interface, max_foil_distance
-from .readings.readers import sources_of_others
-from .readings.setup import Setup
-from .readings.wiring_checks import DrivenByTouch, driven_by_touch
-from .readout.meter import Readout, Sweep
+from .randomisation import Randomisation
+from .readers import sources_of_others
+from .setup import Setup
 from .skin import Sheet, SheetsAndFoam
 from .surroundings import Surroundings
+from .wiring_checks import DrivenByTouch, driven_by_touch
 
 if TYPE_CHECKING:
     from .scene import Scene

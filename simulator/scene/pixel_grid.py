@@ -11,14 +11,14 @@ from typing import TYPE_CHECKING, Annotated, Literal, Self
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
 
-from .draws.draw_distributions import AnyDistribution, Fixed, Normal, Uniform
+from .randomisation import AnyDistribution, Fixed, Normal, Uniform
 from .ranges import MAX_FACTOR, AnyFinger, CapacitanceFactor, Force, Thickness, TouchCapacitance
 from .skin import Name
 from .validation import Number, Table, Whole, short
 
 if TYPE_CHECKING:
-    from .draws.randomisation import DrawnPress
     from .parts import Skin
+    from .randomisation import DrawnPress
     from .skin import SheetsAndFoam
 
 Added = Literal["capacitance to earth"]

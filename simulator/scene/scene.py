@@ -19,27 +19,21 @@ from pydantic import (
 )
 
 from ..sweeps import InputError
+from .contacts import MAX_CONTACTS, MAX_INTERFACES, Contact, Interface, check_frequencies
 from .design_goals import Design
-from .draws.randomisation import Randomisation
-from .foam.foam_in_time import in_ambient
-from .keys.key_paths import put
+from .foam import in_ambient
+from .keys import put
+from .meter import AnyReadout, Experiment, Leads, Readout, Sweep
+from .meter_tables import check_readout
 from .multisine import scene_reader
 from .parts import SceneParts
 from .pixel_grid import Pixels, Pressing, with_drawn_factor, with_factor
-from .readings.contacts import (
-    MAX_CONTACTS,
-    MAX_INTERFACES,
-    Contact,
-    Interface,
-    check_frequencies,
-)
-from .readings.readings_short_form import Readings, with_interfaces
-from .readings.wiring_checks import check_wiring, with_earth, without_earth
-from .readout.meter import AnyReadout, Experiment, Leads, Readout, Sweep
-from .readout.readout_tables import check_readout
+from .randomisation import Randomisation
+from .readings_short_form import Readings, with_interfaces
 from .skin import Name, SkinTable
 from .surroundings import AnySurroundings, check_finger
 from .validation import Table, one_line
+from .wiring_checks import check_wiring, with_earth, without_earth
 
 BOTH = {
     "pixels": ("pixels.rows", "pixels.columns"),

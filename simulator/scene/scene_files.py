@@ -18,7 +18,7 @@ from ..sweeps.builtin import BUILTIN, builtin_names
 from ..sweeps.csv_cells import printable
 from ..sweeps.inputs import check_file_kind
 from ..sweeps.units import in_si
-from .maps.map_file import with_grids
+from .map_file import with_grids
 from .scene import Scene
 from .surroundings import LowTerminal
 from .validation import one_line

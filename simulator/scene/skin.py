@@ -17,14 +17,12 @@ from pydantic import (
     model_validator,
 )
 
-from .foam.foam import Foam
-from .form.mesh_data import MeshData, check_extent, read_along
-from .form.outline import Outline, check_outline
-from .form.shape import Shape, Stretch
+from .factor_maps import FactorMap, SheetMap, Tear
+from .foam import Foam
+from .form import Outline, Shape, Stretch, check_outline
 from .frequency import penetration_depth
-from .keys.key_paths import OrText
-from .maps.factor_maps import FactorMap
-from .maps.tear import SheetMap, Tear
+from .keys import OrText
+from .mesh_data import MeshData, check_extent, read_along
 from .ranges import Angle, Length, Piezoresistance, SheetResistance
 from .validation import Number, Table, short, single_line
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..arrays import Mask, Real
-from .form.outline import Curve
+from .form import Curve
 from .planar import Circle, Points, inside, reach_into, sides
 from .skin import SheetsAndFoam
 

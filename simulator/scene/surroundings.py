@@ -16,8 +16,8 @@ from pydantic import (
     model_validator,
 )
 
-from .foam.foam import VACUUM_PERMITTIVITY
-from .keys.key_paths import OrTable, OrText
+from .foam import VACUUM_PERMITTIVITY
+from .keys import OrTable, OrText
 from .ranges import Air, Distance, PerArea, PerLength, Permittivity, Thickness
 from .skin import Electrode
 from .validation import Table, validated

@@ -11,7 +11,7 @@ from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Str
 from pydantic.fields import FieldInfo
 
 from ..sweeps.units import suggestion
-from .keys.key_paths import Location, likely_keys, required
+from .keys import Location, likely_keys, required
 
 Number = Annotated[float, Strict()]
 """A number of TOML; text, true and false are refused."""

@@ -18,8 +18,8 @@ from ..models.reduced.reduced_skin import ReducedSkin
 from ..models.reduced.skin_stack import SkinStack
 from ..models.small_system.lanczos import Skins
 from ..press.batch import PressBatch
+from ..scene.meter import Leads
 from ..scene.parts import SceneParts, Setup, Skin
-from ..scene.readout.meter import Leads
 from ..sweeps.free_space import check_memory
 
 SETUPS_KEPT = 4096

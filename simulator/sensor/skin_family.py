@@ -21,9 +21,8 @@ from ..models.solver import Solver
 from ..press.batch import PressBatch
 from ..press.foam_creep import Creep
 from ..press.press import parse_press
-from ..scene.draws.draw_distributions import Fixed, Uniform
-from ..scene.draws.randomisation import DrawnPress, Randomisation, Session
 from ..scene.parts import Plan, Pressing, SceneParts, Setup, Skin
+from ..scene.randomisation import DrawnPress, Fixed, Randomisation, Session, Uniform
 from ..sweeps import InputError
 from .cell_spreading import SkinCells
 

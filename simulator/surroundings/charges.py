@@ -22,7 +22,7 @@ import numpy as np
 from scipy.linalg import solve
 
 from ..arrays import Real
-from ..scene.foam.foam import VACUUM_PERMITTIVITY
+from ..scene.foam import VACUUM_PERMITTIVITY
 from .panels import PanelBlock
 from .reflections import Layer, images
 

@@ -14,7 +14,7 @@ from ..mesh.domain import Domain
 from ..mesh.refinement import refined
 from ..mesh.skin_mesh import domain
 from ..press.press import Press
-from ..scene.foam.foam import VACUUM_PERMITTIVITY, Foam
+from ..scene.foam import VACUUM_PERMITTIVITY, Foam
 from ..scene.parts import Skin
 from ..scene.skin import Sheet
 from ..sweeps import InputError

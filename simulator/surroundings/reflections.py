@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ..arrays import Real
-from ..scene.foam.foam import VACUUM_PERMITTIVITY
+from ..scene.foam import VACUUM_PERMITTIVITY
 from ..scene.surroundings import Body
 
 MIN_IMAGE_WEIGHT = 1e-3

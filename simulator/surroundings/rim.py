@@ -13,7 +13,7 @@ from functools import lru_cache
 import numpy as np
 
 from ..arrays import Real
-from ..scene.foam.foam import VACUUM_PERMITTIVITY
+from ..scene.foam import VACUUM_PERMITTIVITY
 from ..scene.parts import Skin
 from ..scene.surroundings import Rim
 from .charges import capacitances

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.polynomial.legendre import legder, legval
 
 from ..arrays import Integer, Mask, Real
-from ..scene.foam.foam import VACUUM_PERMITTIVITY
+from ..scene.foam import VACUUM_PERMITTIVITY
 from ..scene.parts import Skin
 from ..sweeps import InputError
 from . import array_cache

@@ -10,14 +10,14 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from ..arrays import Integer, Real
-from ..scene.readings.contacts import path
+from ..scene.contacts import path
 
 if TYPE_CHECKING:
     from ..mesh.domain import Domain
     from ..press.press import Press
     from ..press.touch import Touch
+    from ..scene.contacts import Contact, Interface
     from ..scene.parts import Skin
-    from ..scene.readings.contacts import Contact, Interface
     from .skin_surface import SkinSurface
 
 

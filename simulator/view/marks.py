@@ -18,8 +18,8 @@ from .foils import Foil, SkinMesh, foils
 if TYPE_CHECKING:
     from ..press.press import Press
     from ..press.touch import AnyTouch
+    from ..scene.contacts import Interface
     from ..scene.parts import Skin
-    from ..scene.readings.contacts import Interface
     from .skin_surface import SkinSurface
 
 Point = Real | tuple[float, float]

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
     from ..models.solution_fields import SolutionFields
     from ..press.press import Press
+    from ..scene.contacts import Interface
     from ..scene.parts import SceneParts
-    from ..scene.readings.contacts import Interface
     from .displayed_quantity import DisplayedQuantity
     from .quantities import ViewedQuantity
 

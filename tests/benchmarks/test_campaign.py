@@ -167,7 +167,7 @@ def test_a_case_that_takes_too_long_is_given_up(part):
 
 def test_laws_of_foam_are_those_of_the_simulator(part):
     """The campaign writes them once more, from what the pages say."""
-    from rcskin.simulator.scene.foam.foam_mechanics import Mechanics
+    from rcskin.simulator.scene.foam_mechanics import Mechanics
 
     laws = part("foam_laws")
     kinds = ("looyenga", "lichtenecker", "maxwell-garnett", "bruggeman", "constant")

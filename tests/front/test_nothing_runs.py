@@ -26,7 +26,7 @@ from rcskin.localization.model import localizer_file
 from rcskin.localization.study.axis import scene_table
 from rcskin.simulator.meters import accuracy_table
 from rcskin.simulator.models.reduced import model_file
-from rcskin.simulator.scene.form.mesh_file import read_surface
+from rcskin.simulator.scene.mesh_file import read_surface
 from rcskin.simulator.scene.scene_files import BUILTIN, load_scene
 from rcskin.simulator.surroundings import array_cache
 from rcskin.simulator.sweeps import InputError, inputs, read
@@ -63,11 +63,11 @@ READERS = {
     "first sweeps": (lambda path: read_first(path, 5, lazy=True), [".zarr"], ""),
     "scene": (load_scene, [".toml"], "scene/scene_files"),
     "scene of a study": (lambda path: scene_table(str(path)), [".toml"], "study/axis"),
-    "map": (map_of_scene, [".csv", ".png", ".jpg", ".tif", ".bmp", ".gif"], "maps/map_file"),
+    "map": (map_of_scene, [".csv", ".png", ".jpg", ".tif", ".bmp", ".gif"], "scene/map_file"),
     "mesh": (
         lambda path: read_surface(str(path)),
         [".msh", ".vtk", ".vtu", ".inp"],
-        "form/mesh_file",
+        "scene/mesh_file",
     ),
     "localizer": (localizer_file.load, [".npz"], "model/localizer_file sweeps/array_files"),
     "reduced model": (model_file.load, [".npz"], "reduced/model_file"),

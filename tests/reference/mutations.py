@@ -25,14 +25,14 @@ MUTATIONS = [  # file, the line's text, the fault
     ("simulator/surroundings/panels.py", "(a + c + d) / 3", "(a + c + d) / 4"),
     ("simulator/sweeps/reading_quantities.py", "magnitude / omega", "magnitude / (1.01 * omega)"),
     ("simulator/scene/frequency.py", "(loss.tangent + 1j)", "(1.1 * loss.tangent + 1j)"),
-    ("simulator/scene/foam/foam_mechanics.py", "- strain) / (1 - strain)", "- strain)"),
+    ("simulator/scene/foam_mechanics.py", "- strain) / (1 - strain)", "- strain)"),
     ("simulator/models/mechanics/indentation.py", "by.value / own", "by.value"),
     (
         "simulator/models/mechanics/membrane.py",
         "stress(self._strain(w)) * ",
         "stress(self._strain(w)) + 0 * ",
     ),
-    ("simulator/scene/readout/meter.py", "(1 - self.guard) *", "(1 + self.guard) * 2 *"),
+    ("simulator/scene/meter.py", "(1 - self.guard) *", "(1 + self.guard) * 2 *"),
     ("localization/inputs/features.py", "np.log(complex_readings", "np.sqrt(complex_readings"),
     ("localization/inputs/features.py", "2 * known.sum() <=", "2 * known.sum() >"),
     (

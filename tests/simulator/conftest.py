@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.scene.readout.meter import Readout
+from rcskin.simulator.scene.meter import Readout
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.sweeps import build
 

@@ -5,7 +5,7 @@ import sys
 
 import pytest
 from rcskin.simulator.dataset.workers import cluster
-from rcskin.simulator.scene.form.mesh_file import read_surface
+from rcskin.simulator.scene.mesh_file import read_surface
 from rcskin.simulator.sweeps import InputError
 
 OF_EXTRAS = (

@@ -21,8 +21,8 @@ from rcskin.simulator.press.batch import NOTHING
 from rcskin.simulator.press.parts import parts_of
 from rcskin.simulator.press.press import Press, parse_press, press_on
 from rcskin.simulator.press.rasterized import touched_cells
-from rcskin.simulator.scene.draws.draw_distributions import Uniform
 from rcskin.simulator.scene.frequency import Loss
+from rcskin.simulator.scene.randomisation import Uniform
 from rcskin.simulator.sweeps import InputError
 from rcskin.tests.library.scenes import KINDS
 

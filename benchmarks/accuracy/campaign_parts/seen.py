@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from rcskin.benchmarks.accuracy.campaign_parts.problem import Problem, Route, Truth
-from rcskin.simulator.scene.readout.meter import Leads
+from rcskin.simulator.scene.meter import Leads
 
 AT_45_DEGREES = 4.0
 """Error of X over that of R and of |Z|² omega Cp, where Cp does not tell X."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from rcskin.simulator.scene.readings.contacts import Contact, Interface
+from rcskin.simulator.scene.contacts import Contact, Interface
 from rcskin.simulator.scene.scene import Scene
 
 from .lines import Array

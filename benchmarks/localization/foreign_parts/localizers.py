@@ -23,7 +23,7 @@ from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.dataset.skin_model import Training, reduced
 from rcskin.simulator.models.reduced.model_file import load, save
 from rcskin.simulator.models.reduced.reduced_model import Reduced
-from rcskin.simulator.scene.foam.foam import VACUUM_PERMITTIVITY
+from rcskin.simulator.scene.foam import VACUUM_PERMITTIVITY
 from rcskin.simulator.scene.scene import Scene
 
 WAS, TERMS, WIDER = "as it was", "with terms", "drawn wider"

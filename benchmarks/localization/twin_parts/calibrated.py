@@ -22,7 +22,7 @@ from rcskin.simulator.calibration.fitting.fit_options import Options
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.dataset.skin_model import reduced
 from rcskin.simulator.models.reduced.reduced_model import Reduced
-from rcskin.simulator.scene.draws.draw_distributions import Lognormal, Normal
+from rcskin.simulator.scene.randomisation import Lognormal, Normal
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.sweeps import ToleranceError
 

@@ -17,8 +17,7 @@ from rcskin.simulator.limits.random_press_limits import (
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.draws.draw_distributions import truncated_normal
-from rcskin.simulator.scene.draws.randomisation import CUT
+from rcskin.simulator.scene.randomisation import CUT, truncated_normal
 from rcskin.simulator.scene.scene import Scene
 
 

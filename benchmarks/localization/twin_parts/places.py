@@ -24,7 +24,7 @@ from rcskin.localization.inversion.adapted import AdaptedPosition
 from rcskin.localization.inversion.classifier import InversionPlan, simulated
 from rcskin.simulator.dataset.skin_model import reduced
 from rcskin.simulator.models.reduced.reduced_model import Reduced
-from rcskin.simulator.scene.draws.draw_distributions import Normal
+from rcskin.simulator.scene.randomisation import Normal
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import scene_text
 

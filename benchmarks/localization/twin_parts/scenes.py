@@ -6,10 +6,17 @@ scene knows nothing of; with two interfaces the pair that is not driven floats, 
 
 from __future__ import annotations
 
-from rcskin.simulator.scene.draws.draw_distributions import Fixed, Lognormal, Normal, Uniform
-from rcskin.simulator.scene.draws.randomisation import DrawnPress, Randomisation, Session
+from rcskin.simulator.scene.contacts import Contact
 from rcskin.simulator.scene.pixel_grid import Pixels
-from rcskin.simulator.scene.readings.contacts import Contact
+from rcskin.simulator.scene.randomisation import (
+    DrawnPress,
+    Fixed,
+    Lognormal,
+    Normal,
+    Randomisation,
+    Session,
+    Uniform,
+)
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene
 

@@ -18,8 +18,8 @@ from ...fem.factors import one_blas_thread
 from ...models.cosine_modes import with_foam_modes, with_sheet_modes
 from ...models.parameters import parts_with
 from ...progress import ProgressCallback, silent
+from ...scene.meter import Readout
 from ...scene.parts import SceneParts
-from ...scene.readout.meter import Readout
 from ...sweeps import InputError
 from .centered_model import CenteredModel, centered_model, trainable_factors
 from .fit_options import FitSpec

@@ -15,7 +15,7 @@ from ...measure.readout import ErrorModel
 from ...models.heterogeneous.elements_model import single_field
 from ...models.parameters import TABLE
 from ...press.press import pressed_factor
-from ...scene.readout.meter import Readout
+from ...scene.meter import Readout
 from ...sweeps import InputError
 from ..likelihood.student import StudentT
 from .measurements import Measurements, SessionSweep

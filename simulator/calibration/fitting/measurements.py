@@ -22,8 +22,8 @@ from ...press.press import (
     strength_of,
 )
 from ...press.touch import Touch, place_of
+from ...scene.meter_tables import ReadoutErrors
 from ...scene.parts import Pressing, SceneParts, Setup, Skin
-from ...scene.readout.readout_tables import ReadoutErrors
 from ...sweeps import InputError
 from ...sweeps.inputs import objects
 from ...sweeps.press_text import displayed_press

@@ -23,8 +23,8 @@ from ...models.parameters import (
     smallest_load_capacitance,
 )
 from ...models.session_spreads import SessionSpread, session_spreads
+from ...scene.meter import Readout
 from ...scene.parts import Plan, Setup
-from ...scene.readout.meter import Readout
 from ...sweeps import InputError
 from .measurements import Measurements
 

@@ -15,7 +15,7 @@ from ...models.solver import Solver
 from ...press.press import Press
 from ...progress import ProgressCallback, silent, tracked
 from ...scene.extent import perimeter, surface
-from ...scene.foam.foam import VACUUM_PERMITTIVITY
+from ...scene.foam import VACUUM_PERMITTIVITY
 from ...scene.parts import SceneParts, Setup, Skin
 from ...scene.surroundings import Body, Rim, Surroundings
 from ...surroundings.rim import rim_densities

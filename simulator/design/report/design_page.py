@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ...report.page import Items, Picture, ReportSection, TableGrid
+from ...scene.contacts import Interface
 from ...scene.parts import Skin
-from ...scene.readings.contacts import Interface
-from ...scene.readings.wiring_checks import conductor_groups
+from ...scene.wiring_checks import conductor_groups
 from ..evaluator import SearchSettings
 from ..scoring import Layout, designed
 from ..search import SearchResult, SearchStep

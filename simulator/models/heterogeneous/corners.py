@@ -22,9 +22,9 @@ from ...mesh.domain import Domain
 from ...mesh.quadrilaterals import RATIO
 from ...press.capacitance import Patch, patch
 from ...press.press import Press
+from ...scene.contacts import Contact
 from ...scene.parts import Skin
 from ...scene.planar import distinct
-from ...scene.readings.contacts import Contact
 from ...scene.skin import Electrode
 from ..resolution import all_lines
 from .coefficients import ELECTRODES, PressCoefficients

@@ -32,9 +32,9 @@ from ...fem.unknowns import (
 from ...mesh.arcs import mapped
 from ...mesh.domain import Domain
 from ...mesh.quadrilaterals import PixelMesh
-from ...scene.readings.contacts import Contact
-from ...scene.readings.wiring_checks import under_foil
+from ...scene.contacts import Contact
 from ...scene.skin import SheetsAndFoam
+from ...scene.wiring_checks import under_foil
 
 MORE_ON_SQUARES, MORE_ON_TRIANGLES = 6, 4
 """Degree of the rules above twice the order, for the coefficients."""

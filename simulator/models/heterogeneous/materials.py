@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ...arrays import Real
-from ...scene.foam.foam_mechanics import strain_of
-from ...scene.form.shape import Stretch
+from ...scene.foam_mechanics import strain_of
+from ...scene.form import Stretch
 from ...scene.parts import Skin
 from ...scene.planar import SAME_EDGE, Lines, distinct
 from ...scene.skin import Electrode, Sheet, SheetsAndFoam

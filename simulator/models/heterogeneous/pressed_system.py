@@ -37,8 +37,8 @@ from ...fem.quadrature import Terms, mass_terms, stiffness_terms
 from ...fem.system import System, films
 from ...fem.unknowns import Unknowns, number_unknowns
 from ...press.walls import step_capacitance
+from ...scene.contacts import Contact
 from ...scene.parts import Skin
-from ...scene.readings.contacts import Contact
 from ...scene.surroundings import Body, Surroundings
 from ...surroundings.rim import RimDensities, rim_densities
 from ...surroundings.surroundings_matrix import surroundings_matrix

@@ -20,7 +20,7 @@ from ...press.press import Press
 from ...press.touch import Rectangle, Touch
 from ...scene.parts import Skin
 from ...scene.planar import NO_LINES, SAME_EDGE, Lines
-from ...scene.readings.wiring_checks import strip
+from ...scene.wiring_checks import strip
 from ...sweeps import ToleranceError
 from ..resolution import (
     ONE_CELL,

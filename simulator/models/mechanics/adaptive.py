@@ -15,7 +15,7 @@ from ...fem.error_estimate import DEFLECTION
 from ...press.press import Press
 from ...press.touch import Depth
 from ...progress import ProgressCallback, silent
-from ...scene.foam.foam_mechanics import Mechanics
+from ...scene.foam_mechanics import Mechanics
 from ...sweeps import InputError
 from ...sweeps.errors import ToleranceError
 from ..time_estimate import RemainingTime, check_within_reach

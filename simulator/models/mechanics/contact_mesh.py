@@ -16,7 +16,7 @@ from ...mesh.refinement import refined
 from ...mesh.skin_mesh import domain
 from ...press.press import Press
 from ...press.touch import Disc, Place, Touch
-from ...scene.form.outline import Curve
+from ...scene.form import Curve
 from ...scene.parts import Skin
 from ...scene.planar import Circle, regular
 from ...sweeps import InputError

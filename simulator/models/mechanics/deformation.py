@@ -10,7 +10,7 @@ import numpy as np
 from ...arrays import Real
 from ...press.press import Press
 from ...press.touch import Depth
-from ...scene.foam.foam_mechanics import Mechanics
+from ...scene.foam_mechanics import Mechanics
 from ...scene.planar import Circle
 from ...scene.skin import SheetsAndFoam
 from ...sweeps import InputError

@@ -1,6 +1,6 @@
 """The foam's law as numbers and tables for kernels, and the law itself, compiled.
 
-`scene.foam.foam_mechanics` states the law for arrays; tests compare the two.
+`scene.foam_mechanics` states the law for arrays; tests compare the two.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ import numpy as np
 
 from ...arrays import Real
 from ...compiled import compiled
-from ...scene.foam.foam import Foam
-from ...scene.foam.foam_mechanics import DENSIFICATION, Elastomer, strains_under
+from ...scene.foam import Foam
+from ...scene.foam_mechanics import DENSIFICATION, Elastomer, strains_under
 
 STRAINS = 8192
 PRESSURES = 8192

@@ -21,7 +21,7 @@ from ...press.capacitance import touched_box
 from ...press.press import Press, check_press, order
 from ...press.touch import Box, Depth, Disc, Place, Touch, touch_at
 from ...progress import ProgressCallback, silent
-from ...scene.foam.foam_mechanics import Elastic, Mechanics, strains_under
+from ...scene.foam_mechanics import Elastic, Mechanics, strains_under
 from ...scene.parts import Skin
 from ...scene.planar import SAME_EDGE, Circle, area, inside, ring
 from ...sweeps import InputError

@@ -23,7 +23,7 @@ from skfem.quadrature import get_quadrature
 
 from ...arrays import Integer, Real
 from ...fem.assembly import pattern_of_pairs
-from ...scene.foam.foam_mechanics import Elastic
+from ...scene.foam_mechanics import Elastic
 
 ELEMENT = ElementTriP4()
 EXACT = 8

@@ -10,8 +10,8 @@ import numpy as np
 from scipy.sparse.csgraph import connected_components
 
 from ...arrays import Integer, Real
-from ...scene.foam.foam import Foam
-from ...scene.foam.foam_mechanics import Mechanics
+from ...scene.foam import Foam
+from ...scene.foam_mechanics import Mechanics
 from ...scene.parts import Skin
 from ...scene.skin_region import covers
 from .foam_law import FoamTables, foam_tables

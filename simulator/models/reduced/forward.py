@@ -19,8 +19,8 @@ from ...press.rasterized import touched_cells
 from ...press.touch import Rectangle
 from ...progress import ProgressCallback, silent
 from ...scene.frequency import laplace_variable, slopes_of_s
+from ...scene.meter import FrequencyGrid
 from ...scene.parts import Plan, SceneParts, Setup, Skin
-from ...scene.readout.meter import FrequencyGrid
 from ..cosine_modes import StiffnessTerms, amplitudes, random_amplitudes, variation_with_modes
 from ..heterogeneous.elements_model import single_field
 from ..heterogeneous.materials import gauge_slopes, gauged, gauges

@@ -24,9 +24,9 @@ from ...fem.lanczos import potentials_of_all
 from ...fem.system import check_grid_fits
 from ...press.parts import parts_of
 from ...progress import ProgressCallback, silent
+from ...scene.contacts import Interface
 from ...scene.frequency import laplace_variable
 from ...scene.parts import SceneParts
-from ...scene.readings.contacts import Interface
 from ...sweeps import ToleranceError
 from ..heterogeneous.elements_model import circuit_of
 from ..heterogeneous.pressed_system import check_surroundings

@@ -8,7 +8,7 @@ from rcskin.localization.study.separation import (
     label_of,
     separation,
 )
-from rcskin.simulator.scene.readout.meter import Readout
+from rcskin.simulator.scene.meter import Readout
 from rcskin.simulator.sweeps import InputError
 
 FREQUENCY = np.geomspace(1e3, 1e5, 8)

@@ -7,8 +7,7 @@ from rcskin.localization.model.localizer_file import load, save
 from rcskin.localization.model.training import train
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.sweep_touches import counts_of
-from rcskin.simulator.scene.draws.draw_distributions import Uniform
-from rcskin.simulator.scene.draws.randomisation import DrawnPress, Randomisation, Session
+from rcskin.simulator.scene.randomisation import DrawnPress, Randomisation, Session, Uniform
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import build, concatenate
 

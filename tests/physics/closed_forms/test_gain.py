@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
+from rcskin.simulator.scene.meter import Leads
 from rcskin.simulator.scene.parts import Setup
-from rcskin.simulator.scene.readout.meter import Leads
 
 FREQUENCIES = (1e2, 1e3, 1e4)
 R = 1e6

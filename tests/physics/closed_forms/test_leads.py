@@ -6,7 +6,7 @@ from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.parameters import leads_of, own_values, parts_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
-from rcskin.simulator.scene.readout.meter import Leads
+from rcskin.simulator.scene.meter import Leads
 
 LEADS = Leads(resistance=300.0, inductance=2e-3, stray_capacitance=6e-12)
 FREQUENCIES = (1e2, 1e3, 1e4, 1e5)

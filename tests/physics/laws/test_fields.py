@@ -6,7 +6,7 @@ import pytest
 from rcskin.simulator.models.solution_fields import fields
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
-from rcskin.simulator.scene.readout.meter import Leads
+from rcskin.simulator.scene.meter import Leads
 
 CROSSED = {"top-left": {}, "bottom-bottom": {}}
 MORE = {"rows": 3, "columns": 3, "frequencies": [1e3, 3e4]}

@@ -10,7 +10,7 @@ from rcskin.simulator.models.parameters import (
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.readout.meter import Sweep
+from rcskin.simulator.scene.meter import Sweep
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
 

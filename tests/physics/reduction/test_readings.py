@@ -11,7 +11,7 @@ from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.models.terminals import chain, read, trained
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.readings.contacts import Interface
+from rcskin.simulator.scene.contacts import Interface
 from rcskin.simulator.sweeps import InputError
 
 RTOL = 1e-4

@@ -6,7 +6,7 @@ from rcskin.simulator.bounds.fields import FullFields
 from rcskin.simulator.measure.skins import drawn_skin
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
-from rcskin.simulator.scene.readout.meter import Leads
+from rcskin.simulator.scene.meter import Leads
 
 GUARDED = Leads(stray_capacitance=8e-12, guard=0.75, resistance=20.0)
 SEEN = Leads(stray_capacitance=2e-12, resistance=20.0)

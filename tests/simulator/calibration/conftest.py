@@ -11,8 +11,8 @@ from rcskin.simulator.models.parameters import parts_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.models.terminals import reduced_for
 from rcskin.simulator.press.press import parse_press
+from rcskin.simulator.scene.meter import Readout
 from rcskin.simulator.scene.parts import Meter, Pressing
-from rcskin.simulator.scene.readout.meter import Readout
 
 METER = Readout(
     magnitude_accuracy=3e-3,

@@ -11,7 +11,7 @@ from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.models.parameters import own_values, parts_with
 from rcskin.simulator.models.reduced.forward import Forward
-from rcskin.simulator.scene.readout.meter import Readout
+from rcskin.simulator.scene.meter import Readout
 from rcskin.simulator.sweeps import InputError
 
 TRUTH = {"sheet_resistance": 0.25, "capacitance": -0.3, "phase_exponent": 0.96}

@@ -13,7 +13,7 @@ from rcskin.simulator.calibration.fitting.problem import LeastSquaresProblem
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.models.parameters import own_values
-from rcskin.simulator.scene.readout.meter import Readout
+from rcskin.simulator.scene.meter import Readout
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError, write
 from rcskin.simulator.sweeps.reading_subset import restricted

@@ -1,8 +1,15 @@
 import numpy as np
 import pytest
 from pydantic import ValidationError
-from rcskin.simulator.scene.draws.draw_distributions import Fixed, Lognormal, Normal, Uniform
-from rcskin.simulator.scene.draws.randomisation import CUT, SLOW_MODES, Randomisation
+from rcskin.simulator.scene.randomisation import (
+    CUT,
+    SLOW_MODES,
+    Fixed,
+    Lognormal,
+    Normal,
+    Randomisation,
+    Uniform,
+)
 from rcskin.simulator.scene.scene_files import BUILTIN, load_scene, parse_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 

@@ -13,8 +13,7 @@ from rcskin.simulator.measure.skins import PRESSES, SKIN, drawn_skin, stream
 from rcskin.simulator.press.capacitance import capacitance_map
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.press.touch import Touch
-from rcskin.simulator.scene.draws.draw_distributions import Uniform
-from rcskin.simulator.scene.draws.randomisation import CUT, SLOW_MODES
+from rcskin.simulator.scene.randomisation import CUT, SLOW_MODES, Uniform
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.tests.library.rasters import twin_map
 

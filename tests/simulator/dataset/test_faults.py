@@ -19,7 +19,7 @@ from rcskin.simulator.measure.skin_faults import (
 from rcskin.simulator.measure.skins import drawn_fault
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import press_on
-from rcskin.simulator.scene.readout.meter import Leads
+from rcskin.simulator.scene.meter import Leads
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError, impedance, read
 from rcskin.tests.library.scenes import ALIKE

@@ -9,8 +9,8 @@ from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.drawn_session import drawn_sessions
 from rcskin.simulator.dataset.store import finish
 from rcskin.simulator.measure.readout import displayed
+from rcskin.simulator.scene.meter import Readout
 from rcskin.simulator.scene.parts import Meter
-from rcskin.simulator.scene.readout.meter import Readout
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError, impedance, open_zarr, read
 from rcskin.tests.library.scenes import ALIKE

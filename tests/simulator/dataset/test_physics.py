@@ -9,8 +9,8 @@ from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.dataset.skin_model import REDUCED, reduced
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.draws.draw_distributions import Fixed, Uniform
-from rcskin.simulator.scene.readout.meter import Leads, Readout
+from rcskin.simulator.scene.meter import Leads, Readout
+from rcskin.simulator.scene.randomisation import Fixed, Uniform
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import impedance, open_zarr, parallel_capacitance, read

@@ -1,7 +1,7 @@
 """A strip with one pair of foils, and a meter with large errors."""
 
 import pytest
-from rcskin.simulator.scene.readout.meter import Readout
+from rcskin.simulator.scene.meter import Readout
 from rcskin.simulator.scene.scene_files import scene_text
 
 NOISE = {"magnitude_noise": 0.02, "phase_noise": 0.02}

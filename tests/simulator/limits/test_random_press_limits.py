@@ -10,7 +10,7 @@ from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Rectangle
-from rcskin.simulator.scene.draws.draw_distributions import Fixed, Normal
+from rcskin.simulator.scene.randomisation import Fixed, Normal
 from rcskin.simulator.sweeps import InputError, impedance
 from scipy.special import ndtr
 

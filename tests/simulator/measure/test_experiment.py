@@ -11,9 +11,9 @@ from rcskin.simulator.measure.experiment import (
     strengths,
 )
 from rcskin.simulator.press.press import Press
-from rcskin.simulator.scene.draws.draw_distributions import Uniform
+from rcskin.simulator.scene.meter import Experiment
 from rcskin.simulator.scene.parts import Pressing
-from rcskin.simulator.scene.readout.meter import Experiment
+from rcskin.simulator.scene.randomisation import Uniform
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError
 

@@ -14,7 +14,7 @@ from rcskin.simulator.models.reduced.cases import pixel_touches
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.models.terminals import reduced_for
 from rcskin.simulator.press.press import every_press
-from rcskin.simulator.scene.readout.meter import Readout
+from rcskin.simulator.scene.meter import Readout
 from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text
 from rcskin.simulator.sweeps import InputError, check, concatenate, impedance, read, write
 from rcskin.simulator.sweeps.imports import import_file

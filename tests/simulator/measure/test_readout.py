@@ -8,7 +8,7 @@ from rcskin.simulator.measure.readout import MeterSession, displayed, read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
-from rcskin.simulator.scene.readout.meter import Readout
+from rcskin.simulator.scene.meter import Readout
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import impedance
 

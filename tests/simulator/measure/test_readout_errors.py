@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.bounds.fisher_information import session_errors
 from rcskin.simulator.measure.readout import ErrorModel, MeterSession, observed, reading_from
-from rcskin.simulator.scene.readout.meter import Readout
+from rcskin.simulator.scene.meter import Readout
 
 FLAT = Readout(
     magnitude_accuracy=0.002, phase_accuracy=1e-3, magnitude_noise=0.003, phase_noise=2.6e-3

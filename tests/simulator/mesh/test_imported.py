@@ -9,7 +9,7 @@ from rcskin.simulator.mesh.refinement import refined
 from rcskin.simulator.mesh.skin_mesh import domain
 from rcskin.simulator.press.pixels import pixels_with_skin
 from rcskin.simulator.press.press import Press, parse_press
-from rcskin.simulator.scene.form.mesh_file import read_surface
+from rcskin.simulator.scene.mesh_file import read_surface
 from rcskin.simulator.scene.planar import sides
 from rcskin.simulator.sweeps import InputError
 

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from rcskin.simulator.fem.factors import factorised
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, every_press
-from rcskin.simulator.scene.keys.key_paths import at, keys
+from rcskin.simulator.scene.keys import at, keys
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.scene.validation import NumberRange, constraints_of

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from rcskin.simulator.fem.error_estimate import LOST_SUSCEPTANCE, certified, relative_difference
 from rcskin.simulator.models.solution import ModelResult, SolutionProgress
+from rcskin.simulator.scene.contacts import Interface
+from rcskin.simulator.scene.meter import Leads
 from rcskin.simulator.scene.parts import Setup
-from rcskin.simulator.scene.readings.contacts import Interface
-from rcskin.simulator.scene.readout.meter import Leads
 from rcskin.simulator.sweeps import parallel_capacitance
 
 FREQUENCY = np.array([1e-3, 1.0, 1e3])

@@ -5,7 +5,7 @@ from rcskin.simulator.models.mechanics.force_depths import pressed_by_factors
 from rcskin.simulator.models.uniform import equivalent_press, require_uniform
 from rcskin.simulator.press.press import Press, check_press, parse_press
 from rcskin.simulator.press.touch import Rectangle, Touch
-from rcskin.simulator.scene.foam.foam import VACUUM_PERMITTIVITY
+from rcskin.simulator.scene.foam import VACUUM_PERMITTIVITY
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import builtin_names, load_scene, parse_scene, scene_text
 from rcskin.simulator.sweeps import InputError

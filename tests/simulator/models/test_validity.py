@@ -11,7 +11,7 @@ from rcskin.simulator.models.validity import (
 )
 from rcskin.simulator.press.walls import step_capacitance
 from rcskin.simulator.scene.extent import perimeter, surface
-from rcskin.simulator.scene.foam.foam import VACUUM_PERMITTIVITY
+from rcskin.simulator.scene.foam import VACUUM_PERMITTIVITY
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import builtin_names, load_scene
 

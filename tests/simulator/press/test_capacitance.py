@@ -3,7 +3,7 @@ import pytest
 from rcskin.simulator.press.capacitance import capacitance_map, lines, patch, tile_map, touched_box
 from rcskin.simulator.press.pixels import pixel_lines
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.foam.foam import VACUUM_PERMITTIVITY, Foam
+from rcskin.simulator.scene.foam import VACUUM_PERMITTIVITY, Foam
 from rcskin.simulator.sweeps import InputError
 from rcskin.tests.library.rasters import cell_map
 

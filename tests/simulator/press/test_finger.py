@@ -13,7 +13,7 @@ from rcskin.simulator.press.press import (
     press_on,
 )
 from rcskin.simulator.press.touch import Disc, Indentation, Rectangle, Touch
-from rcskin.simulator.scene.foam.foam import VACUUM_PERMITTIVITY
+from rcskin.simulator.scene.foam import VACUUM_PERMITTIVITY
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError
 from rcskin.tests.refusals import refusal_of

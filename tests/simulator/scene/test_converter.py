@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 from rcskin.simulator.measure.readout import MeterSession
-from rcskin.simulator.scene.readout.meter import Readout
-from rcskin.simulator.scene.readout.readout_tables import Converter
+from rcskin.simulator.scene.meter import Readout
+from rcskin.simulator.scene.meter_tables import Converter
 from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text
 from rcskin.tests.refusals import refusal_of
 

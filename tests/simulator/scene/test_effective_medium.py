@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 from pydantic import ValidationError
-from rcskin.simulator.scene.foam.foam import VACUUM_PERMITTIVITY, Foam
-from rcskin.simulator.scene.foam.foam_mechanics import (
+from rcskin.simulator.scene.foam import VACUUM_PERMITTIVITY, Foam
+from rcskin.simulator.scene.foam_mechanics import (
     LAWS,
     Mechanics,
     bruggeman,

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from rcskin.simulator.scene.foam.foam_mechanics import Elastomer, Hookean, Mechanics
+from rcskin.simulator.scene.foam_mechanics import Elastomer, Hookean, Mechanics
 
 FOAM = Elastomer(modulus=30e3, plateau_stress=1.5e3, densification_strain=0.67)
 LAWS = (FOAM, Hookean(30e3, 0.67))

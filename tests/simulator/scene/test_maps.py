@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.scene.maps.factor_maps import (
+from rcskin.simulator.scene.factor_maps import (
     SHORTEST,
     Constant,
     Gradient,

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.scene.form.mesh_data import check_extent, off_grid
-from rcskin.simulator.scene.form.mesh_file import MeshSurface
+from rcskin.simulator.scene.mesh_data import check_extent, off_grid
+from rcskin.simulator.scene.mesh_file import MeshSurface
 
 SQUARE = np.array([[0.0, 0.12, 0.12, 0.0], [0.0, 0.0, 0.12, 0.12]])
 EMPTY = np.empty((2, 0), dtype=np.int64)

@@ -1,7 +1,7 @@
 """A scene may name its meter, and is told of where it has none."""
 
 import pytest
-from rcskin.simulator.scene.readout.meter import Readout, meter_names
+from rcskin.simulator.scene.meter import Readout, meter_names
 from rcskin.simulator.scene.scene_files import builtin_names, load_scene, parse_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 

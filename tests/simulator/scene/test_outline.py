@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.scene.form.outline import Curve
+from rcskin.simulator.scene.form import Curve
 from rcskin.simulator.scene.planar import Circle, area, gap, inside, regular, sides
-from rcskin.simulator.scene.readings.wiring_checks import conductor_groups
 from rcskin.simulator.scene.scene_files import BUILTIN, parse_scene, scene_text
+from rcskin.simulator.scene.wiring_checks import conductor_groups
 from rcskin.simulator.sweeps import InputError
 from rcskin.tests.refusals import refusal_of
 

@@ -9,7 +9,7 @@ from rcskin.simulator.measure.simulate import reading_error, simulate
 from rcskin.simulator.meters.accuracy_table import ReadingConditions, read_table
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
-from rcskin.simulator.scene.readout.meter import Readout, meter_names
+from rcskin.simulator.scene.meter import Readout, meter_names
 from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 from rcskin.tests.refusals import refusal_of

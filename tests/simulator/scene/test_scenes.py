@@ -5,8 +5,8 @@ from copy import deepcopy
 import numpy as np
 import pytest
 from rcskin.simulator.fem.circuit import two_fields
-from rcskin.simulator.scene.readings.wiring_checks import conductor_groups
 from rcskin.simulator.scene.scene_files import builtin_names, load_scene
+from rcskin.simulator.scene.wiring_checks import conductor_groups
 
 STRIPS = ["strip-1x3", "strip-1x4", "strip-1x5"]
 SHEETS = [name for name in builtin_names() if name.startswith("sheet")]

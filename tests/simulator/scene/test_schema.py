@@ -9,8 +9,8 @@ from typing import Annotated, Union, get_args, get_origin
 import pytest
 import tomli_w
 from pydantic.fields import FieldInfo
-from rcskin.simulator.scene.draws.draw_distributions import Fixed
-from rcskin.simulator.scene.keys.key_paths import inner, keys
+from rcskin.simulator.scene.keys import inner, keys
+from rcskin.simulator.scene.randomisation import Fixed
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene, parse_scene
 from rcskin.simulator.scene.validation import NumberRange, constraints_of

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.scene.form.shape import Cylinder, Sphere, Stretch
+from rcskin.simulator.scene.form import Cylinder, Sphere, Stretch
 
 SIDES = (0.12, 0.08)
 SHAPES = [Cylinder(radius=0.03), Cylinder(radius=0.03, axis="x"), Sphere(radius=0.05)]

@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.measure.symmetry import representative
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, press_on
-from rcskin.simulator.scene.foam.foam import VACUUM_PERMITTIVITY
+from rcskin.simulator.scene.foam import VACUUM_PERMITTIVITY
 from rcskin.simulator.scene.scene_files import builtin_names, load_scene, parse_scene, scene_text
 from rcskin.simulator.scene.surroundings import Rim
 from rcskin.simulator.sweeps import InputError, read

@@ -7,8 +7,8 @@ from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.mesh.quadrilaterals import singular_ends
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
-from rcskin.simulator.scene.readings.wiring_checks import conductor_groups
 from rcskin.simulator.scene.scene_files import builtin_names, load_scene
+from rcskin.simulator.scene.wiring_checks import conductor_groups
 
 
 @pytest.mark.parametrize(

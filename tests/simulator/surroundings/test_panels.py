@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.scene.foam.foam import VACUUM_PERMITTIVITY
+from rcskin.simulator.scene.foam import VACUUM_PERMITTIVITY
 from rcskin.simulator.surroundings.charges import capacitances
 from rcskin.simulator.surroundings.influence_kernel import fill_influence
 from rcskin.simulator.surroundings.panels import quarter

@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.models.validity import rim_per_length
 from rcskin.simulator.press.press import Press
-from rcskin.simulator.scene.foam.foam import VACUUM_PERMITTIVITY
+from rcskin.simulator.scene.foam import VACUUM_PERMITTIVITY
 from rcskin.simulator.surroundings import panels, rim
 from rcskin.simulator.surroundings.rim import RimDensities, rim_densities
 from rcskin.simulator.sweeps import InputError

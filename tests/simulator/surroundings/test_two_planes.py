@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
-from rcskin.simulator.scene.foam.foam import VACUUM_PERMITTIVITY
+from rcskin.simulator.scene.foam import VACUUM_PERMITTIVITY
 from rcskin.simulator.surroundings.reflections import Layer, images
 from rcskin.simulator.surroundings.rim import rim_densities
 

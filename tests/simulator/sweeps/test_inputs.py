@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from rcskin.localization.model.localizer_file import load
-from rcskin.simulator.scene.form.mesh_file import read_surface
+from rcskin.simulator.scene.mesh_file import read_surface
 from rcskin.simulator.scene.scene_files import BUILTIN, load_scene, parse_scene
 from rcskin.simulator.sweeps import InputError, inputs, read
 from rcskin.simulator.sweeps.digests import unsealed_json

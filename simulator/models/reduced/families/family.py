@@ -28,9 +28,9 @@ from ....fem.terminals import Excitation, impedance_with_error
 from ....mesh.domain import Domain
 from ....mesh.quadrilaterals import Resolution
 from ....press.parts import parts_of
+from ....scene.contacts import Contact
 from ....scene.frequency import Loss
 from ....scene.parts import Skin
-from ....scene.readings.contacts import Contact
 from ....sweeps import InputError
 from ...heterogeneous.materials import gauged, gauges
 from ...parameters import HALF_WAVES, Variation, foam_parts, nominal

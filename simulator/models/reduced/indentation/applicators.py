@@ -20,7 +20,7 @@ from ....mesh.domain import Domain
 from ....press.pixels import pixels_with_skin
 from ....press.press import Press
 from ....press.touch import Depth, Indentation, Touch
-from ....scene.foam.foam_mechanics import Elastic, Mechanics
+from ....scene.foam_mechanics import Elastic, Mechanics
 from ....scene.parts import Skin
 from ....sweeps import ToleranceError
 from ...heterogeneous.elements import Elements

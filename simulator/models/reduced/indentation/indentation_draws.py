@@ -10,7 +10,7 @@ from ....arrays import Mask
 from ....mesh.pixel_coverage import pixel_coverage
 from ....press.parts import parts_of
 from ....press.walls import require_no_walls
-from ....scene.foam.foam_mechanics import REACH_OF_APPLICATORS
+from ....scene.foam_mechanics import REACH_OF_APPLICATORS
 from ....scene.parts import Pressing, Skin
 from ....sweeps import InputError
 from ...heterogeneous.materials import gauged

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from rcskin.simulator.models.mechanics.indentation import deformation
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.scene.foam.foam import Foam
-from rcskin.simulator.scene.foam.foam_mechanics import LAWS, Mechanics
+from rcskin.simulator.scene.foam import Foam
+from rcskin.simulator.scene.foam_mechanics import LAWS, Mechanics
 from rcskin.simulator.sweeps import InputError
 
 EPS0 = 8.8541878128e-12

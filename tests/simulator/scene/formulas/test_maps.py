@@ -3,14 +3,8 @@
 import numpy as np
 import pytest
 from PIL import Image
-from rcskin.simulator.scene.maps.factor_maps import (
-    Constant,
-    Gradient,
-    Grid,
-    Random,
-    random_field,
-)
-from rcskin.simulator.scene.maps.map_file import with_grids
+from rcskin.simulator.scene.factor_maps import Constant, Gradient, Grid, Random, random_field
+from rcskin.simulator.scene.map_file import with_grids
 
 L, W = SIDES = (0.12, 0.08)
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 from rcskin.simulator.scene.frequency import Loss, laplace_variable
-from rcskin.simulator.scene.readout.meter import Leads
+from rcskin.simulator.scene.meter import Leads
 from rcskin.simulator.sweeps import build
 
 FREQUENCY = np.geomspace(40, 2e5, 30)

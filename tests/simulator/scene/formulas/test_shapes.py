@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.models.heterogeneous.materials import Materials, position
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
-from rcskin.simulator.scene.form.shape import Cylinder, Sphere, Stretch
+from rcskin.simulator.scene.form import Cylinder, Sphere, Stretch
 from rcskin.simulator.scene.frequency import laplace_variable
 from scipy.linalg import sqrtm
 

@@ -15,16 +15,16 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from pydantic import BaseModel
 
-from ...arrays import Mask, Real
-from ..form.mesh_file import foil_lines
-from ..skin import EARTH, Earth
-from ..validation import short
+from ..arrays import Mask, Real
 from .contacts import check_edge, curve_section
+from .mesh_file import foil_lines
 from .readers import check_readers
+from .skin import EARTH, Earth
+from .validation import short
 
 if TYPE_CHECKING:
-    from ..skin import SheetsAndFoam
     from .contacts import Contact, Interface
+    from .skin import SheetsAndFoam
 
 MIN_GAP = 5e-6
 """Smallest length of a gap between foils, and of a foil, over the skin's longer side. Shorter ones

@@ -3,11 +3,10 @@
 from pathlib import Path
 
 import pytest
-from rcskin.simulator.scene import keys
-from rcskin.simulator.scene.keys.key_paths import paths
+from rcskin.simulator.scene.keys import paths
 from rcskin.simulator.scene.scene import Scene
 
-ROOT = Path(keys.__file__).parents[3]
+ROOT = Path(__file__).parents[3]
 PAGE = (ROOT / "docs" / "reference" / "keys.md").read_text(encoding="utf-8")
 
 

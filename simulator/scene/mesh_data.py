@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
-from ...arrays import Integer
-from ..validation import Table, single_line
+from ..arrays import Integer
 from .mesh_file import MeshSurface, read_surface
+from .validation import Table, single_line
 
 ON_ANOTHER_COMPUTER = re.compile(r"[\\/]{2}")
 """Start of the path \\\\computer\\folder, with which Windows calls that computer."""

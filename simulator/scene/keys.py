@@ -11,7 +11,7 @@ from typing import Any, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from ...sweeps import InputError
+from ..sweeps import InputError
 
 Location = tuple[int | str, ...]
 """Position of a key: names of tables and keys, and numbers of list items from 0."""

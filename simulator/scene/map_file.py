@@ -9,13 +9,13 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field, ValidationError, model_validator
 
-from ...arrays import Real
-from ...sweeps import InputError, inputs
-from ...sweeps.units import plain_number
-from ..form.mesh_data import file_of_scene, names_a_file
-from ..planar import shared
-from ..validation import Table, Whole, one_line
+from ..arrays import Real
+from ..sweeps import InputError, inputs
+from ..sweeps.units import plain_number
 from .factor_maps import MAX_VALUES, Factor
+from .mesh_data import file_of_scene, names_a_file
+from .planar import shared
+from .validation import Table, Whole, one_line
 
 Count = Annotated[Whole, Field(ge=1, le=MAX_VALUES)]
 MAPPED = {"top", "bottom", "foam"}

@@ -20,9 +20,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ...arrays import Complex, Integer, Real
-from ..readout.meter import Leads
+from ..arrays import Complex, Integer, Real
 from .contacts import Interface
+from .meter import Leads
 from .readers import Source, sources
 
 

@@ -11,12 +11,12 @@ from typing import Any, Literal, Union, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
-from ..draws.draw_distributions import Fixed
-from ..maps.factor_maps import Grid
-from ..maps.map_file import MapFile
-from ..scene import Scene
-from ..validation import NumberRange, constraints_of, unit_of
-from .key_paths import Location, OrTable, OrText, inner, keys
+from .factor_maps import Grid
+from .keys import Location, OrTable, OrText, inner, keys
+from .map_file import MapFile
+from .randomisation import Fixed
+from .scene import Scene
+from .validation import NumberRange, constraints_of, unit_of
 
 HEAD = """# Every key of a scene file
 

@@ -16,15 +16,15 @@ from pydantic import (
     model_validator,
 )
 
-from ...arrays import Complex, Real
-from ..foam.foam_in_time import Celsius, Humid
-from ..keys.key_paths import OrTable, OrText
-from ..multisine import Multisine, multisine_deviation, smallest_deviation
-from ..ranges import Capacitance, Frequency, Inductance, Phase, Resistance, Seed, Share
-from ..validation import Number, Table, Whole, validated, within
-from .readout_tables import Converter, DataSheet, SpreadTable, spread_over
+from ..arrays import Complex, Real
+from .foam import Celsius, Humid
+from .keys import OrTable, OrText
+from .meter_tables import Converter, DataSheet, SpreadTable, spread_over
+from .multisine import Multisine, multisine_deviation, smallest_deviation
+from .ranges import Capacitance, Frequency, Inductance, Phase, Resistance, Seed, Share
+from .validation import Number, Table, Whole, validated, within
 
-METERS = Path(__file__).parents[2] / "meters"
+METERS = Path(__file__).parents[1] / "meters"
 
 
 class FrequencyGrid(Table):

@@ -19,11 +19,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...arrays import Integer, Mask, Real
-from ...sweeps import InputError, inputs, require_packages
+from ..arrays import Integer, Mask, Real
+from ..sweeps import InputError, inputs, require_packages
 
 if TYPE_CHECKING:
     import meshio
+
 
 FORMATS = {".msh": "gmsh", ".vtk": "vtk", ".vtu": "vtu", ".inp": "abaqus"}
 """Names of formats in meshio by file ending."""

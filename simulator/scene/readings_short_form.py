@@ -8,9 +8,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, ValidationError
 
-from ..skin import Name
-from ..validation import Table
 from .contacts import MAX_CONTACTS, MAX_INTERFACES
+from .skin import Name
+from .validation import Table
 
 PLACEHOLDER = {"name": "placeholder", "high": ["placeholder"], "low": ["placeholder"]}
 """Interface of invalid readings."""

@@ -17,14 +17,11 @@ from pydantic import (
     model_validator,
 )
 
-from ...arrays import Mask, Real
-from ..form.outline import Outline
-from ..keys.key_paths import OrText
-from ..ranges import FilmResistance, Frequency, Overlap
-from ..readout.meter import ascending
-from ..skin import Electrode, Name, SheetsAndFoam
-from ..skin_region import curves, on_skin
-from ..validation import Number, Table, whole_within_rounding
+from ..arrays import Mask, Real
+from .form import Outline
+from .keys import OrText
+from .meter import ascending
+from .ranges import FilmResistance, Frequency, Overlap
 from .readers import (
     GAIN_KEYS,
     Load,
@@ -36,6 +33,9 @@ from .readers import (
     checked_sources,
     is_default,
 )
+from .skin import Electrode, Name, SheetsAndFoam
+from .skin_region import curves, on_skin
+from .validation import Number, Table, whole_within_rounding
 
 MAX_CONTACTS = 200
 """Limit: all pairs are compared, and a mesh has rings around the ends of each contact."""

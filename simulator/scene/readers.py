@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from ...arrays import Complex, Real
-from ..ranges import Capacitance
-from ..validation import Number, Table, validated, within
+from ..arrays import Complex, Real
+from .ranges import Capacitance
+from .validation import Number, Table, validated, within
 
 if TYPE_CHECKING:
     from .contacts import Interface

@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, Annotated, Literal, Protocol, Self
 import numpy as np
 from pydantic import BeforeValidator, Field, model_validator
 
-from ...arrays import Complex, Integer, Real
-from ...meters.accuracy_table import ACCURACY_TABLES, AccuracyTable
-from ...meters.offset_accuracy import OffsetAccuracy
-from ..keys.key_paths import OrText
-from ..ranges import Frequency, Resistance
-from ..validation import Number, Table, Whole, validated, within
+from ..arrays import Complex, Integer, Real
+from ..meters.accuracy_table import ACCURACY_TABLES, AccuracyTable
+from ..meters.offset_accuracy import OffsetAccuracy
+from .keys import OrText
+from .ranges import Frequency, Resistance
+from .validation import Number, Table, Whole, validated, within
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from ..readings.contacts import Interface
+    from .contacts import Interface
     from .meter import Readout
 
 

@@ -8,13 +8,13 @@ from functools import cached_property
 
 import numpy as np
 
-from ...arrays import Complex, Mask, Real
-from ...sweeps import InputError
-from ...sweeps.reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, ReadingKind
-from ..part import Part
-from ..readout.meter import Leads
+from ..arrays import Complex, Mask, Real
+from ..sweeps import InputError
+from ..sweeps.reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, ReadingKind
 from .contacts import Interface, taken
+from .meter import Leads
 from .node_gain import DrivenTerminals, NodeGain, driven_terminals, single_gain
+from .part import Part
 from .readers import own_source, with_sources
 
 

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import Field, PrivateAttr, model_validator
 
-from ...arrays import Real
-from ..ranges import Permittivity, Stress, Tension
-from ..validation import Number, Table
+from ..arrays import Real
+from .ranges import Permittivity, Stress, Tension
+from .validation import Number, Table
 
 DENSIFICATION = 2.3
 """D of Maiti, Gibson and Ashby for elastomeric foams."""

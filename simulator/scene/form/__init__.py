@@ -1,1 +1,0 @@
-"""Outlines, shapes in space and meshes of skins."""

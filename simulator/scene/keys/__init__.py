@@ -1,1 +1,0 @@
-"""The keys of scene files, derived from the models that validate them."""

@@ -1,1 +1,0 @@
-"""Maps of factors by position: constant, gradient, random field, grid, file or tear."""

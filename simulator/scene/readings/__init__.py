@@ -1,1 +1,0 @@
-"""Readings: foils, interfaces and readers, and the impedances from which gains follow."""
