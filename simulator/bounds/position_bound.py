@@ -33,9 +33,8 @@ from .fisher_information import (
     session_errors,
     summed,
 )
-from .touches.area_rasterizer import AreaRasterizer, Point
-from .touches.depth_rasterizer import DepthRasterizer, rasterizer_for
 from .touches.rasterization_errors import RasterizationErrors, rasterization_errors, sample_indices
+from .touches.touch_rasterizers import AreaRasterizer, DepthRasterizer, Point, rasterizer_for
 
 ESTIMATED = ("x", "y", "strength")
 MIN_SHARE = 1 - 1e-6
@@ -169,7 +168,7 @@ def _on_skin(
 ) -> list[Point]:
     """The positions whose cells are all skin; where there is none, those with most skin."""
     part = pixel_coverage(skin, grid).part.reshape(grid)
-    cells = AreaRasterizer.of(skin.length, skin.width, grid)
+    cells = AreaRasterizer.of(skin, grid)
     covers = [cells.raised(place, touch)["strength"] for place in places]
     shares = np.array([(each * part).sum() / each.sum() for each in covers])
     whole = shares >= min(MIN_SHARE, shares.max())
@@ -200,7 +199,7 @@ def position_slopes(
     errors, prior = session_errors(model)
     skin = SkinUnknowns(fields, frequency, model) if unknown_skin else None
     rasterizer = rasterizer or rasterizer_for(parts.skin, parts.plan.press, fields.grid, touch)
-    cells = AreaRasterizer.of(parts.skin.length, parts.skin.width, fields.grid)
+    cells = AreaRasterizer.of(parts.skin, fields.grid)
     unknown = (*ESTIMATED, "finger") if touch.finger else ESTIMATED
     found = []
     for place in tracked(places, "places", progress):

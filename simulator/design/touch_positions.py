@@ -8,7 +8,7 @@ from ..arrays import Real
 from ..bounds.fields import TouchSize
 from ..bounds.fields.reduced_fields import ReducedFields
 from ..bounds.position_bound import ESTIMATED, Slopes, chosen_touch, places_on, position_slopes
-from ..bounds.touches.area_rasterizer import AreaRasterizer, Point
+from ..bounds.touches.touch_rasterizers import AreaRasterizer, Point
 from ..models.reduced.cases import Case
 from ..scene.parts import SceneParts
 from ..sweeps import InputError
@@ -36,7 +36,7 @@ class TouchPositions:
         self.places: list[Point] = places_on(parts.skin, self.size, CELLS, ALONG)
         self.sides = parts.skin.length, parts.skin.width
         self.room = self.sides[0] - self.size.width, self.sides[1] - self.size.height
-        self.cells = AreaRasterizer.of(*self.sides, parts.skin.grid(CELLS))
+        self.cells = AreaRasterizer.of(parts.skin, parts.skin.grid(CELLS))
 
     @property
     def merit(self) -> PositionMerit:

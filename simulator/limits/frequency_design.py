@@ -37,9 +37,8 @@ from ..bounds.position_bound import (
     position_slopes,
 )
 from ..bounds.touch_readings import Hypothesis, hypotheses
-from ..bounds.touches.area_rasterizer import RasterizedTouch
-from ..bounds.touches.depth_rasterizer import rasterizer_for
 from ..bounds.touches.pixel_touches import middles
+from ..bounds.touches.touch_rasterizers import RasterizedTouch, rasterizer_for
 from ..measure.readout import ErrorModel, observed
 from ..models.reduced.indentation.indentation_draws import scene_spreads_presses
 from ..models.solution import Response

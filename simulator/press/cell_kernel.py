@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..compiled import compiled
+from ..scene.planar import SAME_LINE
 from .batch import PressBatch
 from .pixels import SAMPLES, GridCells
 
@@ -175,6 +176,58 @@ def covered_fraction(box: Box, radius: float, sides: Box) -> float:
         return 1.0
     area = (_below(u1, v1) - _below(u0, v1)) - (_below(u1, v0) - _below(u0, v0))
     return min(max(area / ((u1 - u0) * (v1 - v0)), 0.0), 1.0)
+
+
+@compiled()
+def covered_with_slopes(box: Box, radius: float, cells: GridCells) -> NDArray:
+    """Part of each cell that a patch covers, and its derivatives by x and y of the patch, 1/m.
+
+    Shape (3, row, column); each cell counts as all skin. A patch that moves enters a cell over the
+    part of one side that it covers, and leaves it over that of the opposite side. An edge on the
+    line between two cells is in the second one; edges at the skin's ends or beyond do not count.
+    """
+    x, y = cells.x.copy(), cells.y.copy()
+    rows, columns = cells.cut.shape
+    found = np.zeros((3, rows, columns))
+    left, right, bottom, top = box_cells(box, cells)
+    near_x, near_y = SAME_LINE * x[columns], SAME_LINE * y[rows]
+    x[0], x[columns], y[0], y[rows] = near_x, x[columns] - near_x, near_y, y[rows] - near_y
+    wide, high = (box[0], box[1]), (box[2], box[3])
+    for i in range(max(bottom - 1, 0), min(top + 1, rows)):
+        for j in range(max(left - 1, 0), min(right + 1, columns)):
+            sides = cells.x[j], cells.x[j + 1], cells.y[i], cells.y[i + 1]
+            found[0, i, j] = covered_fraction(box, radius, sides)
+            area = (sides[1] - sides[0]) * (sides[3] - sides[2])
+            enters = covered_length(wide, high, radius, x[j], sides[2], sides[3])
+            leaves = covered_length(wide, high, radius, x[j + 1], sides[2], sides[3])
+            found[1, i, j] = (enters - leaves) / area
+            enters = covered_length(high, wide, radius, y[i], sides[0], sides[1])
+            leaves = covered_length(high, wide, radius, y[i + 1], sides[0], sides[1])
+            found[2, i, j] = (enters - leaves) / area
+    return found
+
+
+@compiled()
+def covered_length(
+    along: tuple[float, float],
+    across: tuple[float, float],
+    radius: float,
+    at: float,
+    low: float,
+    high: float,
+) -> float:
+    """Length of a line at a position on one axis, from low to high on the other, under a patch.
+
+    along, across: ends of the patch on the first and on the second axis; all in m.
+    """
+    first, last = across
+    if radius > 0.0:
+        middle, away = (first + last) / 2, at - (along[0] + along[1]) / 2
+        half = np.sqrt(max(radius * radius - away * away, 0.0))
+        first, last = middle - half, middle + half
+    elif not along[0] < at <= along[1]:
+        return 0.0
+    return max(min(high, last) - max(low, first), 0.0)
 
 
 @compiled()

@@ -11,10 +11,12 @@ from rcskin.simulator.bounds.fisher_information import error_model, in_noise, se
 from rcskin.simulator.bounds.position_bound import chosen_touch, errors_of_places, position_slopes
 from rcskin.simulator.bounds.touch_readings import TouchReadings
 from rcskin.simulator.bounds.touches import rasterization_errors
-from rcskin.simulator.bounds.touches.area_rasterizer import AreaRasterizer
-from rcskin.simulator.bounds.touches.depth_rasterizer import DepthRasterizer
-from rcskin.simulator.bounds.touches.node_sharing import distributed_to_cells
 from rcskin.simulator.bounds.touches.pixel_touches import DepthPixelTouches
+from rcskin.simulator.bounds.touches.touch_rasterizers import (
+    AreaRasterizer,
+    DepthRasterizer,
+    distributed_to_cells,
+)
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.limits import bayes_accuracy
 from rcskin.simulator.measure.experiment import own_presses
@@ -108,12 +110,11 @@ def test_a_foam_whose_skins_hardly_pull_is_pressed_as_by_factors(foam):
         {"skin.foam.mechanics.tension": 2e-3, "skin.length": 0.03, "skin.width": 0.03}
     )
     touch = TouchSize(0.01, 0.01, 0.02)
-    sides = loose.skin.length, loose.skin.width
     deep = DepthRasterizer(loose.parts.skin, (12, 12), (touch.width, touch.height))
     for place in ((0.0158, 0.0147), (0.0112, 0.016)):
         found, sharp = (
             deep.rasterized(place, touch),
-            AreaRasterizer.of(*sides, (12, 12)).rasterized(place, touch),
+            AreaRasterizer.of(loose.parts.skin, (12, 12)).rasterized(place, touch),
         )
         np.testing.assert_allclose(found.factors, sharp.factors, atol=0.1 * touch.rise)
         total = sharp.changes["strength"].sum()

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import rcskin
 from rcskin.simulator.bounds.fields import FullFields, TouchSize
-from rcskin.simulator.bounds.touches.area_rasterizer import AreaRasterizer
+from rcskin.simulator.bounds.touches.touch_rasterizers import AreaRasterizer
 from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.limits.random_press_limits import RandomPresses
@@ -169,7 +169,7 @@ def test_slopes_by_place_are_those_of_walls_that_move_with_the_touch(library):
     for edges in (True, False):
         scene = library.scene("walls").with_({"surroundings": {"thickness": True, "edges": edges}})
         fields, solver = FullFields(scene.parts, 2e5), Solver(scene.parts, 1e-4)
-        changes = AreaRasterizer.of(0.12, 0.12, fields.grid).raised(place, touch)
+        changes = AreaRasterizer.of(scene.parts.skin, fields.grid).raised(place, touch)
         answer = fields.respond(1 + changes["strength"], changes, scene.frequencies)
         found.append([answer.Z, *(answer.by_parameter[name] for name in moved)])
 

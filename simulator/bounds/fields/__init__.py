@@ -1,6 +1,6 @@
 """Impedance of a skin with any map of capacitance, and its derivatives."""
 
-from ..touches.area_rasterizer import TouchSize
+from ..touches.touch_rasterizers import TouchSize
 from .field_choice import AnyFields, fields_of
 from .full_fields import CELLS_PER_PIXEL, FullFields, Maps
 

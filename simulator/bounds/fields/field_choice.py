@@ -9,7 +9,7 @@ from ...models.reduced.indentation.indentation_draws import scene_spreads_presse
 from ...models.terminals import needs_all_terminals
 from ...scene.parts import Pressing, SceneParts, Skin
 from ...sweeps import InputError, ToleranceError
-from ..touches.area_rasterizer import TouchSize
+from ..touches.touch_rasterizers import TouchSize
 from .full_fields import CELLS_PER_PIXEL, FullFields
 from .reduced_fields import ReducedFields, trained
 

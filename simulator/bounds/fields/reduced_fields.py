@@ -27,7 +27,7 @@ from ...models.terminals import chain, read
 from ...progress import silent
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.parts import SceneParts, Setup
-from ..touches.area_rasterizer import AreaRasterizer, TouchSize
+from ..touches.touch_rasterizers import AreaRasterizer, TouchSize
 from .full_fields import CELLS_PER_PIXEL, Maps
 from .full_fields import RTOL as MESH_RTOL
 from .part_maps import PartMaps
@@ -177,7 +177,7 @@ def trained(
     parts.skin.require_sheets_alone("the information of readings")
     driven, random = parts.divided(cells).evened, np.random.default_rng(0)
     skin, band = driven.skin, np.array([parts.setup.frequency[0], highest])
-    lines = AreaRasterizer.of(*parts.skin.sides, skin.pixels.shape)
+    lines = AreaRasterizer.of(parts.skin, skin.pixels.shape)
 
     def draw(random: np.random.Generator) -> Case:
         return Case(None, *lines.drawn(touch, random))

@@ -22,8 +22,7 @@ from ...press.parts import parts_of
 from ...press.rasterized import Footprints, rasterized
 from ...scene.parts import Pressing, Skin
 from ...sweeps import ToleranceError
-from .area_rasterizer import Point
-from .depth_rasterizer import DepthRasterizer, enclosing_window
+from .touch_rasterizers import DepthRasterizer, Point, enclosing_window
 
 COUNTS = (5, 129)
 """First and largest number of Chebyshev nodes of depth."""

@@ -74,10 +74,10 @@ class Lattice:
     def in_cells(self, rise: Real, here: Window) -> Real:
         """Mean of nodal values over the skin in each cell of a window, shape (row, column)."""
         part = self.part[self.nodes(here)]
-        area, total = self._summed(part), self._summed(part * rise)
+        area, total = self.summed(part), self.summed(part * rise)
         return np.divide(total, area, out=np.zeros_like(total), where=area > 0)
 
-    def _summed(self, values: Real) -> Real:
+    def summed(self, values: Real) -> Real:
         """Sum over the nodes of each cell."""
         (along, across), (rows, columns) = self.within, values.shape
         return values.reshape(rows // across, across, columns // along, along).sum(axis=(1, 3))

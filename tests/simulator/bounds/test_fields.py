@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import FullFields, TouchSize
 from rcskin.simulator.bounds.fields.reduced_fields import ReducedFields
-from rcskin.simulator.bounds.touches.area_rasterizer import AreaRasterizer, covered_about
+from rcskin.simulator.bounds.touches.touch_rasterizers import AreaRasterizer
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.parameters import parts_with
 from rcskin.simulator.models.solver import Solver
@@ -17,7 +17,7 @@ STEP = 1e-3
 
 
 def answered(fields, place, touch, frequency):
-    grid = AreaRasterizer.of(fields.parts.skin.length, fields.parts.skin.width, fields.grid)
+    grid = AreaRasterizer.of(fields.parts.skin, fields.grid)
     changes = grid.raised(place, touch)
     return fields.respond(1 + touch.rise * changes["strength"], changes, frequency)
 
@@ -105,19 +105,6 @@ def test_derivatives_by_the_skin_are_differences_of_skins(noisy):
         slope = between.respond(press, {}, frequency, {}).by_parameter[name]
         assert_close(slope, (high - low) / (2 * step * unit), 1e-3)
         assert found.by_parameter[name].shape == found.Z.shape
-
-
-def test_cells_are_covered_as_far_as_the_touch_moves():
-    lines, step = np.linspace(0, 1, 11), 1e-6
-    for middle, size in ((0.52, 0.3), (0.5, 0.25), (0.2, 0.4), (0.85, 0.3), (0.5, 1.0)):
-        fraction, slope = covered_about(lines, middle, size)
-        assert fraction.sum() * 0.1 == pytest.approx(size)
-        further, _ = covered_about(lines, middle + step, size)
-        before, _ = covered_about(lines, middle - step, size)
-        inside = (middle - size / 2 > step) & (middle + size / 2 < 1 - step)
-        if inside:
-            np.testing.assert_allclose(slope, (further - before) / (2 * step), atol=1e-6)
-    assert not covered_about(lines, 0.5, 1.0)[1].any()
 
 
 def test_earth_without_capacitance_changes_no_slope(make_scene):

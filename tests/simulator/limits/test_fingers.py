@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import FullFields
 from rcskin.simulator.bounds.position_bound import chosen_touch
-from rcskin.simulator.bounds.touches.area_rasterizer import AreaRasterizer
+from rcskin.simulator.bounds.touches.touch_rasterizers import AreaRasterizer
 from rcskin.simulator.design.touch_positions import TouchPositions
 from rcskin.simulator.limits.survey import with_finger
 from rcskin.simulator.limits.touch_identity import Sampling, identity
@@ -33,7 +33,7 @@ def fields():
 
 
 def rasterized(fields, place, touch):
-    cells = AreaRasterizer.of(0.12, 0.12, fields.grid)
+    cells = AreaRasterizer.of(FINGER.parts.skin, fields.grid)
     return cells.with_finger(cells.rasterized(place, touch), place, touch)
 
 

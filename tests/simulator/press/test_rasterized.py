@@ -7,7 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.simulator.dataset.touch_places import place_texts
-from rcskin.simulator.press.cell_kernel import covered_fraction
+from rcskin.simulator.press.cell_kernel import covered_fraction, covered_with_slopes
+from rcskin.simulator.press.pixels import GridCells
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.press.rasterized import Footprints, rasterized
 from rcskin.simulator.scene.scene_files import load_scene
@@ -93,3 +94,38 @@ def test_cells_against_counted_points():
     counted = inside.reshape(4, 500, 5, 400).mean(axis=(1, 3))
     fraction = fractions(0.4, 0.55, 0.33, columns, rows)
     np.testing.assert_allclose(fraction, counted, atol=1e-3)
+
+
+@pytest.mark.kernel
+@pytest.mark.parametrize("radius", [0.0, 0.023])
+def test_slopes_are_those_of_a_patch_that_moves(radius):
+    """Also beyond the end of the skin, where it leaves it."""
+    cells, step, middle = GridCells.of(SCENE.parts.skin, (6, 9)), 1e-7, np.array([0.016, 0.0517])
+
+    def covered(x, y):
+        wide, high = (radius, radius) if radius else (0.021, 0.0155)
+        return covered_with_slopes((x - wide, x + wide, y - high, y + high), radius, cells)
+
+    part, *slopes = covered(*middle)
+    box = middle[0] - 0.021, middle[0] + 0.021, middle[1] - 0.0155, middle[1] + 0.0155
+    if radius:
+        expected = fractions(*middle, radius, cells.x, cells.y)
+    else:
+        across, along = (
+            np.minimum(last, lines[1:]) - np.maximum(first, lines[:-1])
+            for first, last, lines in ((*box[2:], cells.y), (*box[:2], cells.x))
+        )
+        expected = np.multiply.outer(across.clip(0.0), along.clip(0.0)) / (SIDE / 6 * SIDE / 9)
+    np.testing.assert_allclose(part, expected, atol=1e-12)
+    for shift, slope in zip(step * np.eye(2), slopes, strict=True):
+        ahead, behind = covered(*(middle + shift))[0], covered(*(middle - shift))[0]
+        np.testing.assert_allclose(slope, (ahead - behind) / (2 * step), atol=1e-4)
+
+
+@pytest.mark.kernel
+def test_edges_on_lines_count_in_the_cell_behind_and_not_at_the_ends_of_the_skin():
+    cells = GridCells.of(SCENE.parts.skin, (1, 4))
+    _, by_x, by_y = covered_with_slopes((0.03, 0.06, 0.0, SIDE), 0.0, cells)
+    np.testing.assert_allclose(by_x, [[0.0, -4 / SIDE, 4 / SIDE, 0.0]])
+    assert not by_y.any()
+    assert not covered_with_slopes((0.0, SIDE, 0.0, SIDE), 0.0, cells)[1:].any()
