@@ -23,8 +23,8 @@ from rcskin.simulator.calibration.run import Calibration, calibrate
 from rcskin.simulator.chart_style import COLOURS, chart
 from rcskin.simulator.scene.frequency import REFERENCE
 from rcskin.simulator.scene.scene import Scene
+from rcskin.simulator.sweeps.examination import examine
 from rcskin.simulator.sweeps.imports import Defaults, import_file
-from rcskin.simulator.sweeps.laws.examination import examine
 
 if TYPE_CHECKING:
     import xarray as xr

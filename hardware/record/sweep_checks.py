@@ -10,10 +10,15 @@ import numpy as np
 
 from ...simulator.arrays import Complex, Real
 from ...simulator.meters.accuracy_table import ReadingConditions, full_scale
-from ...simulator.sweeps.laws.device_faults import FROZEN_TEXT, frozen_sweeps, reading_faults
-from ...simulator.sweeps.laws.examination import MIN_FREQUENCIES
-from ...simulator.sweeps.laws.noise import local_scale, roughness
-from ...simulator.sweeps.laws.passivity import ErrorBounds, broken_laws, frequencies_text
+from ...simulator.sweeps.examination import MIN_FREQUENCIES
+from ...simulator.sweeps.passivity import ErrorBounds, broken_laws, frequencies_text
+from ...simulator.sweeps.reading_noise import (
+    FROZEN_TEXT,
+    frozen_sweeps,
+    local_scale,
+    reading_faults,
+    roughness,
+)
 from ...simulator.sweeps.reading_quantities import IMPEDANCE, MAGNITUDE
 from .measured_sweep import InterfaceTrace, MeasuredSweep
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...simulator.arrays import Complex, Integer, Real
 from ...simulator.measure.simulate import ReadingError
-from ...simulator.sweeps.laws.noise import repeatability
+from ...simulator.sweeps.reading_noise import repeatability
 from ...simulator.sweeps.reading_quantities import IMPEDANCE, kind_of
 from ...simulator.sweeps.reading_subset import read_mask
 from ...simulator.sweeps.schema import complex_readings

@@ -79,10 +79,10 @@ def check(
     from ..scene.scene_files import scene_of_sweeps
     from ..sweeps import InputError
     from ..sweeps.clock import backward_times
+    from ..sweeps.examination import examine, with_faults
+    from ..sweeps.gain_laws import examine_gains
     from ..sweeps.joining import join
-    from ..sweeps.laws.device_faults import device_faults
-    from ..sweeps.laws.examination import examine, with_faults
-    from ..sweeps.laws.gain_laws import examine_gains
+    from ..sweeps.reading_noise import device_faults
     from .noise_profiles import noise_profiles
     from .report import checked_report, explanations, verdict_table, write_report
 

@@ -11,7 +11,7 @@ import typer
 from ..safe_text import say
 
 if TYPE_CHECKING:
-    from ..sweeps.importing.labels import Defaults
+    from ..sweeps.importing.grouping import Defaults
 
 
 def join(
@@ -105,7 +105,7 @@ def import_sweeps(
     """
     from ..requests.console import note, report_written, warn
     from ..sweeps import checked_output, sizes_text, write
-    from ..sweeps.importing.readings.branch import checked_branch
+    from ..sweeps.importing.branch import checked_branch
     from ..sweeps.imports import import_files
 
     checked_output(output)
@@ -129,7 +129,7 @@ def import_sweeps(
 def _defaults(
     files: int, press: Sequence | None, interface: Sequence | None, session: Sequence | None
 ) -> list[Defaults]:
-    from ..sweeps.importing.labels import Defaults
+    from ..sweeps.importing.grouping import Defaults
 
     given = {"press": press, "interface": interface, "session": session}
     spread = [_for_each(name, values, files) for name, values in given.items()]

@@ -11,7 +11,7 @@ import numpy as np
 from ..chart_style import COLOURS, ENDINGS, chart, frequency_axis
 from ..report.files import filled_at_once, table, write_rows
 from ..sweeps import InputError, checked_folder, checked_output
-from ..sweeps.laws.examination import Verdict
+from ..sweeps.examination import Verdict
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

@@ -4,7 +4,6 @@ from .errors import InputError, OutputError, ToleranceError
 from .formats.zarr import loaded, open_zarr
 from .input_files import read, sizes_text
 from .joining import concatenate, read_joined, side_by_side
-from .laws.passivity import violations
 from .optional_packages import require_packages
 from .output_files import (
     checked_data_folder,
@@ -14,6 +13,7 @@ from .output_files import (
     whole_file,
     write,
 )
+from .passivity import violations
 from .reading_quantities import parallel_capacitance
 from .schema import (
     OPENING,

@@ -17,12 +17,11 @@ import numpy as np
 
 from .errors import InputError
 from .importing.account import account, left_out_text, repeated_readings, with_device_warnings
-from .importing.grouping import grouped, reading_places
-from .importing.labels import Defaults, joined_labels, line_labels
-from .importing.readings.branch import branch_attributes, checked_branch, choose_branches
-from .importing.readings.curves import curves
-from .importing.readings.reading_columns import imported_readings, joined_readings
-from .importing.tables.table import read_table
+from .importing.branch import branch_attributes, checked_branch, choose_branches
+from .importing.curves import curves
+from .importing.grouping import Defaults, grouped, joined_labels, line_labels, reading_places
+from .importing.reading_columns import imported_readings, joined_readings
+from .importing.table import read_table
 from .inputs import check_file_kind
 from .joining import aligned, concatenate, merged_attributes
 from .schema import build

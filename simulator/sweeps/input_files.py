@@ -10,7 +10,7 @@ import numpy as np
 
 from .errors import InputError
 from .formats import ENDINGS, FORMATS
-from .importing.tables.columns import spelled, unit_factor
+from .importing.columns import spelled, unit_factor
 from .inputs import FOREIGN, check_file_kind
 from .reading_quantities import DESCRIBED
 from .schema import DIMENSIONS, check

@@ -58,7 +58,7 @@ def cached_array(path):
 
 
 READERS = {
-    "import": (import_file, TABLES, "importing/tables/sources importing/tables/text_lines"),
+    "import": (import_file, TABLES, "importing/sources importing/text_lines"),
     "sweeps": (read, [".csv", ".nc", ".zarr"], "formats/csv formats/netcdf formats/zarr"),
     "first sweeps": (lambda path: read_first(path, 5, lazy=True), [".zarr"], ""),
     "scene": (load_scene, [".toml"], "scene/scene_files"),

@@ -20,7 +20,7 @@ from .. import inputs
 from ..csv_cells import guarded_comment, unguarded, write_cells
 from ..digests import OWN_KEYS, UNSEALED, check_text, seal_text
 from ..errors import InputError
-from ..importing.readings.branch import branch_attributes, choose_branches
+from ..importing.branch import branch_attributes, choose_branches
 from ..reading_quantities import (
     GAIN,
     IMPEDANCE,

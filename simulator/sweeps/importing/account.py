@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...arrays import Complex, Integer
-from ..laws.device_faults import device_faults
+from ..reading_noise import device_faults
 from ..reading_quantities import IMPEDANCE
-from .grouping import Grouping
-from .labels import LineLabels
-from .readings.branch import runs_text
-from .readings.reading_columns import ImportedReadings, amplifying
-from .tables.columns import Column
-from .tables.table import LeftOut
+from .branch import runs_text
+from .columns import Column
+from .grouping import Grouping, LineLabels
+from .reading_columns import ImportedReadings, amplifying
+from .table import LeftOut
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.sweeps import InputError, build, write
-from rcskin.simulator.sweeps.laws.gain_laws import AT_MOST_ONE, NOT_INCREASING, examine_gains
+from rcskin.simulator.sweeps.gain_laws import AT_MOST_ONE, NOT_INCREASING, examine_gains
 from rcskin.simulator.sweeps.reading_quantities import GAIN, MAGNITUDE
 
 FREQUENCY = np.geomspace(100, 1e6, 25)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.check.noise_profiles import noise_profiles
 from rcskin.simulator.measure.readout import read_out
-from rcskin.simulator.sweeps.laws.examination import examine
+from rcskin.simulator.sweeps.examination import examine
 from rcskin.simulator.sweeps.schema import complex_readings
 
 FREQUENCY = np.geomspace(1e3, 2e5, 20)

@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.simulator.check.report import checked_report, explanations, write_report
 from rcskin.simulator.sweeps import InputError, read
-from rcskin.simulator.sweeps.laws.examination import KRAMERS_KRONIG, examine
-from rcskin.simulator.sweeps.laws.kramers_kronig import RESOLUTION
+from rcskin.simulator.sweeps.examination import KRAMERS_KRONIG, examine
+from rcskin.simulator.sweeps.passivity import RESOLUTION
 
 MEASURED = Path(__file__).parents[4] / "shared" / "data" / "blocking_line_eis.csv"
 FREQUENCY = np.geomspace(1e3, 2e5, 20)

@@ -5,7 +5,7 @@ from contextlib import contextmanager
 import numpy as np
 import pytest
 from rcskin.simulator.check.report import draw_residuals
-from rcskin.simulator.sweeps.laws.examination import KRAMERS_KRONIG, examine
+from rcskin.simulator.sweeps.examination import KRAMERS_KRONIG, examine
 
 FREQUENCY = np.geomspace(1e3, 2e5, 20)
 

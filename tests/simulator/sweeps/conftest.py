@@ -2,7 +2,7 @@
 
 import pytest
 from rcskin.simulator.sweeps import InputError
-from rcskin.simulator.sweeps.importing.labels import Defaults
+from rcskin.simulator.sweeps.importing.grouping import Defaults
 from rcskin.simulator.sweeps.imports import import_file
 
 

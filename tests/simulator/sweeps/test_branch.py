@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.simulator.sweeps import InputError, impedance, parallel_capacitance
-from rcskin.simulator.sweeps.importing.labels import Defaults
-from rcskin.simulator.sweeps.importing.readings.branch import checked_branch, choose_branch
+from rcskin.simulator.sweeps.importing.branch import checked_branch, choose_branch
+from rcskin.simulator.sweeps.importing.grouping import Defaults
 from rcskin.simulator.sweeps.imports import import_file, import_files
 from rcskin.simulator.sweeps.input_files import read
 from rcskin.simulator.sweeps.reading_quantities import branch_reactance

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.sweeps.laws.device_faults import device_faults, frozen_sweeps, reading_faults
+from rcskin.simulator.sweeps.reading_noise import device_faults, frozen_sweeps, reading_faults
 from rcskin.simulator.sweeps.schema import build
 
 FEW = np.array([707.0, 1592.0, 6367.0])

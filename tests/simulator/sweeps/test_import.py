@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.sweeps import InputError, impedance, parallel_capacitance, write
-from rcskin.simulator.sweeps.importing.tables.columns import recognised
+from rcskin.simulator.sweeps.importing.columns import recognised
 from rcskin.simulator.sweeps.imports import import_file
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.sweeps import InputError, impedance
-from rcskin.simulator.sweeps.importing.labels import Defaults
+from rcskin.simulator.sweeps.importing.grouping import Defaults
 from rcskin.simulator.sweeps.imports import import_file
 from rcskin.tests.simulator.sweeps.shared_files import shared
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.sweeps.laws.kramers_kronig import RESOLUTION, fit_passive
+from rcskin.simulator.sweeps.passivity import RESOLUTION, fit_passive
 
 FREQUENCY = np.geomspace(1e3, 2e5, 20)
 S = 2j * np.pi * FREQUENCY

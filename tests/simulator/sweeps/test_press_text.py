@@ -7,7 +7,7 @@ from rcskin.simulator.measure.sweep_touches import pressed_pixels, touches_of
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.sweeps import InputError
 from rcskin.simulator.sweeps.csv_cells import guarded
-from rcskin.simulator.sweeps.importing.labels import _pixel
+from rcskin.simulator.sweeps.importing.grouping import _pixel
 from rcskin.simulator.sweeps.press_text import displayed_press, parse_touches, written_pixel
 from rcskin.simulator.sweeps.units import plain_number
 

@@ -9,8 +9,8 @@ import xarray as xr
 import zarr
 from rcskin.simulator.sweeps import InputError, parallel_capacitance, read, write
 from rcskin.simulator.sweeps.digests import sealed_json, unsealed_json
+from rcskin.simulator.sweeps.examination import examine
 from rcskin.simulator.sweeps.imports import import_file
-from rcskin.simulator.sweeps.laws.examination import examine
 from rcskin.tests.spoiling import share_refused
 
 FLIPS, CUTS = 150, 30

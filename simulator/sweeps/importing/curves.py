@@ -6,11 +6,11 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 
-from ...errors import InputError
-from ..tables.columns import UNITS, Column
-from ..tables.table import ImportedTable
+from ..errors import InputError
 from .agreement import all_zeros
+from .columns import UNITS, Column
 from .quantities import GAIN_PAIRS, PAIRS
+from .table import ImportedTable
 
 
 def curves(table: ImportedTable) -> list[ImportedTable]:

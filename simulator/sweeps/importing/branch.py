@@ -5,7 +5,7 @@ X1 X2 = Rs^2 and X1 + X2 = -1/B, and s = (X^2 - Rs^2)/(X^2 + Rs^2) is root(1 - (
 capacitive one, |X| >= Rs, and minus that of the resistive one. Z of a network is analytic in the
 frequency, and so is s: where a sweep passes -45 degrees, s goes straight on through 0, from one
 branch to the other. The same sweep with all signs of s changed is not causal. So of all ways to
-pass, the right one is nearest to a passive RC network (see `kramers_kronig`).
+pass, the right one is nearest to a passive RC network (see `passivity`).
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from ....arrays import Complex, Mask, Real
-from ...errors import InputError
-from ...laws.kramers_kronig import RESOLUTION, distance_from_rc
+from ...arrays import Complex, Mask, Real
+from ..errors import InputError
+from ..passivity import RESOLUTION, distance_from_rc
 
 RULES = {
     "followed": "X is that of a passive network (Kramers-Kronig), followed past -45 degrees",

@@ -8,9 +8,9 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from ... import inputs
-from ...digests import check_text
-from ...errors import InputError
+from .. import inputs
+from ..digests import check_text
+from ..errors import InputError
 
 Lines = list[tuple[int, str]]
 """Numbers and texts of lines."""

@@ -12,9 +12,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ....arrays import Complex, Real
-from ...reading_quantities import branch_reactance
-from ..tables.columns import ANGLES
+from ...arrays import Complex, Real
+from ..reading_quantities import branch_reactance
+from .columns import ANGLES
 
 Convert = Callable[[Real, Real], Real]
 BASIC: dict[str, tuple[str, Convert, Convert]] = {

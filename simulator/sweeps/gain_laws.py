@@ -15,11 +15,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...arrays import Real
-from ..errors import InputError
-from ..reading_quantities import GAIN, kind_of
-from ..reading_subset import read_at
-from ..schema import build, complex_readings, taken_of
+from ..arrays import Real
+from .errors import InputError
 from .examination import (
     LAWS,
     NO_PROFILES,
@@ -30,11 +27,15 @@ from .examination import (
     deviates_from_decreasing,
     examine,
 )
-from .noise import NEIGHBOURS, Allowance, roughness, scaled_by
 from .passivity import violations_of
+from .reading_noise import NEIGHBOURS, Allowance, roughness, scaled_by
+from .reading_quantities import GAIN, kind_of
+from .reading_subset import read_at
+from .schema import build, complex_readings, taken_of
 
 if TYPE_CHECKING:
     import xarray as xr
+
 
 NAMES = {
     "Re Z >= 0": "Re V / V_s >= 0",

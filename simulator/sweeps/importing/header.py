@@ -11,7 +11,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from ...units import PLAIN_NUMBER
+from ..units import PLAIN_NUMBER
 from .columns import MAY_BE_FREQUENCY, UNITS, Column, recognised, spelled, unit_factor
 from .text_lines import (
     ALL_SEPARATORS,

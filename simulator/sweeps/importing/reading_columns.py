@@ -7,13 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ....arrays import Complex, Mask, Real
-from ...errors import InputError
-from ...reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, ReadingKind, parallel_capacitance
-from ..tables.columns import ANGLES, UNITS, Column
-from ..tables.table import ImportedTable
+from ...arrays import Complex, Mask, Real
+from ..errors import InputError
+from ..reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, ReadingKind, parallel_capacitance
 from .agreement import agreeing_columns, all_zeros, bare_letters, refuse
+from .columns import ANGLES, UNITS, Column
 from .quantities import GAIN_PAIRS, PAIRS, gain_of, impedance_of
+from .table import ImportedTable
 
 DIGITS = 12
 """Digits to which frequencies are rounded, so that 0.1 kHz equals 100 Hz."""

@@ -7,13 +7,13 @@ from collections import Counter
 
 import numpy as np
 
-from ....arrays import Complex, Mask, Real
-from ...errors import InputError
-from ...reading_quantities import UNRELATED
-from ..tables.columns import UNITS, Column
-from ..tables.header import failed
-from ..tables.table import ImportedTable
+from ...arrays import Complex, Mask, Real
+from ..errors import InputError
+from ..reading_quantities import UNRELATED
+from .columns import UNITS, Column
+from .header import failed
 from .quantities import GAINS, PAIRS, derived, deviation
+from .table import ImportedTable
 
 BARE = ("r", "x", "y")
 """Letters that alone may name a radius or a place."""

@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...arrays import Complex, Mask, Real
-from ..errors import InputError
-from ..reading_quantities import contradicting
-from ..reading_subset import read_at
-from ..schema import DIMENSIONS, impedance
-from .kramers_kronig import RESOLUTION, fit_passive
-from .noise import NEIGHBOURS, Allowance, local_scale, repeatability, roughness, scaled_by
-from .passivity import Violation, violations_of
+from ..arrays import Complex, Mask, Real
+from .errors import InputError
+from .passivity import RESOLUTION, Violation, fit_passive, violations_of
+from .reading_noise import NEIGHBOURS, Allowance, local_scale, repeatability, roughness, scaled_by
+from .reading_quantities import contradicting
+from .reading_subset import read_at
+from .schema import DIMENSIONS, impedance
 
 if TYPE_CHECKING:
     import xarray as xr
+
 
 MIN_FREQUENCIES = 6
 LAWS = 6

@@ -1,1 +1,0 @@
-"""Impedances and gains from the columns of a table, and their agreement."""

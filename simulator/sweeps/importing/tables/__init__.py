@@ -1,1 +1,0 @@
-"""The table of a file: lines, header, columns, and how numbers are written."""
