@@ -16,8 +16,8 @@ from ..arrays import Complex, Real
 from ..mesh.pixel_coverage import pixel_coverage
 from ..models.mechanics.force_depths import pressed_by_factors
 from ..models.reduced.cases import Case, pixel_touches
-from ..models.reduced.indentation.indentation_draws import scene_spreads_presses
 from ..models.reduced.reduced_model import Reduced
+from ..models.reduced.touches import scene_spreads_presses
 from ..models.terminals import reduced_for
 from ..press.batch import PressBatch, TouchedCells
 from ..press.finger import finger_capacitance

@@ -9,7 +9,7 @@ from ..bounds.touches.rasterization_errors import error_against_solver
 from ..fem.error_estimate import SAMPLED
 from ..measure.foam_state import FoamState, reading_moments
 from ..measure.skins import CELLS, stream
-from ..models.reduced.indentation.indentation_draws import spreading
+from ..models.reduced.touches import spreading
 from ..models.solution import reading_difference
 from ..press.batch import PressBatch
 from ..press.press import parse_press

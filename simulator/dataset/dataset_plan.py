@@ -13,7 +13,7 @@ import numpy as np
 
 from ..mesh.pixel_coverage import pixel_coverage
 from ..models.mechanics.deformation import check_plane
-from ..models.reduced.indentation.indentation_draws import deepest, spreading
+from ..models.reduced.touches import deepest, spreading
 from ..scene.parts import Plan, SceneParts, Setup, Skin
 from ..scene.scene_files import parse_scene
 from ..sweeps import InputError

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 
-from ..models.reduced.indentation.indentation_draws import spreading
+from ..models.reduced.touches import spreading
 from ..processes import worker_pool
 from ..progress import ProgressCallback, silent
 from ..sweeps import InputError, inputs, kept_file

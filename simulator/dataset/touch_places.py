@@ -12,7 +12,7 @@ import numpy as np
 
 from ..arrays import Integer, Mask, Real
 from ..mesh.pixel_coverage import pixel_coverage
-from ..models.reduced.indentation.indentation_draws import spreading
+from ..models.reduced.touches import spreading
 from ..press.batch import PressBatch
 from ..press.rasterized import Footprints, rasterized
 from ..scene.parts import Plan, Pressing, Skin

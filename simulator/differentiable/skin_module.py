@@ -20,8 +20,8 @@ from ..models.heterogeneous.materials import gauged
 from ..models.parameters import SHEET_MODES, TABLE
 from ..models.reduced.cases import strongest_finger
 from ..models.reduced.forward import PIXEL_FACTORS, REACH, Forward
-from ..models.reduced.indentation.indentation_draws import spreading
 from ..models.reduced.reduced_model import Reduced, pressed_cells
+from ..models.reduced.touches import spreading
 from ..models.small_system.system import diagonalised, own_coordinates, solved
 from ..press.parts import parts_of
 from ..press.press import Press, press_on

@@ -40,7 +40,7 @@ from ..bounds.touch_readings import Hypothesis, hypotheses
 from ..bounds.touches.pixel_touches import middles
 from ..bounds.touches.touch_rasterizers import RasterizedTouch, rasterizer_for
 from ..measure.readout import ErrorModel, observed
-from ..models.reduced.indentation.indentation_draws import scene_spreads_presses
+from ..models.reduced.touches import scene_spreads_presses
 from ..models.solution import Response
 from ..progress import ProgressCallback, silent, tracked
 from ..scene.parts import Pressing, SceneParts

@@ -21,9 +21,9 @@ from ..sweeps import InputError
 from .heterogeneous.elements_model import single_field
 from .reduced.cases import Draw
 from .reduced.greedy import reduce
-from .reduced.indentation.indentation_draws import spreading
 from .reduced.projection import Projection
 from .reduced.reduced_model import Reduced
+from .reduced.touches import spreading
 
 Model = TypeVar("Model", bound=Projection)
 

@@ -49,7 +49,7 @@ def page(
     note_if_noise_free(scene, setup, pressed.meter)
     with on_terminal() as bars:
         progress = Overall("page in all", page_parts(skin, setup, rtol, cells), bars)
-        from ..models.reduced.indentation.indentation_draws import scene_spreads_presses
+        from ..models.reduced.touches import scene_spreads_presses
         from .document import document
         from .packed import page_data, reduced_for_page
 

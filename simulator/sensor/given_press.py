@@ -11,7 +11,7 @@ import numpy as np
 
 from ..method_cache import cached_method
 from ..models.mechanics.force_depths import press_by_depths
-from ..models.reduced.indentation.indentation_draws import spreads
+from ..models.reduced.touches import spreads
 from ..press.batch import PressBatch
 from ..press.capacitance import touched_box
 from ..press.parts import foam_parts

@@ -53,21 +53,21 @@ def test_the_certificate_holds_on_skins_that_it_was_not_trained_on(reduced):
 
 @pytest.mark.parametrize("cells", [[0], [1], [0, 2], [0, 1]])
 def test_applicators_on_pixels_that_meet_are_coupled(reduced, cells):
-    assert reduced.family.coupled(np.array(cells)) == (np.diff(cells) == 1).any()
+    assert reduced.family.rises.coupled(np.array(cells)) == (np.diff(cells) == 1).any()
 
 
 def test_what_is_left_out_between_depths_covers_the_membrane_itself(scene, reduced):
     """c at the mesh's points between Chebyshev's depths, against mechanics far more closely."""
     from rcskin.simulator.models.mechanics.indentation import deformation
 
-    family = reduced.family
+    rises = reduced.family.rises
     for depth in (0.21e-3, 1.13e-3, 2.3e-3):
         rise = float(scene.parts.skin.pressed_factors(np.array(depth))) - 1
-        (found,) = family.press(np.array([1]), np.array([rise]))
+        (found,) = rises.press(np.array([1]), np.array([rise]))
         truth = deformation(scene.parts.skin, parse_press(f"1,2:{depth!r}m", DEEP), 1e-4)
-        x = family.elements.surface.x[:, found.cells]
-        off, weights = np.abs(truth.factor(x) - 1 - found.rise), family.elements.rule.weights
-        area = family.elements.surface.some(found.cells).area * weights
+        x = rises.elements.surface.x[:, found.cells]
+        off, weights = np.abs(truth.factor(x) - 1 - found.rise), rises.elements.rule.weights
+        area = rises.elements.surface.some(found.cells).area * weights
         assert (off * area).sum() <= (found.uncertainty * area).sum()
         assert (found.uncertainty * area).sum() <= 0.01 * (found.rise * area).sum()
 

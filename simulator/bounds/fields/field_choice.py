@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from ...models.heterogeneous.materials import gauged
-from ...models.reduced.indentation.indentation_draws import scene_spreads_presses
+from ...models.reduced.touches import scene_spreads_presses
 from ...models.terminals import needs_all_terminals
 from ...scene.parts import Pressing, SceneParts, Skin
 from ...sweeps import InputError, ToleranceError

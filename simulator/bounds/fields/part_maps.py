@@ -10,7 +10,7 @@ import numpy as np
 
 from ...arrays import Mask, Real
 from ...models.parameters import of_parts
-from ...models.reduced.indentation.indentation_draws import scene_spreads_presses
+from ...models.reduced.touches import scene_spreads_presses
 from ...press.parts import SOLVED, Parts, parts_of
 from ...scene.parts import Pressing, Skin
 

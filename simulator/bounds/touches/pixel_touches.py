@@ -16,7 +16,7 @@ from ...mesh.pixel_coverage import pixel_coverage, with_fingers_at
 from ...models.mechanics.lattice_presses import NOBODY, raised
 from ...models.mechanics.relaxation_kernel import Bodies
 from ...models.mechanics.skin_lattice import Lattice, Window
-from ...models.reduced.indentation.indentation_draws import scene_spreads_presses
+from ...models.reduced.touches import scene_spreads_presses
 from ...press.batch import PressBatch
 from ...press.parts import parts_of
 from ...press.rasterized import Footprints, rasterized

@@ -23,7 +23,7 @@ from ...models.mechanics.deformation import check_plane
 from ...models.mechanics.lattice_presses import STILL, deflected
 from ...models.mechanics.relaxation_kernel import Bodies
 from ...models.mechanics.skin_lattice import Lattice, Window, lattice_of
-from ...models.reduced.indentation.indentation_draws import scene_spreads_presses
+from ...models.reduced.touches import scene_spreads_presses
 from ...press.batch import TouchedCells
 from ...press.cell_kernel import covered_with_slopes
 from ...press.pixels import GridCells

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...arrays import Integer, Real
+from ...arrays import Integer, Mask, Real
+from ...mesh.pixel_coverage import pixel_coverage
 from ...press.finger import finger_of
 from ...press.parts import foam_parts, parts_of
 from ...press.pixels import pixels_with_skin
@@ -32,10 +33,9 @@ class Case:
     cells: Integer
     rises: Real
 
-    def map_on(self, skin: Skin) -> Real:
-        """Amount of each part of M over the scene's own, shape (part,), see `Parts`."""
-        pressed = parts_of(skin).pressed(self.cells, self.rises)
-        return pressed if self.variation is None else pressed * self.variation.factors(skin)
+    def only(self, kept: Mask) -> Case:
+        """The case with some of its cells; kept: shape (cell,)."""
+        return replace(self, cells=self.cells[kept], rises=self.rises[kept])
 
     def press_on(self, skin: Skin) -> Press:
         """Press of the case's pixels by capacitance factors, with the fingers on them."""
@@ -102,6 +102,37 @@ def pixel_touches(skin: Skin, plan: Plan, factor: tuple[float, float] = (1.0, 3.
         return Case(None, both, np.concatenate([rises, fingers]))
 
     return draw
+
+
+def separated_draws(draw: Draw, skin: Skin, most: float) -> Draw:
+    """Draws on separate pixels with skin, with rises from 0 to `most`.
+
+    Rises are clipped to this range. If touches are on pixels that meet, only the first is left;
+    touches on pixels without skin are left out.
+    """
+    on_skin, parts, columns = pixel_coverage(skin).part > 0, parts_of(skin), skin.pixels.columns
+
+    def drawn(random: np.random.Generator) -> Case:
+        case = draw(random)
+        case = case.only(on_skin[parts.pixels(case.cells[None])[0][0]])
+        foam, _ = parts.by_kind(case.cells, case.rises)
+        row, column = np.divmod(foam.cells, columns)
+        away = [
+            not any(max(abs(row[k] - row[m]), abs(column[k] - column[m])) <= 1 for m in range(k))
+            for k in range(len(foam.cells))
+        ]
+        pressed = foam.cells[np.array(away, dtype=bool)]
+        left = case.only(np.isin(case.cells, [*pressed, *parts.finger(pressed)]))
+        rises = np.where(left.cells < parts.foam, np.clip(left.rises, 0.0, most), left.rises)
+        return replace(left, rises=rises)
+
+    return drawn
+
+
+def alone(pixels: Integer, rise: float, most: int) -> list[Case]:
+    """Cases of one pixel each: all of these pixels, or `most` of them, evenly spaced."""
+    some = np.unique(np.linspace(0, len(pixels) - 1, most).round().astype(np.int64))
+    return [Case(None, pixels[[k]], np.array([rise])) for k in some]
 
 
 def strongest_finger(skin: Skin, plan: Plan) -> float:

@@ -153,14 +153,14 @@ class SkinInBasis:
             excited_terminals(drive, reduced.terminal_field, between, np.eye(N))
             for drive in reduced.circuit.excitations
         ]
-        rest = family.foam_of(replace(case, cells=NOTHING.cells, rises=NOTHING.rises))
-        self._rest = rest[: parts_of(family.skin).count]
+        rest = family.amounts(replace(case, cells=NOTHING.cells, rises=NOTHING.rises))
+        self._rest = rest[: family.parts.count]
         self._unpressed = self._mass(self._rest), self._mass(of_air(family.skin, self._rest))
 
     def bounds(self, cases: Sequence[Case]) -> Real:
         """Bounds on the relative errors of Rs and Cp, shape (2, case, interface, s)."""
         N, omega = len(self._excited[0].potential), 2 * np.pi * self._frequency
-        foams = [self._reduced.family.foam_of(case) for case in cases]
+        foams = [self._reduced.family.amounts(case) for case in cases]
         s = laplace_variable(self._frequency, self._loss)
         masses = ((self._lifted(M), self._lifted(air)) for M, air in map(self._masses, foams))
         press = networks_in_air(masses, N, s, omega, self._K)
@@ -176,10 +176,10 @@ class SkinInBasis:
         family, change = self._reduced.family, foam[: len(self._rest)] - self._rest
         M, air = self._unpressed
         M, air = M + self._mass(change), air + self._mass(of_air(family.skin, change))
-        applied = family.applied_inside(foam)
-        if applied is not None:
+        added_by_touches = family.added_inside(foam)
+        if added_by_touches is not None:
             W = self._reduced.coordinates
-            M += W.T @ (applied @ W)
+            M += W.T @ (added_by_touches @ W)
         return M, air
 
     def _mass(self, amounts: Real) -> Real:

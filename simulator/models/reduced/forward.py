@@ -38,11 +38,11 @@ from ..parameters import (
 from ..solution import Response, at_meter
 from .cases import Case, Draw, pixel_touches, strongest_finger, touched
 from .greedy import reduce
-from .indentation.indentation_draws import require_whole_pixels
 from .model_with_modes import FoamModeTerms
 from .reduced_model import Reduced, pressed_cells
 from .reduced_skin import ReducedSkin
 from .slopes import Sensitivity, sensitivities, sensitivity
+from .touches import require_whole_pixels
 
 SMALLEST, LARGEST, FACTORS = 0.03, 0.5, (1.3, 3.0)
 
@@ -203,7 +203,7 @@ class Forward:
         given: see `respond`.
         """
         uniform = not _has_foam_modes(given or {})
-        return uniform and type(self.reduced) is Reduced and not gauged(self.skin)
+        return uniform and not self.reduced.touches.spread and not gauged(self.skin)
 
     def respond_together(
         self, cells: Integer, rises: Real, given: Mapping[str, float] | None = None

@@ -22,7 +22,6 @@ from ...fem.factors import one_blas_thread, without_zeros
 from ...fem.galerkin import Galerkin
 from ...fem.lanczos import potentials_of_all
 from ...fem.system import check_grid_fits
-from ...press.parts import parts_of
 from ...progress import ProgressCallback, silent
 from ...scene.contacts import Interface
 from ...scene.frequency import laplace_variable
@@ -33,13 +32,11 @@ from ..heterogeneous.pressed_system import check_surroundings
 from .cases import Case, Draw, by_skin, covering, pixel_touches, sharing_skins
 from .certificate import largest_bounds
 from .compressing import COMPRESSED_SHARE, compressed, sizes
+from .depth_touches import DepthTouches
 from .families.family import Family
 from .families.family_meshes import resolved, weights_of_case
-from .indentation.applicator_tables import resolved as resolved_under_applicators
-from .indentation.indentation_draws import separated_draws, spreading
-from .indentation.indentation_family import IndentationFamily
-from .indentation.indentation_model import with_applicator_tables
 from .reduced_model import Reduced
+from .touches import FACTORS, spreading
 
 IDLE_DRAWS = 50
 """Number of useless draws in a row after which the first sample is complete, see `covering`."""
@@ -98,25 +95,20 @@ def reduce(
     InputError if the pixels do not fit in memory.
     """
     check_surroundings(parts.skin)
-    applied = spreading(parts.skin, parts.plan.press, by_depth)
-    parts = parts if applied else parts.evened
+    spread = spreading(parts.skin, parts.plan.press, by_depth)
+    parts = parts if spread else parts.evened
     skin, setup = parts.skin, parts.setup
-    draw = (
-        separated_draws(draw or pixel_touches(skin, parts.plan), skin)
-        if applied
-        else draw or pixel_touches(skin, parts.plan)
-    )
     circuit = circuit_of(skin, setup, same_sheets)
     circuit = circuit if readings is None else circuit.read(readings)
     check_grid_fits(skin, circuit)
     random, f = np.random.default_rng(seed), setup.frequency if frequency is None else frequency
     progress(TRAINING, 0.0)
     with one_blas_thread():
+        touches = DepthTouches.of(skin, rtol) if spread else FACTORS
+        draw = touches.draws(draw or pixel_touches(skin, parts.plan), skin)
         cases = [draw(random) for _ in range(MESH_DRAWS)]
-        known = circuit, modes, rtol, cases, f, progress
-        family, mesh_error = (
-            resolved_under_applicators(skin, *known) if applied else resolved(skin, *known)
-        )
+        known = skin, circuit, modes, rtol, cases, f, touches, progress
+        family, mesh_error = resolved(*known)
         return GreedyBasis(parts, family, rtol, mesh_error, f).grow(draw, random, progress)
 
 
@@ -180,8 +172,7 @@ class GreedyBasis:
                     f"the reduced model leaves an error of {found.max():.1e} with {reduced.size} "
                     f"vectors, tolerance {self.rtol:g}"
                 )
-        if isinstance(self.family, IndentationFamily):
-            reduced = with_applicator_tables(reduced)
+        reduced = self.family.touches.in_basis(reduced)
         return compressed(reduced, [draw(random) for _ in range(BATCH)])
 
     def _add(self, cases: list[Case]) -> None:
@@ -225,7 +216,7 @@ class GreedyBasis:
     def _at_shifts(self, space: Galerkin, cases: list[Case]) -> Real:
         family, rtol = self.family, SNAPSHOT_SHARE * math.sqrt(DROPPED_SHARE * self.rtol)
         drives = family.circuit.excitations
-        masses = [family.mass_inside(family.foam_of(case)) for case in cases]
+        masses = [family.mass_inside(family.amounts(case)) for case in cases]
         pencils = space.pencils(masses, drives)
         found = [self._deviation(each) for each in potentials_of_all(pencils, self._shifts, rtol)]
         energies = [(each * (self._K @ each)).sum(axis=0) for each in found]
@@ -275,7 +266,7 @@ class GreedyBasis:
         ]
         films = [family.space.film_energy(W, term) for term in family.film_terms]
         size = sizes(len(family.space.conductance), self.vectors.shape[1], self._most)
-        parts, share = parts_of(family.skin), TRAINED_SHARE * COMPRESSED_SHARE * self.rtol
+        parts, share = family.parts, TRAINED_SHARE * COMPRESSED_SHARE * self.rtol
         factors = family.masses.factors(W, size, share, parts)
         fixed = [*family.masses.energies(W, slice(parts.touched, None))]
         if family.far_inside is not None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -14,21 +14,21 @@ from ...fem.terminals import Excitation
 from ...mesh.arcs import Arcs
 from ...mesh.domain import Domain
 from ...mesh.quadrilaterals import Resolution
+from ...scene.parts import Skin
 from ...scene.scene_files import parse_scene
 from ...sweeps import InputError, kept_file
-from ...sweeps.array_files import read_arrays, write_arrays
+from ...sweeps.array_files import ForeignFileError, read_arrays, write_arrays
 from ..heterogeneous.elements_model import circuit_of
+from .applicators import DepthSeries, PixelApplicators
+from .depth_touches import DepthTouches, Tables
 from .families.family import Mesh, Triangulation
-from .indentation.applicator_tables import Tables
-from .indentation.applicators import DepthSeries, PixelApplicators
-from .indentation.indentation_model import IndentationModel
 from .reduced_model import Reduced
 
 OF_DOMAIN = ("p", "t", "pixel", "covered", "seams")
 ARRAYS = ("terminal_field", "conductance", "basis", "stiffness", "factors")
 FIXED = "fixed"
 """Name of an array that only models of scenes with surroundings have."""
-KIND, LAYOUT = "rcskin reduced model", 1
+KIND, LAYOUT = "rcskin reduced model", 2
 """Kind of file, and layout; a new number means that older files are not readable."""
 
 
@@ -46,7 +46,8 @@ def save(reduced: Reduced, path: Path) -> None:
     }
     arrays = {name: getattr(reduced, name) for name in ("frequency", *ARRAYS)} | of_mesh
     arrays |= {FIXED: reduced.fixed} if reduced.fixed.size else {}
-    arrays |= arrays_of(reduced) if isinstance(reduced, IndentationModel) else {}
+    if isinstance(reduced.touches, DepthTouches):
+        arrays |= _arrays_of(reduced.touches)
     with kept_file(path) as unfinished:
         write_arrays(unfinished, KIND, LAYOUT, description, arrays)
 
@@ -61,6 +62,8 @@ def load(path: Path) -> Reduced:
         return _model(path, *read_arrays(path, KIND, LAYOUT))
     except InputError:
         raise
+    except ForeignFileError as error:
+        raise InputError(f"{path}: not a reduced model: {error}; train again") from error
     except (ValueError, LookupError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(f"{path}: not a reduced model: {error}") from error
 
@@ -69,8 +72,7 @@ def _model(path: Path, description: dict[str, Any], stored: dict[str, NDArray]) 
     _check_finite(stored)
     arrays: dict[str, Any] = {name: stored[name] for name in ARRAYS}
     arrays |= {FIXED: stored[FIXED]} if FIXED in stored else {}
-    frequency, applied = stored.get("frequency"), arrays_from(stored)
-    mesh = _mesh(description, stored)
+    frequency, mesh = stored.get("frequency"), _mesh(description, stored)
     parts = parse_scene(description["scene"], str(path)).parts
     circuit = circuit_of(parts.skin, parts.setup, description["fields"] == 1)
     if circuit.fields != description["fields"]:
@@ -80,7 +82,9 @@ def _model(path: Path, description: dict[str, Any], stored: dict[str, NDArray]) 
         circuit = replace(circuit, excitations=drives)
     arrays["frequency"] = parts.setup.frequency if frequency is None else frequency
     _check_sizes(arrays, max(terminal.field for terminal in circuit.terminals) + 1)
-    model = Reduced(
+    if "table_bases" in stored:
+        arrays["touches"] = _touches(stored, parts.skin, description["rtol"])
+    return Reduced(
         parts=parts,
         circuit=circuit,
         mesh=mesh,
@@ -89,7 +93,6 @@ def _model(path: Path, description: dict[str, Any], stored: dict[str, NDArray]) 
         mesh_error=description["mesh_error"],
         **arrays,
     )
-    return model if applied is None else with_arrays(model, applied)
 
 
 def _check_finite(arrays: Mapping[str, NDArray]) -> None:
@@ -148,71 +151,34 @@ def _resolution(description: dict[str, Any]) -> Resolution:
     return Resolution(**description, touched=touched, lines=lines)
 
 
-OF_PIXELS = {name: f"applied_{name}" for name in ("of_pixel", "turn", "shift", "far")}
-OF_TABLES = {
-    "bases": "table_bases",
-    "parts": "table_parts",
-    "matrices": "table_matrices",
-    "uncertainties": "table_doubts",
-}
-OF_SERIES = {
-    "p": "p",
-    "nodes": "nodes",
-    "depth": "depth",
-    "count": "count",
-    "w": "w",
-    "uncertainty": "unsure",
-    "force": "force",
-}
-"""Name in the file of each attribute that is stored; those of series have a prefix, see `_name`."""
+OF_PIXELS, OF_TABLES, OF_SERIES = (
+    ("of_pixel", "turn", "shift", "far"),
+    ("bases", "parts", "matrices", "uncertainties"),
+    ("p", "nodes", "depth", "count", "w", "uncertainty", "force"),
+)
+"""Attributes of applicators, tables and depth series that are stored."""
 
 
-def arrays_of(model: IndentationModel) -> dict[str, NDArray]:
-    """Arrays of a model's applicators and tables, by their names in the file."""
-    known, own = model.applicators, model.tables
-    assert known is not None and own is not None
-    found = {stored: np.asarray(getattr(known, name)) for name, stored in OF_PIXELS.items()}
-    found |= {stored: getattr(own, name) for name, stored in OF_TABLES.items()}
-    for number, series in enumerate(known.all_series):
-        found |= {
-            _name(number, stored): np.asarray(getattr(series, name))
-            for name, stored in OF_SERIES.items()
-        }
-    return found
+def _arrays_of(touches: DepthTouches) -> dict[str, NDArray]:
+    """Arrays of touches by depth, by their names in the file."""
+    known = touches.applicators
+    found = {f"applicator_{name}": np.asarray(getattr(known, name)) for name in OF_PIXELS}
+    found |= {f"table_{name}": getattr(touches.tables, name) for name in OF_TABLES}
+    return found | {
+        f"depth_series_{number}_{name}": np.asarray(getattr(series, name))
+        for number, series in enumerate(known.all_series)
+        for name in OF_SERIES
+    }
 
 
-def _name(number: int, stored: str) -> str:
-    """Name in the file of an array of one depth series."""
-    return f"course_{number}_{stored}"
+def _touches(stored: Mapping[str, Any], skin: Skin, rtol: float) -> DepthTouches:
+    """Touches by depth from a file. Raises KeyError if some of the arrays are missing."""
 
+    def named(prefix: str, names: Sequence[str]) -> dict[str, Any]:
+        found = {name: stored[f"{prefix}_{name}"] for name in names}
+        return {name: own if own.ndim else own.item() for name, own in found.items()}
 
-StoredArrays = tuple[dict[str, Any], Tables, tuple[DepthSeries, ...]]
-
-
-def arrays_from(archive: Mapping[str, NDArray]) -> StoredArrays | None:
-    """Applicators and tables from a file; None if it has none.
-
-    Raises KeyError if some of the arrays are missing.
-    """
-    if "table_bases" not in archive:
-        return None
-    count = int(archive["applied_of_pixel"].max()) + 1
-    all_series = []
-    for number in range(count):
-        own: dict[str, Any] = {
-            name: archive[_name(number, stored)] for name, stored in OF_SERIES.items()
-        }
-        own["count"] = int(own["count"])
-        all_series.append(DepthSeries(**own))
-    of_pixels: dict[str, Any] = {name: archive[stored] for name, stored in OF_PIXELS.items()}
-    of_pixels["far"] = float(of_pixels["far"])
-    of_tables = {name: archive[stored] for name, stored in OF_TABLES.items()}
-    return of_pixels, Tables(**of_tables), tuple(all_series)
-
-
-def with_arrays(model: Reduced, stored: StoredArrays) -> IndentationModel:
-    """Model with the applicators and tables of its file."""
-    of_pixels, tables, all_series = stored
-    known = PixelApplicators(skin=model.parts.skin, all_series=all_series, **of_pixels)
-    own = {name: getattr(model, name) for name in Reduced.__dataclass_fields__}
-    return IndentationModel(**own, applicators=known, tables=tables)
+    count = int(stored["applicator_of_pixel"].max()) + 1
+    each = [DepthSeries(**named(f"depth_series_{k}", OF_SERIES)) for k in range(count)]
+    known = PixelApplicators(skin, tuple(each), **named("applicator", OF_PIXELS))
+    return DepthTouches(known, rtol, Tables(**named("table", OF_TABLES)))

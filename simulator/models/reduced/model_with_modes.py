@@ -10,8 +10,8 @@ import numpy as np
 
 from ...arrays import Integer, Real
 from .compressing import typical
+from .families.families_by_system import HeterogeneousFamily
 from .families.family import Family
-from .families.heterogeneous_family import HeterogeneousFamily
 from .reduced_model import Reduced
 
 

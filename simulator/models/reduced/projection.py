@@ -21,8 +21,10 @@ import numpy as np
 from ...arrays import Integer, Mask, Real
 from ...fem.circuit import Circuit
 from ...scene.parts import SceneParts
+from .depth_touches import FoamPotentials
 from .families.family import Family, Mesh
 from .families.family_meshes import family_on
+from .touches import FACTORS, Touches
 
 
 @dataclass(frozen=True, repr=False)
@@ -35,7 +37,7 @@ class Projection:
     in the full space's inner unknowns, shape (inner, n). stiffness: terms of K, S, shape (term, N +
     n, N + n). factors: F of each part of M that a press may change, M = F'F in F, shape (part,
     rank, N + n); of a finger for 1 F. fixed: M of each of the other parts, F, shape (part, N + n, N
-    + n). The parts are numbered as in `Parts`.
+    + n). The parts are numbered as in `Parts`. touches: how touches change M.
     """
 
     parts: SceneParts
@@ -51,6 +53,7 @@ class Projection:
     stiffness: Real
     factors: Real
     fixed: Real = field(default_factory=lambda: np.zeros((0, 0, 0)))
+    touches: Touches = FACTORS
     built: Family | None = field(default=None, repr=False, compare=False)
 
     @property
@@ -72,13 +75,19 @@ class Projection:
     @cached_property
     def family(self) -> Family:
         """Full model; it is built again if it is not at hand."""
-        return self.built or family_on(self.parts.skin, self.circuit, self.mesh, self.modes)
+        given = self.parts.skin, self.circuit, self.mesh, self.modes
+        return self.built or family_on(*given, self.touches)
 
     @cached_property
     def coordinates(self) -> Real:
         """W = [lift, V]: potentials of the full space in V, shape (inner + N, N + n)."""
         at_terminals = np.zeros((len(self.conductance), self.size))
         return np.hstack([self.family.space.lift, np.vstack([self.basis, at_terminals])])
+
+    @cached_property
+    def across_foam(self) -> FoamPotentials:
+        """Potentials of the basis across the foam; of touches that spread."""
+        return FoamPotentials(self.family, self.coordinates)
 
     def __getstate__(self) -> dict[str, Any]:
         own = {name: getattr(self, name) for name in self.__dataclass_fields__}

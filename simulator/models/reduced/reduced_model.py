@@ -11,9 +11,9 @@ from ...press.press import Press, press_on
 from ...press.rasterized import needs_factors, touched_cells
 from ...scene.parts import SceneParts
 from ..parameters import Variation
-from .indentation.indentation_draws import spreads
 from .projection import Projection
 from .reduced_skin import ReducedSkin
+from .touches import spreads
 
 
 def pressed_cells(parts: SceneParts, press: Press) -> TouchedCells:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -37,10 +37,10 @@ from ..small_system.system import (
     solved,
     with_terms,
 )
-from .cases import Case, touched
+from .cases import touched
 from .certificate import certificates
 from .families.family import Family, changes, weights_under
-from .families.family_meshes import finer_families
+from .families.family_meshes import family_on, finer_meshes
 from .projection import Projection
 
 if TYPE_CHECKING:
@@ -119,8 +119,18 @@ class ReducedSkin:
         """Arrays of this skin for Lanczos' method."""
         from ..small_system.lanczos import Skins
 
-        rtol, unit = KRYLOV_SHARE * self.reduced.rtol, self.unpressed_factors[: self.parts.touched]
-        return Skins.of_one(aligned(self.unpressed_mass), unit, self.s, rtol / self._cancelled)
+        unit = self.unpressed_factors[: self.parts.touched]
+        return Skins.of_one(aligned(self.unpressed_mass), unit, self.s, self.krylov_rtol)
+
+    @cached_property
+    def krylov_rtol(self) -> float:
+        """Tolerance of Lanczos' method for each excitation."""
+        return KRYLOV_SHARE * self.reduced.rtol / self._cancelled
+
+    @cached_property
+    def of_touches(self) -> Any:
+        """Arrays of the touches on this skin, see `Touches.on`."""
+        return self.reduced.touches.on(self)
 
     @cached_property
     def excited_alone(self) -> list[DenseExcitation]:
@@ -193,8 +203,12 @@ class ReducedSkin:
         return found
 
     def _swept(self, batch: PressBatch, s: Complex, precision: float) -> Complex:
-        systems = self.alone._replace(s=s[None], rtol=precision * self.alone.rtol)
-        return self._impedances(systems, self.parts.followed(batch))
+        interfaces = len(self.combination.weights)
+        found = np.empty((batch.count, interfaces, len(s)), dtype=np.complex128)
+        for which, systems, own in self.reduced.touches.systems(self, batch):
+            systems = systems._replace(s=s[None], rtol=precision * systems.rtol)
+            found[which] = self._impedances(systems, own)
+        return found
 
     def _impedances(self, systems: Skins, batch: PressBatch) -> Complex:
         """Z in ohm of presses on this skin alone, shape (press, interface, s)."""
@@ -227,11 +241,8 @@ class ReducedSkin:
         f = self.reduced.frequency if frequency is None else frequency
         with one_blas_thread():
             reduction = self.under(cells, rises)._by_reduction(cells, rises, f)
-        return reduction + self.uncertainty_error(cells, rises, laplace_variable(f, self.loss))
-
-    def uncertainty_error(self, cells: Integer, rises: Real, s: Complex) -> Real | float:
-        """Relative errors of Rs and Cp of one press by the uncertainty of its foam. s: rad/s."""
-        return 0.0
+        s = laplace_variable(f, self.loss)
+        return reduction + self.reduced.touches.uncertainty(self, cells, rises, s)
 
     def _by_reduction(self, cells: Integer, rises: Real, frequency: Real) -> Real:
         """Bound of `certificate` by the reduction alone, for sheets as they are here, see `under`.
@@ -281,15 +292,16 @@ class ReducedSkin:
 
     def _families(self, cells: Integer, rises: Real) -> Iterator[Family]:
         """Family that was reduced, then families on finer and finer meshes for this press."""
-        reduced = self.reduced
+        reduced, skin, touches = self.reduced, self.reduced.parts.skin, self.reduced.touches
         yield reduced.family
-        parts, known = reduced.parts, (reduced.circuit, reduced.modes, reduced.rtol)
-        press = Case(None, cells, rises).press_on(reduced.parts.skin)
-        yield from finer_families(parts.skin, *known, [press], reduced.frequency)
+        given = skin, reduced.circuit, reduced.rtol, [touches.trial(skin, cells, rises)]
+        first = reduced.family.rises.domain if touches.spread else None
+        for mesh in finer_meshes(*given, reduced.frequency, first):
+            yield family_on(skin, reduced.circuit, mesh, reduced.modes, touches)
 
     def map_of(self, cells: Integer, rises: Real) -> Real:
-        """Amount of each part of M over the scene's own, shape (part,), see `Parts`."""
-        return self.parts.pressed(cells, rises) * self.unpressed_factors
+        """Amount of each part of M over the scene's own, see `Touches.amounts`."""
+        return self.reduced.touches.amounts(self.parts, self.unpressed_factors, cells, rises)
 
     def solved(self, cells: Integer, rises: Real, s: Complex) -> list[Solved]:
         """Potentials and form of each excitation, for sheets as they are here, see `under`.
@@ -297,12 +309,15 @@ class ReducedSkin:
         The potentials are V in the model's coordinates, shape (N + n, s); the form is in S, shape
         (s,).
         """
-        rest, which, weights = self.touched(cells, rises)
+        rest, which, weights = self.reduced.touches.terms(self, cells, rises)
         return self._each(networks(rest, which[None], weights[None], s))
 
     def solved_in_air(self, cells: Integer, rises: Real, frequency: Real) -> list[Solved]:
         """`solved` where air has no loss, unlike the foam. frequency: Hz."""
-        M, s = mass_of(*self.touched(cells, rises)), laplace_variable(frequency, self.loss)
+        M, s = (
+            mass_of(*self.reduced.touches.terms(self, cells, rises)),
+            laplace_variable(frequency, self.loss),
+        )
         _, fingers = self.parts.by_kind(cells, rises)
         charges = fingers.rises * self.unpressed_factors[fingers.cells]
         air = added(self.reduced.factors, fingers.cells, charges) + self.fixed_mass
@@ -311,20 +326,6 @@ class ReducedSkin:
 
     def _each(self, press: Networks) -> list[Solved]:
         return [(self.turn @ u[0].T, Y[0]) for u, Y in solved(self.excited_terminals, press)]
-
-    def touched(self, cells: Integer, rises: Real) -> tuple[UnpressedMass, Integer, Real]:
-        """Terms that one press adds to M: factors, indices of those, and their weights."""
-        cells, rises = self.parts.completed(cells, rises)
-        rest = self.pressed_by(self.reduced.factors[cells] @ self.turn)
-        return rest, np.arange(len(cells)), rises * self.unpressed_factors[cells]
-
-    def charges(self, cells: Integer, rises: Real, u: Complex) -> tuple[Complex, Complex]:
-        """Derivatives of u'Mu by each part over the scene's own, and u'Mu itself.
-
-        Both in F V², of shapes (s, part) and (s,).
-        """
-        squares = self.squares(u)
-        return squares, squares @ self.map_of(cells, rises)
 
     def squares(self, u: Complex) -> Complex:
         """u'Mu of each part as it is on the scene's own skin, F V², shape (s, part)."""

@@ -150,7 +150,7 @@ def _alone(
     omega: Real,
     Y: Complex,
 ) -> tuple[Complex, ...]:
-    (squares, whole), parts = skin.charges(cells, rises, u), skin.parts
+    (squares, whole), parts = skin.reduced.touches.charges(skin, cells, rises, u), skin.parts
     by_weight = np.stack([((term @ u) * u).sum(axis=0) for term in stiffness], axis=1)
     foam, fingers, across, walls = (squares[:, kind] for kind in parts.kind)
     fixed, of_foam, each = squares[:, parts.touched :], whole, s[:, None]

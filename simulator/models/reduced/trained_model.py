@@ -15,10 +15,10 @@ from ...sweeps import InputError
 from ..model import GivenPress, Model
 from ..solution import ModelResult, SolutionProgress
 from .cases import pixel_touches, strongest_finger
+from .depth_touches import DepthTouches
 from .greedy import reduce
-from .indentation.indentation_draws import deepest, spreads
-from .indentation.indentation_model import IndentationModel, IndentationSkin
 from .reduced_skin import KRYLOV_SHARE, ReducedSkin
+from .touches import deepest, spreads
 
 TRAINED = (0.5, 3.0)
 """Range of capacitance factors that a model is trained on."""
@@ -77,13 +77,12 @@ class TrainedModel(Model):
         return reduce(self.parts, self.rtol, draw, frequency=self.frequency).skin(None)
 
     @cached_property
-    def _by_depth(self) -> IndentationSkin:
+    def _by_depth(self) -> ReducedSkin:
         skin, most = self.parts.skin, deepest(self.parts.skin)
         factors = skin.factor_at(SHALLOW * most), skin.factor_at(most)
         trained = pixel_touches(skin, self.parts.plan, factors)
-        model = reduce(self.parts, self.rtol, trained, frequency=self.frequency, by_depth=True)
-        assert isinstance(model, IndentationModel)
-        return model.skin(None)
+        given = self.parts, self.rtol, trained
+        return reduce(*given, frequency=self.frequency, by_depth=True).skin(None)
 
     def _check_factors(self, press: Press) -> None:
         low, high = TRAINED
@@ -114,8 +113,9 @@ class TrainedModel(Model):
         The uncertainty is relative; it comes from the depths under forces.
         """
         pixels, most = self._pixels(press), deepest(self.parts.skin)
-        columns, known = self.parts.skin.pixels.columns, self._by_depth.reduced.applicators
-        assert known is not None
+        columns, touches = self.parts.skin.pixels.columns, self._by_depth.reduced.touches
+        assert isinstance(touches, DepthTouches)
+        known = touches.applicators
         cells, depths, uncertainty = [], [], 0.0
         for place, touch in pixels:
             pixel = (place.row - 1) * columns + place.column - 1
@@ -152,7 +152,7 @@ class TrainedModel(Model):
         """Raises InputError for coupled touches if one is by force, as its depth depends on the
         others."""
         by_force = any(not isinstance(touch.by, Depth) for touch in press.indented)
-        if by_force and self._by_depth.reduced.family.coupled(cells):
+        if by_force and self._by_depth.reduced.family.rises.coupled(cells):
             raise InputError(
                 f"press {press}: a touch of given force is too near to another for the model"
             )

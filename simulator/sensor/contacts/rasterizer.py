@@ -15,7 +15,7 @@ from ...compiled import compiled
 from ...mesh.pixel_coverage import with_fingers_at
 from ...models.mechanics.deformation import check_plane
 from ...models.mechanics.foam_law import FoamTables, foam_tables, rise_at, strain_under
-from ...models.reduced.indentation.indentation_draws import spreads
+from ...models.reduced.touches import spreads
 from ...press.batch import NOTHING, PressBatch
 from ...press.cell_kernel import FAINT, axis_shares
 from ...press.finger import finger_over

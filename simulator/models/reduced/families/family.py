@@ -8,16 +8,18 @@ parts of the foam: each pixel, and the foam beyond all pixels.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from copy import copy
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix
 
-from ....arrays import Complex, Real
+from ....arrays import Complex, Integer, Real
+from ....fem.assembly import DROPPED
 from ....fem.circuit import Circuit
 from ....fem.error_estimate import Swept
 from ....fem.factors import LowRankMass, Mass, without_zeros
@@ -27,7 +29,7 @@ from ....fem.system import Films, System
 from ....fem.terminals import Excitation, impedance_with_error
 from ....mesh.domain import Domain
 from ....mesh.quadrilaterals import Resolution
-from ....press.parts import parts_of
+from ....press.parts import Parts, parts_of
 from ....scene.contacts import Contact
 from ....scene.frequency import Loss
 from ....scene.parts import Skin
@@ -35,12 +37,17 @@ from ....sweeps import InputError
 from ...heterogeneous.materials import gauged, gauges
 from ...parameters import HALF_WAVES, Variation, foam_parts, nominal
 from ..cases import Case
-from .masses import Masses
+from ..touches import FACTORS, Touches
+
+if TYPE_CHECKING:
+    from ..depth_touches import MeshRises
 
 Weights = Real | None
 """Weights of the terms of K, see `weights_of`; None for the scene's own skin."""
 Checking = tuple[Galerkin, Callable[[NDArray], Mass]]
 """Space, and M in F in the pattern of its system, see `Family.mass`."""
+Part = tuple[Integer, Real]
+"""Slots in a system's pattern, and values of M there in F."""
 
 
 @dataclass(frozen=True)
@@ -59,11 +66,22 @@ Mesh = Resolution | Triangulation
 
 
 class Family(ABC):
-    """One mesh, the space of the scene's own skin, and the terms of K and M of every skin."""
+    """One mesh, the space of the scene's own skin, and the terms of K and M of every skin.
 
-    def __init__(self, skin: Skin, circuit: Circuit, mesh: Mesh, modes: int) -> None:
-        """modes: number of modes of each sheet's conductance, see `parameters.HALF_WAVES`."""
+    rises: rises of c by touches that spread, if there are such.
+    """
+
+    rises: MeshRises
+
+    def __init__(
+        self, skin: Skin, circuit: Circuit, mesh: Mesh, modes: int, touches: Touches = FACTORS
+    ) -> None:
+        """modes: number of modes of each sheet's conductance, see `parameters.HALF_WAVES`.
+
+        touches: how touches change M.
+        """
         self.skin, self.circuit, self.mesh, self.modes = skin, circuit, mesh, modes
+        self.touches, self.parts = touches, parts_of(skin)
         self.system, self.order = self._built()
         self.space = Galerkin(self.system, circuit, self.order)
 
@@ -71,27 +89,39 @@ class Family(ABC):
     def _built(self) -> tuple[System, int]:
         """The system of the scene's own skin, and the order of the space, see `Galerkin`."""
 
-    @cached_property
     @abstractmethod
+    def _sheet_terms(self, field: int) -> Iterable[csc_matrix]:
+        """`sheet_terms` of one field."""
+
+    @abstractmethod
+    def _film_term(self, contact: Contact) -> Films:
+        """Term that a contact resistance adds to the films."""
+
+    @abstractmethod
+    def _masses_of_parts(self, mode: int) -> Iterable[Part]:
+        """M of each part, see `masses_in`."""
+
+    @cached_property
     def sheet_terms(self) -> list[csc_matrix]:
         """K in S of each field's sheet in each mode, in the system's pattern.
 
         If presses change the sheets, each part of the foam has terms of its own.
         """
+        return [term for field in range(self.circuit.fields) for term in self._sheet_terms(field)]
 
     @cached_property
-    @abstractmethod
     def film_terms(self) -> list[Films]:
         """Term that each contact resistance adds to the films."""
+        return [self._film_term(contact) for contact in resistive(self.circuit)]
 
     @cached_property
-    @abstractmethod
     def masses(self) -> Masses:
-        """M of each unpressed part of the foam."""
+        """M of each unpressed part."""
+        return self.masses_in(0)
 
-    @abstractmethod
     def masses_in(self, mode: int) -> Masses:
         """M of each part if c of its foam follows one of HALF_WAVES; the first gives `masses`."""
+        return Masses(self.system, self.order, self._masses_of_parts(mode))
 
     @cached_property
     def foam_modes(self) -> list[Masses]:
@@ -123,11 +153,11 @@ class Family(ABC):
     ) -> tuple[Complex, float]:
         """Z in ohm at frequencies in Hz, shape (interface, frequency), and its estimated error.
 
-        factors: c over the scene's unpressed c, shape (part,). The error is the largest relative
-        one of Rs and Cp, estimated by elements of one order more, see `impedance_with_error`.
+        factors: see `amounts`. The error is the largest relative one of Rs and Cp, estimated by
+        elements of one order more, see `impedance_with_error`.
         """
         spaces = (self.space_of(weights), self.mass), self.finer(weights)
-        in_air = np.flatnonzero(parts_of(self.skin).in_air)
+        in_air = np.flatnonzero(self.parts.in_air)
 
         def with_air(factor: complex) -> NDArray:
             found = factors.astype(type(factor))
@@ -164,27 +194,41 @@ class Family(ABC):
         sheets.data = of_sheets @ values
         return self.space.currents(u, sheets, self._films(of_films))
 
-    def foam_of(self, case: Case) -> Real:
-        """Factors of a case's foam, as `mass` takes them."""
-        return case.map_on(self.skin)
+    def amounts(self, case: Case) -> Real:
+        """Amount of each part in a case over the scene's own, see `Touches.amounts`."""
+        unpressed = 1.0 if case.variation is None else case.variation.factors(self.skin)
+        return self.touches.amounts(self.parts, unpressed, case.cells, case.rises)
 
     @property
     def far(self) -> Real | None:
         """Low-rank factor of M by solved surroundings, see `LowRankMass`; None without these."""
         return None
 
-    def mass(self, factors: NDArray) -> Mass:
-        """M in F, in the system's pattern. factors: amount of each part, shape (part,)."""
-        return _with_far(self.masses.mass(factors), self.far, factors)
+    def mass(self, amounts: NDArray) -> Mass:
+        """M in F, in the system's pattern. amounts: see `Touches.amounts`."""
+        near = self.masses.mass(amounts[: self.parts.count])
+        added = self.touches.added(self, amounts)
+        if added is not None:
+            near = self.system.pattern.matrix(near.data + added.data)
+        return self._with_far(near, self.far, amounts)
 
-    def mass_inside(self, factors: Real) -> Mass:
-        """M in F of the space alone. factors: see `mass`."""
-        near = self.space.matrix(self._masses_inside @ factors)
-        return _with_far(near, self.far_inside, factors)
+    def mass_inside(self, amounts: Real) -> Mass:
+        """M in F of the space alone. amounts: see `mass`."""
+        if self.touches.spread:
+            return self.space.restricted(self.mass(amounts))
+        near = self.space.matrix(self._masses_inside @ amounts)
+        return self._with_far(near, self.far_inside, amounts)
 
-    def applied_inside(self, factors: Real) -> csc_matrix | None:
-        """What applicators add to `mass_inside`, F; None without any. factors: see `mass`."""
-        return None
+    def added_inside(self, amounts: Real) -> csc_matrix | None:
+        """What touches add to the parts in `mass_inside`, F; None for nothing."""
+        added = self.touches.added(self, amounts)
+        return None if added is None else self.space.restricted(added)
+
+    def _with_far(self, near: csc_matrix, far: Real | None, amounts: NDArray) -> Mass:
+        """M with the charges by solved surroundings, which are the last part."""
+        return (
+            near if far is None else LowRankMass(near, amounts[self.parts.count - 1] ** 0.5 * far)
+        )
 
     @cached_property
     def far_inside(self) -> Real | None:
@@ -218,11 +262,6 @@ class Family(ABC):
     @cached_property
     def _sheet_values(self) -> Real:
         return np.stack([term.data for term in self.sheet_terms]).astype(np.float64)
-
-
-def _with_far(near: csc_matrix, far: Real | None, factors: NDArray) -> Mass:
-    """M with the charges by solved surroundings, whose factor is the last."""
-    return near if far is None else LowRankMass(near, factors[-1] ** 0.5 * far)
 
 
 def weights_under(
@@ -285,3 +324,148 @@ def _conductances(variation: Variation, skin: Skin, circuit: Circuit) -> list[Re
 def resistive(circuit: Circuit) -> list[Contact]:
     """Contacts that have a film."""
     return [contact for contact in circuit.contacts if not contact.ideal]
+
+
+ROUNDING = 1e-14
+
+
+def taken(values: Real, slots: Integer) -> Part:
+    """Values that were added at slots; they are reset to 0."""
+    own = np.unique(slots)
+    own = own[own != DROPPED]
+    added = values[own]
+    values[own] = 0.0
+    return own, added
+
+
+class Masses:
+    """M of each unpressed part, in a system's pattern and for the unknowns of a space."""
+
+    def __init__(self, system: System, order: int, parts: Iterable[Part]) -> None:
+        """order: order of the space, see `Galerkin`."""
+        self._system, self._order = system, order
+        slots, values = map(list, zip(*parts, strict=True))
+        self._values = csc_matrix(
+            (
+                np.concatenate(values),
+                np.concatenate(slots),
+                np.cumsum([0, *(len(each) for each in slots)]),
+            ),
+            shape=(len(system.pattern.indices), len(slots)),
+        )
+        self._by_slot = self._values.tocsr()
+
+    def mass(self, factors: NDArray) -> csc_matrix:
+        """M in F, in the system's pattern. factors: amount of each part, shape (part,)."""
+        return self._system.pattern.matrix(self._by_slot @ factors)
+
+    def at(self, entries: Integer | slice) -> csr_matrix:
+        """Values of M at some entries of the system's pattern, F, shape (entry, part)."""
+        return self._by_slot[entries]
+
+    def factors(self, W: Real, size: Real, share: float, parts: Parts) -> Real:
+        """F of each part that a press may change, W'MW = F'F in F, shape (part, rank, k).
+
+        W: V, shape (inner + terminals of the space, k). size, share: see `compressed_factors`.
+        """
+        touched = self._parts[: parts.touched]
+        return compressed_factors([part.factor(W) for part in touched], size, share, parts)
+
+    def energies(self, W: Real, which: slice = slice(None)) -> Iterator[Real]:
+        """W'MW in F of some parts, shape (k, k); it may be indefinite. W: see `factors`."""
+        return (W[part.own].T @ (part.mass @ W[part.own]) for part in self._parts[which])
+
+    def plus(self, weights: Real, others: Sequence[Masses]) -> Masses:
+        """Sum of these and of others, each by its weight, in each part."""
+        found = copy(self)
+        found.__dict__.pop("_parts", None)
+        for weight, other in zip(weights, others, strict=True):
+            found._values = csc_matrix(found._values + weight * other._values)
+        found._by_slot = found._values.tocsr()
+        return found
+
+    @cached_property
+    def _parts(self) -> list[_Part]:
+        system, values = self._system, self._values
+        terminals = system.pattern.size - system.unknowns.inner
+        kept = np.append(system.unknowns.degree <= self._order, np.ones(terminals, dtype=bool))
+        number = np.where(kept, np.cumsum(kept) - 1, DROPPED)
+        rows = number[system.pattern.indices]
+        columns = number[np.repeat(np.arange(system.pattern.size), np.diff(system.pattern.indptr))]
+        ends = values.indptr
+        slots = [values.indices[a:b] for a, b in zip(ends[:-1], ends[1:], strict=True)]
+        entries = [
+            np.asarray(values.data[a:b], dtype=np.float64)
+            for a, b in zip(ends[:-1], ends[1:], strict=True)
+        ]
+        return [
+            _part(rows[each], columns[each], value)
+            for each, value in zip(slots, entries, strict=True)
+        ]
+
+
+def compressed_factors(
+    factors: Sequence[Real] | Real, size: Real, share: float, parts: Parts
+) -> Real:
+    """Factors of as few rows as a share of their energy allows, padded with zeros.
+
+    size: of the potentials in each column, V; it scales energies. share: directions with less than
+    this share of a factor's largest energy are left out. For the field across a part of the foam,
+    and for walls, that is at least the largest energy of the parts of the foam that they belong to.
+    """
+    each = [_energies(F * size) for F in factors]
+    most = np.array([power.max(initial=0.0) for power, _ in each])
+    foam, _, across, walls = parts.kind
+    if parts.thickness:
+        most[across] = np.maximum(most[across], most[foam])
+    if parts.walls.count:
+        most[walls] = np.maximum(most[walls], most[parts.walls.pairs].max(axis=1))
+    found = [
+        turn[:, power > share * own].T @ F
+        for F, (power, turn), own in zip(factors, each, most, strict=True)
+    ]
+    rank = max(len(F) for F in found)
+    return np.stack([np.pad(F, ((0, rank - len(F)), (0, 0))) for F in found])
+
+
+def _energies(F: Real) -> tuple[Real, Real]:
+    """Energies of a factor's own directions, and these directions."""
+    power, turn = np.linalg.eigh(F @ F.T)
+    return power, turn
+
+
+@dataclass(frozen=True)
+class _Part:
+    """M of one part.
+
+    own: unknowns of the space that the part has. mass: M of those in F, shape (own, own).
+    """
+
+    own: Integer
+    mass: csc_matrix
+
+    def factor(self, W: Real) -> Real:
+        """F with W'MW = F'F, of no more rows than columns."""
+        W = W[self.own]
+        if len(W) <= W.shape[1]:
+            return self._root @ W
+        return _root(W.T @ (self.mass @ W))
+
+    @cached_property
+    def _root(self) -> Real:
+        return _root(self.mass.toarray())
+
+
+def _part(rows: Integer, columns: Integer, values: Real) -> _Part:
+    """Part from values at rows and columns of a space, which are DROPPED outside it."""
+    kept = (rows != DROPPED) & (columns != DROPPED)
+    own, place = np.unique(np.stack([rows[kept], columns[kept]]), return_inverse=True)
+    mass = csc_matrix((values[kept], tuple(place.reshape(2, -1))), shape=(len(own), len(own)))
+    return _Part(own.astype(np.int64), mass)
+
+
+def _root(M: Real) -> Real:
+    """F with M = F'F to rounding, of as few rows as that needs; none for a part without skin."""
+    power, turn = np.linalg.eigh(M)
+    kept = power > ROUNDING * power.max(initial=0.0)
+    return np.sqrt(power[kept])[:, None] * turn[:, kept].T

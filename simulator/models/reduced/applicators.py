@@ -14,21 +14,21 @@ from functools import cached_property
 
 import numpy as np
 
-from ....arrays import Integer, Mask, Real
-from ....chebyshev import barycentric, extrema
-from ....mesh.domain import Domain
-from ....press.pixels import pixels_with_skin
-from ....press.press import Press
-from ....press.touch import Depth, Indentation, Touch
-from ....scene.foam_mechanics import Elastic, Mechanics
-from ....scene.parts import Skin
-from ....sweeps import ToleranceError
-from ...heterogeneous.elements import Elements
-from ...mechanics.adaptive import NEAREST, adaptive_deflection, deflection_uncertainty, lagrange
-from ...mechanics.contact import ApplicatorLoads, equilibrium
-from ...mechanics.contact_mesh import straight_contact_mesh
-from ...mechanics.membrane import ELEMENT, MembraneSurface
-from .indentation_draws import deepest
+from ...arrays import Integer, Mask, Real
+from ...chebyshev import barycentric, extrema
+from ...mesh.domain import Domain
+from ...press.pixels import pixels_with_skin
+from ...press.press import Press
+from ...press.touch import Depth, Indentation, Touch
+from ...scene.foam_mechanics import Elastic, Mechanics
+from ...scene.parts import Skin
+from ...sweeps import ToleranceError
+from ..heterogeneous.elements import Elements
+from ..mechanics.adaptive import NEAREST, adaptive_deflection, deflection_uncertainty, lagrange
+from ..mechanics.contact import ApplicatorLoads, equilibrium
+from ..mechanics.contact_mesh import straight_contact_mesh
+from ..mechanics.membrane import ELEMENT, MembraneSurface
+from .touches import deepest
 
 COUNTS = (9, 13, 17, 33)
 CLAMPED, STEP = 1e-9, 1e-4
@@ -220,6 +220,11 @@ class PixelApplicators:
     def deepest(self) -> float:
         """Largest depth, m."""
         return deepest(self.skin)
+
+    @property
+    def pressable(self) -> Integer:
+        """Pixels with skin."""
+        return np.flatnonzero(self.of_pixel >= 0)
 
     def depth(self, rises: Real) -> Real:
         """Depth in m at which the factor under an applicator is 1 + rises."""

@@ -1,1 +1,0 @@
-"""Reduced models of skins whose pixels are pressed by depth or force."""
