@@ -24,7 +24,8 @@ from rcskin.benchmarks.bench import Run, launch, publish
 from rcskin.simulator.bounds.bayes import CommonDraws
 from rcskin.simulator.bounds.likelihood import Likelihood
 from rcskin.simulator.chart_style import COLOURS, chart
-from rcskin.simulator.design.skin_readout import Material
+from rcskin.simulator.design.goals import PressedPixels
+from rcskin.simulator.design.layout import Material
 from rcskin.simulator.design.trained_skins import TrainedSkins
 from rcskin.simulator.scene.contacts import Interface
 from rcskin.simulator.scene.design_goals import Design
@@ -103,7 +104,8 @@ def bounds(pixels: int, wires: int, draws: int) -> Iterator[dict[str, object]]:
     scene = skin(pixels, wires)
     own = float(scene.frequencies[0]), float(scene.frequencies[-1])
     asked = Design(sheet_resistance=(min(SHEETS), max(SHEETS)), sheet_ratio=1.0, casts=1)
-    trained = TrainedSkins(scene.parts, asked, own, SEED)
+    goal = PressedPixels(scene.parts, asked, draws, SEED)
+    trained = TrainedSkins(scene.parts, asked, own, SEED, goal)
     judge = CommonDraws(scene.parts, "pixel", seed=SEED, draws=draws)
     meters = {error: erring(scene, error).parts.meter for error in ERRORS}
     for kind, sheet, error in cases():
@@ -111,6 +113,7 @@ def bounds(pixels: int, wires: int, draws: int) -> Iterator[dict[str, object]]:
         on = trained.readout(None, Material(sheet, sheet), read)
         frequency = scene.frequencies
         known = Likelihood(
+            on.parts.skin,
             partial(on.skin.sweeps, frequency=frequency),
             on.reading(frequency),
             meters[error],

@@ -269,16 +269,12 @@ class CommonDraws:
             COMMON_NODES,
         )
 
-    def score(self, known: Likelihood, taken: Mask | None = None) -> DrawScores:
-        """Scores for the likelihood of one skin.
-
-        taken: True for readings that are used, shape (interface, frequency); None: all of them.
-        """
-        errors = known.errors if taken is None else known.among(taken)
-        nodes = errors.whitened(known.observed(self._draws.batch(self._among, self._skin)))
+    def score(self, known: Likelihood) -> DrawScores:
+        """Scores for the likelihood of one skin."""
+        nodes = known.whitened(self._draws.batch(self._among, self._skin))
         return self._draws.score(
             nodes.reshape(len(self._among), -1, nodes.shape[-1]),
-            self._errors(known.setup.names, errors.values),
+            self._errors(known.setup.names, known.errors.values),
         )
 
     def _errors(self, interfaces: Sequence[str], values: Mask) -> Real:

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Integer, Mask, Real
+from .merits import Candidates
 
 Score = Callable[[Integer], Real]
 """Function from choices, shape (choice, n), to the minimized score, shape (choice,)."""
@@ -71,17 +72,17 @@ def best_choice(
 
 
 def best_selection(
-    score: Score, slope: Slope, candidates: int, n: int, starts: Sequence[Sequence[int]] = ()
+    candidates: Candidates, n: int, starts: Sequence[Sequence[int]] = ()
 ) -> Selection:
     """The best n of the candidates, or all where there are no more; see `best_choice`."""
-    if n >= candidates:
-        everything = np.arange(candidates)
-        share = slope(np.ones(candidates))[0]
-        return Selection(tuple(everything.tolist()), share, share, True)
-    best = best_choice(score, candidates, n, starts)
-    share = slope(_weights(best, candidates))[0]
-    every = math.comb(candidates, n) <= MAX_EXHAUSTIVE
-    most = share if every else selection_bound(slope, best, candidates)
+    count, slope = candidates.count, candidates.slope
+    if n >= count:
+        share = slope(np.ones(count))[0]
+        return Selection(tuple(range(count)), share, share, True)
+    best = best_choice(candidates.score, count, n, starts)
+    share = slope(_weights(best, count))[0]
+    every = math.comb(count, n) <= MAX_EXHAUSTIVE
+    most = share if every else selection_bound(slope, best, count)
     return Selection(tuple(best.tolist()), share, max(share, most), every)
 
 

@@ -1,25 +1,15 @@
-"""Fisher information of sweeps, with the meter's errors and an uncertain skin as unknowns."""
+"""Fisher information, with unknowns marginalized, and its sum over chosen candidates."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from ..arrays import Complex, Integer, Real
-from ..measure.readout import ErrorModel, Unpressed, errors_of, observed_slope
-from ..scene.parts import Meter, Setup, Skin
+from ..arrays import Integer, Real
 
 RIDGE = 1e-12
 """Added to the information, scaled to a unit diagonal; smaller information counts as none."""
-
-
-def summed(slopes: Real) -> Real:
-    """Information of each frequency, shape (case, frequency, p, p).
-
-    slopes: over the meter's noise, shape (case, interface, frequency, 2, p).
-    """
-    return np.einsum("cifqa,cifqb->cfab", slopes, slopes, optimize=True)
 
 
 def covariances(information: Real, wanted: int) -> Real:
@@ -55,14 +45,13 @@ def lower_triangle(found: Real) -> LowerTriangle:
     return {(a, b): found[..., a, b] for a in range(found.shape[-1]) for b in range(a + 1)}
 
 
-def remaining(found: LowerTriangle, known: Sequence[float], kept: int) -> LowerTriangle:
+def remaining(found: LowerTriangle, kept: int) -> LowerTriangle:
     """Information on the first `kept` unknowns, with the others marginalized.
 
-    Eliminates the others one by one (Schur complements), for all cases at once. known: prior
-    information on each unknown.
+    Eliminates the others one by one (Schur complements), for all cases at once. found: with priors.
     """
-    left = {(a, b): entry + known[a] if a == b else entry for (a, b), entry in found.items()}
-    for last in range(len(known) - 1, kept - 1, -1):
+    left = dict(found)
+    for last in range(max(found)[0], kept - 1, -1):
         for a in range(last):
             share = left[last, a] / left[last, last]
             for b in range(a + 1):
@@ -70,112 +59,84 @@ def remaining(found: LowerTriangle, known: Sequence[float], kept: int) -> LowerT
     return {place: left[place] for place in left if place[0] < kept}
 
 
-def variances(found: LowerTriangle, known: Sequence[float], wanted: int) -> Real:
-    """Diagonals of `covariances` with this prior, fast for many; wanted: 1 or 2."""
-    diagonal = [found[a, a] + known[a] for a in range(len(known))]
+def variances(found: LowerTriangle, wanted: int) -> Real:
+    """Diagonals of `covariances`, fast for many; wanted: 1 or 2."""
+    diagonal = [found[a, a] for a in range(max(found)[0] + 1)]
     scaled = [np.where(each > 0, (1 + RIDGE) * each, 1.0) for each in diagonal]
-    left = remaining(
-        {(a, b): scaled[a] if a == b else entry for (a, b), entry in found.items()},
-        np.zeros(len(known)).tolist(),
-        wanted,
-    )
-    if wanted == 1:
-        each = [1 / left[0, 0]]
-    else:
-        size = left[0, 0] * left[1, 1] - left[1, 0] ** 2
-        each = [left[1, 1] / size, left[0, 0] / size]
+    whole = {(a, b): scaled[a] if a == b else entry for (a, b), entry in found.items()}
+    left = remaining(whole, wanted)
+    own = [np.maximum(left[a, a], RIDGE * scaled[a]) for a in range(wanted)]
+    each = [1 / own[0]]
+    if wanted == 2:
+        size = np.maximum(own[0] * own[1] - left[1, 0] ** 2, RIDGE * own[0] * own[1])
+        each = [own[1] / size, own[0] / size]
     none = np.stack(diagonal[:wanted], axis=-1) <= 0
     return np.where(none, np.inf, np.stack(each, axis=-1))
 
 
 class SummedInformation:
-    """Candidates whose information adds up, shape (case, candidate, p, p), symmetric."""
+    """Candidates whose information adds up, but for what errors hide that they share."""
 
-    def __init__(self, information: Real) -> None:
-        cases, self._candidates, p, _ = information.shape
-        self._shape = -1, cases
-        self._lower = np.tril_indices(p)
-        self._place = np.empty((p, p), dtype=np.int64)
-        """Index of each entry of a matrix in its lower triangle, shape (p, p)."""
-        self._place[self._lower] = self._place.T[self._lower] = range(len(self._lower[0]))
-        entries = information.transpose(2, 3, 1, 0)[self._lower]
-        self._entries = np.ascontiguousarray(entries.swapaxes(0, 1)).reshape(self._candidates, -1)
-        """Entries of the lower triangles of all cases, shape (candidate, entry * case)."""
+    def __init__(self, information: Real, prior: Real, shared: Real | None = None) -> None:
+        """information: of each without shared errors, symmetric, shape (case, candidate, p, p).
+
+        prior: 1/deviation² of each unknown, which counts once, shape (p,). shared: products of each
+        shared error with the p unknowns, then with itself, shape (case, candidate, error, p + 1);
+        the deviation of an error is 1. None without shared errors.
+        """
+        cases, self.candidates, p, _ = information.shape
+        self._lower, self._prior = np.tril_indices(p), prior.tolist()
+        parts = [information.transpose(2, 3, 1, 0)[self._lower].swapaxes(0, 1)]
+        if shared is not None:
+            parts.append(shared.transpose(1, 2, 3, 0).reshape(self.candidates, -1, cases))
+        self._shape = -1, sum(part.shape[1] for part in parts), cases
+        entries = np.ascontiguousarray(np.concatenate(parts, axis=1))
+        self._entries = entries.reshape(self.candidates, -1)
+        """Lower triangles, then products with errors, shape (candidate, entry * case)."""
 
     def of(self, choices: Integer) -> Iterator[LowerTriangle]:
         """Information of choices, shape (choice, n), some at a time: entries (choice, case)."""
-        rows, columns = (each.tolist() for each in self._lower)
         step = max(1, NUMBERS_AT_ONCE // max(self._entries.shape[1], 1))
         for part in (choices[k : k + step] for k in range(0, len(choices), step)):
-            times = np.zeros((len(part), self._candidates))
+            times = np.zeros((len(part), self.candidates))
             np.add.at(times, (np.arange(len(part))[:, None], part), 1.0)
-            found = (times @ self._entries).reshape(len(part), *self._shape)
-            yield dict(zip(zip(rows, columns, strict=True), found.swapaxes(0, 1), strict=True))
+            yield self._left(*self._sums(times))
 
     def at(self, weights: Real) -> Real:
         """Information at weights of the candidates, shape (case, p, p)."""
-        return np.moveaxis((weights @ self._entries).reshape(self._shape)[self._place], -1, 0)
+        left, p = self._left(*self._sums(weights[None])), range(self._lower[0][-1] + 1)
+        each = [[left[max(a, b), min(a, b)][0] for b in p] for a in p]
+        return np.moveaxis(np.array(each), -1, 0)
 
-    def slope(self, by: Real) -> Real:
+    def slope(self, weights: Real, by: Real) -> Real:
         """Derivatives by the weights from those by the information, (case, p, p)."""
         rows, columns = self._lower
         both = np.where(rows == columns, 1.0, 2.0)[:, None]
-        return self._entries @ (both * by.transpose(1, 2, 0)[self._lower]).ravel()
+        of_lower = both * by.transpose(1, 2, 0)[self._lower]
+        product, size = (each[0] for each in self._sums(weights[None])[1:])
+        mean = product / (1 + size)
+        of_product = -2 * np.einsum("kab,ebk->eak", by, mean)
+        of_size = -(of_product * mean).sum(axis=1, keepdims=True) / 2
+        hidden = np.concatenate([of_product, of_size], axis=1).reshape(-1, len(by))
+        return self._entries @ np.concatenate([of_lower, hidden]).ravel()
 
+    def _sums(self, weights: Real) -> tuple[Real, Real, Real]:
+        """Sums at weights (choice, candidate) over the candidates.
 
-def error_model(
-    setup: Setup,
-    meter: Meter,
-    frequency: Real,
-    against_rest: int = 0,
-    unpressed: Unpressed | None = None,
-) -> ErrorModel:
-    """Error model of a sweep of a scene with all interfaces at all frequencies, Hz.
+        Of the lower triangles (choice, entry, case), of the products of errors with the unknowns
+        (choice, error, p, case), and of those with themselves (choice, error, 1, case).
+        """
+        found = (weights @ self._entries).reshape(len(weights), *self._shape[1:])
+        count, p = len(self._lower[0]), self._lower[0][-1] + 1
+        errors = (found.shape[1] - count) // (p + 1)
+        shared = found[:, count:].reshape(len(found), errors, p + 1, found.shape[-1])
+        return found[:, :count], shared[:, :, :p], shared[:, :, p:]
 
-    It is evaluated at the reading of the unpressed skin, see `errors_of`. Raises InputError for a
-    meter without noise.
-    """
-    every = tuple(each.model_copy(update={"frequencies": None}) for each in setup.interfaces)
-    reading = Setup(every, frequency, setup.leads)
-    return errors_of(reading, meter, against_rest, unpressed=unpressed)
-
-
-def in_noise(Z: Complex, slopes: Sequence[Complex], model: ErrorModel) -> Real:
-    """Slopes of ln |Z| and phase over the noise, shape (interface, frequency, 2, slope).
-
-    They are 0 where nothing is read.
-    """
-    shape = 2, *model.read.shape
-    columns = [observed_slope(Z, dZ).reshape(shape) / _deviation(model) for dZ in slopes]
-    return np.moveaxis(np.stack(columns, axis=-1), 0, 2)
-
-
-def session_errors(model: ErrorModel) -> tuple[Real, Real]:
-    """Slopes by gain and phase error of each interface, (interface, frequency, 2, unknown).
-
-    An unknown is the error at the reading where it is largest. Also returns 1/deviation² of each
-    unknown. There are none where these errors cancel.
-    """
-    largest = model.accuracy.max(axis=(1, 2))
-    quantities = np.flatnonzero(largest > 0).tolist()
-    unknown = [(i, q) for i in range(len(model.read)) for q in quantities]
-    slopes = np.zeros((*model.read.shape, 2, len(unknown)))
-    deviation = _deviation(model)
-    for number, (i, q) in enumerate(unknown):
-        slopes[i, :, q, number] = model.accuracy[q, i] / largest[q] / deviation[q, i]
-    return slopes, np.array([largest[q] ** -2 for _, q in unknown])
-
-
-def _deviation(model: ErrorModel) -> Real:
-    """Standard deviation of each reading, infinite for none, shape (2, interface, frequency)."""
-    return np.where(model.values, model.noise, np.inf)
-
-
-def pixel_maps(skin: Skin, cells: int) -> dict[str, Real]:
-    """Map of each pixel on a grid with `cells` along each of its sides, (row, column) of cells."""
-    rows, columns = skin.pixels.rows, skin.pixels.columns
-    units = np.eye(rows * columns).reshape(-1, rows, columns)
-    return {
-        f"foam {k}": np.kron(unit, np.ones((cells, cells))).astype(np.float64)
-        for k, unit in enumerate(units)
-    }
+    def _left(self, lower: Real, product: Real, size: Real) -> LowerTriangle:
+        """Information that errors do not hide, with the prior, entries (choice, case)."""
+        mean = product / (1 + size)
+        left = dict[tuple[int, int], Real]()
+        for number, (a, b) in enumerate(zip(*(each.tolist() for each in self._lower), strict=True)):
+            hidden = (product[:, :, a] * mean[:, :, b]).sum(axis=1)
+            left[a, b] = lower[:, number] - hidden + self._prior[a] * (a == b)
+        return left

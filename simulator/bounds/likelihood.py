@@ -1,15 +1,30 @@
-"""Likelihood of presses by one sweep: what the meter observes of them, in units of its errors."""
+"""Likelihood of presses by one sweep: what the meter observes of them, in units of its errors.
+
+Near given presses it is linear in their unknowns. Errors of the meter's session enter linearly, and
+are marginalized in closed form.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from copy import copy
+from dataclasses import dataclass, replace
 from functools import cached_property
 
+import numpy as np
+
 from ..arrays import Complex, Mask, Real
-from ..measure.readout import ErrorModel, errors_of, observed, require_noise
+from ..measure.readout import (
+    ErrorModel,
+    Unpressed,
+    errors_of,
+    observed,
+    observed_slope,
+    require_noise,
+)
 from ..press.batch import NOTHING, PressBatch
-from ..scene.parts import Meter, Setup
+from ..scene.parts import Meter, Setup, Skin
+from .fisher_information import SummedInformation, covariances
 
 Solve = Callable[[PressBatch], Complex]
 """Function from presses to Z in ohm at the contacts, shape (press, interface, frequency)."""
@@ -22,13 +37,15 @@ class Likelihood:
     that distances of readings are defined. Errors of the session are marginalized.
     """
 
-    def __init__(self, solve: Solve, setup: Setup, meter: Meter, against_rest: int = 0) -> None:
+    def __init__(
+        self, skin: Skin, solve: Solve, setup: Setup, meter: Meter, against_rest: int = 0
+    ) -> None:
         """against_rest: number of averaged baseline sweeps that are subtracted, 0 for none.
 
         Raises InputError for a meter without noise.
         """
         require_noise(meter.readout)
-        self._solve, self.setup, self._meter = solve, setup, meter
+        self.skin, self._solve, self.setup, self._meter = skin, solve, setup, meter
         self._against_rest = against_rest
 
     @cached_property
@@ -37,9 +54,11 @@ class Likelihood:
         own = self.setup, self._meter, self._against_rest
         return errors_of(*own, unpressed=lambda: self.impedances(PressBatch.of([NOTHING]))[0])
 
-    def among(self, taken: Mask) -> ErrorModel:
-        """Errors of some of the readings, True in a mask of shape (interface, frequency)."""
-        return replace(self.errors, read=taken)
+    def some(self, taken: Mask) -> Likelihood:
+        """The likelihood by some of the readings, True in a mask (interface, frequency)."""
+        found = copy(self)
+        found.errors = replace(self.errors, read=taken)
+        return found
 
     def impedances(self, batch: PressBatch) -> Complex:
         """Readings in ohm or gains at the meter, shape (press, interface, frequency)."""
@@ -52,3 +71,159 @@ class Likelihood:
     def whitened(self, batch: PressBatch) -> Real:
         """Readings with independent errors of deviation 1, shape (press, number)."""
         return self.errors.whitened(self.observed(batch))
+
+
+def error_model(
+    setup: Setup,
+    meter: Meter,
+    frequency: Real,
+    against_rest: int = 0,
+    unpressed: Unpressed | None = None,
+) -> ErrorModel:
+    """Error model of a sweep of a scene with all interfaces at all frequencies, Hz.
+
+    It is evaluated at the reading of the unpressed skin, see `errors_of`. Raises InputError for a
+    meter without noise.
+    """
+    every = tuple(each.model_copy(update={"frequencies": None}) for each in setup.interfaces)
+    reading = Setup(every, frequency, setup.leads)
+    return errors_of(reading, meter, against_rest, unpressed=unpressed)
+
+
+def over_noise(numbers: Real, model: ErrorModel) -> Real:
+    """Observed values or slopes over the noise, shape (..., interface, frequency, 2).
+
+    numbers: of all readings, see `observed`, shape (..., 2 * readings). They are 0 where nothing is
+    read.
+    """
+    deviation = np.where(model.values, model.noise, np.inf)
+    found = numbers.reshape(*numbers.shape[:-1], *deviation.shape) / deviation
+    return np.moveaxis(found, -3, -1)
+
+
+def in_noise(Z: Complex, slopes: Sequence[Complex], model: ErrorModel) -> Real:
+    """Slopes of ln |Z| and phase over the noise, shape (interface, frequency, 2, slope)."""
+    each = np.stack([observed_slope(Z, dZ) for dZ in slopes])
+    return np.moveaxis(over_noise(each, model), 0, -1)
+
+
+def session_over_noise(model: ErrorModel) -> Real:
+    """Errors of the session over the noise, shape (1, interface, frequency, 2)."""
+    return over_noise(model.accuracy.reshape(1, -1), model)
+
+
+@dataclass(frozen=True)
+class LinearLikelihood:
+    """Readings of several cases, linear in the unknowns of each case, in units of the noise.
+
+    by: derivatives of ln |Z| and phase by the unknowns, 0 where nothing is read, shape (case,
+    interface, frequency, 2, unknown). session: errors of the session, of which each interface has
+    one of ln |Z| and one of phase, shape (case, interface, frequency, 2), or the same for all cases
+    (1, ...). prior: 1/deviation² of each unknown. weight: of each case, shape (case,).
+    """
+
+    by: Real
+    session: Real
+    prior: Real
+    weight: Real
+
+    @classmethod
+    def of_cases(
+        cls, by: Real, model: ErrorModel, prior: Real, weight: Real | None = None
+    ) -> LinearLikelihood:
+        """Cases by one error model. weight: the same for all cases by default, 1 in total."""
+        weight = np.full(len(by), 1 / max(1, len(by))) if weight is None else weight
+        return cls(by, session_over_noise(model), prior, weight)
+
+    def some(
+        self,
+        interfaces: Sequence[int] | None = None,
+        frequencies: Sequence[int] | None = None,
+        taken: Mask | None = None,
+    ) -> LinearLikelihood:
+        """The likelihood of some of the readings, by indices, or by a mask (`taken`) of those left.
+
+        taken: shape (interface, frequency).
+        """
+        by, session = (
+            _some(_some(each, interfaces, 1), frequencies, 2) for each in (self.by, self.session)
+        )
+        if taken is not None:
+            by, session = by * taken[:, :, None, None], session * taken[:, :, None]
+        return replace(self, by=by, session=session)
+
+    def cases(self, chosen: Mask | slice) -> LinearLikelihood:
+        """The likelihood of some of the cases."""
+        session = self.session if len(self.session) == 1 else self.session[chosen]
+        return replace(self, by=self.by[chosen], session=session, weight=self.weight[chosen])
+
+    @property
+    def information(self) -> Real:
+        """Information of the readings without priors, shape (case, p, p)."""
+        x = self._whitened
+        return np.einsum("cifqa,cifqb->cab", x, x, optimize=True)
+
+    def covariances(self, wanted: int) -> Real:
+        """Cramér and Rao's bound on the covariance of the first `wanted` unknowns.
+
+        Infinite for an unknown without any information; shape (case, wanted, wanted).
+        """
+        return covariances(self.information + np.diag(self.prior), wanted)
+
+    def by_interface(self) -> SummedInformation:
+        """Interfaces as candidates, each at all frequencies."""
+        x = self._whitened
+        information = np.einsum("cifqa,cifqb->ciab", x, x, optimize=True)
+        return SummedInformation(information, self.prior)
+
+    def by_frequency(self) -> SummedInformation:
+        """Frequencies as candidates, each for all interfaces."""
+        x = self.by
+        information = np.einsum("cifqa,cifqb->cfab", x, x, optimize=True)
+        if not self.session.any():
+            return SummedInformation(information, self.prior)
+        error = self.session[..., None]
+        own = np.broadcast_to(error, (len(x), *error.shape[1:]))
+        shared = np.concatenate([error * x, error * own], axis=-1).transpose(0, 2, 1, 3, 4)
+        shared = shared.reshape(*shared.shape[:2], -1, shared.shape[-1])
+        there = shared[..., -1].any(axis=(0, 1))
+        return SummedInformation(information, self.prior, shared[:, :, there])
+
+    def by_reading(self) -> SummedInformation:
+        """Frequencies of single interfaces as candidates, ordered by interface.
+
+        Errors of the session are left out; with a baseline there are none.
+        """
+        x = self.by
+        found = np.einsum("cifqa,cifqb->cifab", x, x, optimize=True)
+        return SummedInformation(found.reshape(len(x), -1, *found.shape[-2:]), self.prior)
+
+    @property
+    def _whitened(self) -> Real:
+        """`by`, transformed to independent errors of deviation 1; see `ErrorModel.whitened`."""
+        size = (self.session**2).sum(axis=2, keepdims=True)
+        if not size.any():
+            return self.by
+        share = (1 - 1 / np.sqrt(1 + size)) / np.where(size > 0, size, 1.0)
+        error = self.session[..., None]
+        return self.by - share[..., None] * error * (error * self.by).sum(axis=2, keepdims=True)
+
+
+def joined(parts: Sequence[LinearLikelihood]) -> LinearLikelihood:
+    """The cases of several skins by the same readings, each skin with the same weight."""
+    count = len(parts)
+    sessions = [np.broadcast_to(each.session, each.by.shape[:-1]) for each in parts]
+    common = all(np.array_equal(each.session, parts[0].session) for each in parts)
+    return LinearLikelihood(
+        np.concatenate([each.by for each in parts]),
+        parts[0].session if common else np.concatenate(sessions),
+        parts[0].prior,
+        np.concatenate([each.weight for each in parts]) / count,
+    )
+
+
+def _some(values: Real, which: Sequence[int] | None, axis: int) -> Real:
+    """Some entries along an axis; the (large) array itself where all are wanted in order."""
+    if which is None or [*which] == [*range(values.shape[axis])]:
+        return values
+    return np.take(values, which, axis)

@@ -25,14 +25,7 @@ from ..progress import ProgressCallback, silent, tracked
 from ..scene.parts import Pressing, Skin
 from ..sweeps import InputError
 from .fields import AnyFields, TouchSize
-from .fisher_information import (
-    covariances,
-    error_model,
-    in_noise,
-    pixel_maps,
-    session_errors,
-    summed,
-)
+from .likelihood import LinearLikelihood, error_model, in_noise
 from .touches.rasterization_errors import RasterizationErrors, rasterization_errors, sample_indices
 from .touches.touch_rasterizers import AreaRasterizer, DepthRasterizer, Point, rasterizer_for
 
@@ -45,7 +38,7 @@ class PositionBounds:
     """Smallest standard deviations of unbiased estimates, infinite where nothing is resolved.
 
     places: (x, y) in m, shape (place, 2). x, y: m; strength: over the unpressed capacitance; shape
-    (place,). correlation: of errors of x and y, shape (place,). room: see `Slopes`.
+    (place,). correlation: of errors of x and y, shape (place,). room: see `PlaceLikelihood`.
     """
 
     places: Real
@@ -70,18 +63,16 @@ class PositionBounds:
 
 
 @dataclass(frozen=True)
-class Slopes:
-    """Derivatives of all readings by the unknowns, over the meter's noise.
+class PlaceLikelihood:
+    """Readings of touches at positions, linear in the unknowns of a touch and of the skin.
 
-    places: m, shape (place, 2). by: shape (place, interface, frequency, 2, unknown), ESTIMATED
-    first, then a finger's capacitance. prior: 1/deviation² of each unknown, shape (unknown,).
-    frequency: Hz. room: range of the middle of a touch along x and y, m; a deviation above it
-    resolves nothing.
+    places: m, shape (place, 2). readings: ESTIMATED are the first unknowns, then a finger's
+    capacitance. frequency: Hz. room: range of the middle of a touch along x and y, m; a deviation
+    above it resolves nothing.
     """
 
     places: Real
-    by: Real
-    prior: Real
+    readings: LinearLikelihood
     frequency: Real
     room: tuple[float, float]
 
@@ -96,24 +87,8 @@ class Slopes:
         taken: True where an interface is read at a frequency, shape (interface, frequency); None:
         everywhere.
         """
-        chosen = slice(None) if frequencies is None else self.number(frequencies)
-        by = self.by if interfaces is None else self.by[:, list(interfaces)]
-        if taken is not None:
-            by = by[:, :, chosen] * taken[:, :, None, None]
-            return self.of_information(summed(by).sum(axis=1))
-        return self.of_information(summed(by)[:, chosen].sum(axis=1))
-
-    def some(self, step: int) -> Slopes:
-        """The slopes at every `step`-th position."""
-        return replace(self, places=self.places[::step], by=self.by[::step])
-
-    def number(self, frequencies: Real) -> Integer:
-        """Indices of these frequencies."""
-        return np.searchsorted(self.frequency, frequencies)
-
-    def of_information(self, information: Real) -> PositionBounds:
-        """Bounds from the information without priors, shape (place, unknown, unknown)."""
-        covariance = covariances(information + np.diag(self.prior), len(ESTIMATED))
+        numbers = None if frequencies is None else self.number(frequencies).tolist()
+        covariance = self.readings.some(interfaces, numbers, taken).covariances(len(ESTIMATED))
         spread = np.sqrt(np.diagonal(covariance, axis1=1, axis2=2))
         x, y = (np.where(spread[:, k] < self.room[k], spread[:, k], np.inf) for k in (0, 1))
         resolved = np.isfinite(x) & np.isfinite(y)
@@ -122,6 +97,15 @@ class Slopes:
         return PositionBounds(
             self.places, x, y, spread[:, 2], np.clip(correlation, -1.0, 1.0), self.room
         )
+
+    def some(self, step: int) -> PlaceLikelihood:
+        """The likelihood at every `step`-th position."""
+        every = slice(None, None, step)
+        return replace(self, places=self.places[every], readings=self.readings.cases(every))
+
+    def number(self, frequencies: Real) -> Integer:
+        """Indices of these frequencies."""
+        return np.searchsorted(self.frequency, frequencies)
 
 
 def chosen_touch(
@@ -175,7 +159,7 @@ def _on_skin(
     return [place for place, kept in zip(places, whole.tolist(), strict=True) if kept]
 
 
-def position_slopes(
+def place_likelihood(
     fields: AnyFields,
     places: Sequence[Point],
     touch: TouchSize,
@@ -186,8 +170,8 @@ def position_slopes(
     progress: ProgressCallback = silent,
     rasterizer: AreaRasterizer | DepthRasterizer | None = None,
     model: ErrorModel | None = None,
-) -> Slopes:
-    """Slopes at every position, for all interfaces at all frequencies, in Hz, ascending.
+) -> PlaceLikelihood:
+    """Likelihood at every position, for all interfaces at all frequencies, in Hz, ascending.
 
     against_rest: number of baseline sweeps that the sweep is compared with, 0 for none.
     unknown_skin: True if the skin is unknown too. rasterizer: of touches, by default
@@ -196,7 +180,6 @@ def position_slopes(
     """
     parts = fields.parts
     model = model or errors_in_fields(fields, frequency, against_rest)
-    errors, prior = session_errors(model)
     skin = SkinUnknowns(fields, frequency, model) if unknown_skin else None
     rasterizer = rasterizer or rasterizer_for(parts.skin, parts.plan.press, fields.grid, touch)
     cells = AreaRasterizer.of(parts.skin, fields.grid)
@@ -207,10 +190,11 @@ def position_slopes(
         of_foam = skin.maps(factors) if skin else None
         answer = fields.respond(factors, changes, frequency, of_foam)
         own = in_noise(answer.Z, [answer.by_parameter[name] for name in unknown], model)
-        found.append(np.concatenate([own, errors, *([skin.slopes(answer)] if skin else [])], -1))
-    prior = np.concatenate([np.zeros(len(unknown)), prior, *([skin.prior] if skin else [])])
+        found.append(np.concatenate([own, *([skin.slopes(answer)] if skin else [])], -1))
+    prior = np.concatenate([np.zeros(len(unknown)), *([skin.prior] if skin else [])])
     room = parts.skin.length - touch.width, parts.skin.width - touch.height
-    return Slopes(np.array(places), np.stack(found), prior, frequency, room)
+    readings = LinearLikelihood.of_cases(np.stack(found), model, prior)
+    return PlaceLikelihood(np.array(places), readings, frequency, room)
 
 
 def errors_in_fields(fields: AnyFields, frequency: Real, against_rest: int = 0) -> ErrorModel:
@@ -294,3 +278,13 @@ def _along(length: float, cells: int, size: float, max_places: int | None) -> li
             np.unique(np.linspace(0, fitting.size - 1, max_places).round().astype(int))
         ]
     return fitting.tolist()
+
+
+def pixel_maps(skin: Skin, cells: int) -> dict[str, Real]:
+    """Map of each pixel on a grid with `cells` along each of its sides, (row, column) of cells."""
+    rows, columns = skin.pixels.rows, skin.pixels.columns
+    units = np.eye(rows * columns).reshape(-1, rows, columns)
+    return {
+        f"foam {k}": np.kron(unit, np.ones((cells, cells))).astype(np.float64)
+        for k, unit in enumerate(units)
+    }

@@ -211,7 +211,7 @@ class TouchReadings(Likelihood):
         if size is not None:
             require_no_walls(parts.skin, "a limit of touches of a size")
         self.parts, self._size = parts.for_rods, size
-        super().__init__(self._solved, self.parts.setup, parts.meter, against_rest)
+        super().__init__(parts.skin, self._solved, self.parts.setup, parts.meter, against_rest)
         self._factors = (
             min(MIN_FACTOR, float(presses.low)),
             max(MAX_FACTOR, float(presses.high)),

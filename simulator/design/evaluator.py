@@ -9,17 +9,19 @@ import itertools
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
+from typing import Any
+
+import numpy as np
 
 from ..bounds.frequency_sets import candidates_in, own_band
 from ..progress import ProgressCallback
 from ..scene.design_goals import POSITION, Design
 from ..scene.parts import SceneParts
-from .picking import GRID, Picked, Picker, PixelPairs, PositionPairs
+from .goals import Goal, PressedPixels, TouchPositions
+from .layout import Layout, Material, material_of
+from .picking import GRID, Picked, Picker
 from .reading_pool import own_readings, pool, terminals, wirings
-from .scoring import AccuracyScorer, Layout, PositionScorer, merits
 from .search_journal import SearchJournal
-from .skin_readout import Material, material_of
-from .touch_positions import TouchPositions
 from .trained_skins import TrainedSkins
 
 
@@ -44,20 +46,15 @@ class SceneEvaluator:
         self.frequency = candidates_in(parts.setup, band, max(request.frequencies or GRID, GRID))
         spanned = min(own[0], band[0]), max(own[1], band[1])
         self.wired, self.pool = tuple(wired), pool(parts.skin, parts.setup, wired)
-        touches = TouchPositions(parts) if request.target == POSITION else None
-        self._trained = TrainedSkins(
-            parts, request, spanned, settings.seed, settings.progress, touches
-        )
-        if touches is None:
-            pair_source = PixelPairs(parts, request)
-            scorer = AccuracyScorer(parts, request, settings.draws, settings.seed)
+        self._goal: Goal
+        if request.target == POSITION:
+            self._goal = TouchPositions(parts, request.against_rest)
         else:
-            pair_source, scorer = (
-                PositionPairs(touches, request),
-                PositionScorer(touches, request.against_rest),
-            )
-        self._scorer: AccuracyScorer | PositionScorer = scorer
-        self._picker = Picker(self._trained, pair_source, self.pool, self.frequency, request)
+            self._goal = PressedPixels(parts, request, settings.draws, settings.seed)
+        self._trained = TrainedSkins(
+            parts, request, spanned, settings.seed, self._goal, settings.progress
+        )
+        self._picker = Picker(self._trained, self._goal, self.pool, self.frequency, request)
 
     @property
     def own(self) -> Layout:
@@ -82,56 +79,28 @@ class SceneEvaluator:
         self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
     ) -> float:
         """Result of the method of `Picker`, from the journal where it is there."""
-        request = {"share of": [list(readings), list(frequencies)], **self._at(material)}
-
-        def answer() -> dict[str, float]:
-            return {"share": self._picker.share_of(material, readings, frequencies)}
-
-        return self._settings.journal.answer(request, answer)["share"]
+        return self._stored("share_of", material, readings, frequencies)
 
     def readings_at(
         self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
     ) -> Picked:
         """Result of the method of `Picker`, from the journal where it is there."""
-        request = {"readings at": [list(readings), list(frequencies)], **self._at(material)}
-
-        def answer() -> dict[str, object]:
-            return asdict(self._picker.readings_at(material, readings, frequencies))
-
-        return Picked.of(self._settings.journal.answer(request, answer))
+        return Picked.of(self._stored("readings_at", material, readings, frequencies))
 
     def picked(
         self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
     ) -> Picked:
         """Result of the method of `Picker`, from the journal where it is there."""
-        request = {"picked from": [list(readings), list(frequencies)], **self._at(material)}
-
-        def answer() -> dict[str, object]:
-            return asdict(self._picker.picked(material, readings, frequencies))
-
-        found = self._settings.journal.answer(request, answer)
-        return Picked.of(found)
+        return Picked.of(self._stored("picked", material, readings, frequencies))
 
     def bound_with_own_frequencies(self, material: Material, picked: Picked) -> float | None:
         """Result of the method of `Picker`, from the journal where it is there."""
-        request = {"each": [list(picked.readings), list(picked.frequencies)], **self._at(material)}
-
-        def answer() -> dict[str, float | None]:
-            return {"most": self._picker.bound_with_own_frequencies(material, picked)}
-
-        return self._settings.journal.answer(request, answer)["most"]
+        numbers = picked.readings, picked.frequencies
+        return self._stored("bound_with_own_frequencies", material, *numbers)
 
     def with_own_frequencies(self, material: Material, picked: Picked) -> Layout:
         """The picked readings, each with own frequencies; see `Picker.own_frequencies`."""
-        request = {
-            "of each": [list(picked.readings), list(picked.frequencies)],
-            **self._at(material),
-        }
-
-        def answer() -> dict[str, list[list[int]]]:
-            return {"numbers": self._picker.own_frequencies(material, picked)}
-
-        numbers = self._settings.journal.answer(request, answer)["numbers"]
+        numbers = self._stored("own_frequencies", material, picked.readings, picked.frequencies)
         of_each = [tuple(float(self.frequency[k]) for k in own) for own in numbers]
         readings = [
             self.pool[k].model_copy(update={"frequencies": own})
@@ -141,7 +110,7 @@ class SceneEvaluator:
         return Layout(material, tuple(readings), tuple(sorted(set(itertools.chain(*of_each)))))
 
     def merits(self, layout: Layout) -> tuple[float, ...]:
-        """Merits of the nominal skin, then of each sample; see `scoring`."""
+        """Exact scores of the nominal skin, then of each sample; see `goals`."""
         read = [[list(each.high), list(each.low)] for each in layout.readings]
         request = {
             "shares": [read, list(layout.frequencies)],
@@ -150,10 +119,27 @@ class SceneEvaluator:
         }
 
         def answer() -> dict[str, list[float]]:
-            casts = self._settings.request.casts
-            return {"shares": merits(self._scorer, self._trained, layout, casts)}
+            casts = [self._trained.sample(k) for k in range(self._settings.request.casts)]
+            ons = (
+                self._trained.readout(cast, layout.material, layout.readings)
+                for cast in [None, *casts]
+            )
+            at = np.array(layout.frequencies)
+            return {"shares": [self._goal.score(on, at) for on in ons]}
 
         return tuple(self._settings.journal.answer(request, answer)["shares"])
+
+    def _stored(
+        self, method: str, material: Material, readings: Sequence[int], frequencies: Sequence[int]
+    ) -> Any:
+        """Result of a method of `Picker`, from the journal where it is there."""
+        query = {method: [list(readings), list(frequencies)], **self._at(material)}
+
+        def answer() -> dict[str, Any]:
+            found = getattr(self._picker, method)(material, readings, frequencies)
+            return {"answer": asdict(found) if isinstance(found, Picked) else found}
+
+        return self._settings.journal.answer(query, answer)["answer"]
 
     def _at(self, material: Material) -> dict[str, object]:
         return {"scene": self._text, "wired": self.wired, "material": asdict(material)}

@@ -4,34 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from ..arrays import Integer, Real
 from ..bounds.choice import Selection, best_selection, exchanged_by_slope, selection_bound
-from ..bounds.touch_readings import hypotheses
-from ..measure.readout import errors_of, require_noise
+from ..bounds.fisher_information import SummedInformation
+from ..bounds.likelihood import LinearLikelihood, joined
+from ..bounds.merits import Candidates
 from ..meters.reading_time import SETTLE, reading_time
 from ..scene.contacts import Interface
 from ..scene.design_goals import Design
 from ..scene.multisine import Multisine
-from ..scene.parts import Meter, SceneParts, Setup
+from ..scene.parts import Meter, Setup
 from ..sweeps import InputError
-from .merits import (
-    ACCURACY,
-    Merit,
-    Pairs,
-    SessionPrecision,
-    by_both,
-    by_frequency,
-    by_reading,
-    check_comparable,
-    pairs,
-)
-from .skin_readout import Material, SkinReadout, material_of
-from .touch_positions import TouchPositions
+from .goals import Goal
+from .layout import Material
 from .trained_skins import TrainedSkins
 
 GRID = 24
@@ -104,90 +93,34 @@ def budgets(
     return found
 
 
-class PairSource(Protocol):
-    """Function from one skin and frequencies in Hz to pairs, with their merit."""
-
-    merit: Merit
-
-    def __call__(self, on: SkinReadout, frequency: Real, /) -> Pairs:
-        """Pairs at all readings and frequencies."""
-        ...
-
-
-class PixelPairs:
-    """Pairs of hypotheses; see `pairs`."""
-
-    merit: Merit = ACCURACY
-
-    def __init__(self, parts: SceneParts, request: Design) -> None:
-        """Raises InputError for a meter without noise, and for too many pixels for the memory."""
-        check_comparable(parts.skin, request.target)
-        require_noise(parts.meter.readout)
-        self._among = hypotheses(parts.skin, parts.plan, request.target)
-        self._against_rest = request.against_rest
-
-    def __call__(self, on: SkinReadout, frequency: Real) -> Pairs:
-        """Pairs of one skin."""
-        return pairs(on, self._among, frequency, self._against_rest)
-
-
-class PositionPairs:
-    """Positions of touches as pairs; see `TouchPositions`."""
-
-    def __init__(self, touches: TouchPositions, request: Design) -> None:
-        self._touches, self._against_rest = touches, request.against_rest
-        self.merit: Merit = touches.merit
-
-    def __call__(self, on: SkinReadout, frequency: Real) -> Pairs:
-        """Positions of one skin."""
-        return self._touches.pairs(on, frequency, self._against_rest)
-
-
 class Picker:
     """Picks from a pool of readings and candidate frequencies in Hz, for samples of a skin."""
 
     def __init__(
         self,
         trained: TrainedSkins,
-        pair_source: PairSource,
+        goal: Goal,
         pool: Sequence[Interface],
         frequency: Real,
         request: Design,
     ) -> None:
-        """pair_source: of pixels or positions. Raises InputError for a meter without noise."""
+        """Raises InputError where the time is too short for one reading."""
         parts = trained.parts
-        self._trained, self._pair_source, self._pool = trained, pair_source, list(pool)
+        self._trained, self._goal, self._pool = trained, goal, list(pool)
         self.frequency = frequency
         self._budgets = budgets(
             parts.setup, parts.meter, request, float(frequency[0]), len(self._pool)
         )
         self._casts = min(CASTS, request.casts)
         self._against_rest = request.against_rest
-        self._kept: tuple[Material, Pairs] | None = None
-
-    @cached_property
-    def _session(self) -> SessionPrecision:
-        """Errors of the session in units of the noise, for readings of the unpressed nominal skin.
-
-        Their root mean square over all candidates counts where they depend on the reading.
-        """
-        parts = self._trained.parts
-        if self._against_rest:
-            return SessionPrecision()
-        if parts.meter.readout.uniform:
-            errors = errors_of(parts.setup, parts.meter)
-        else:
-            on = self._trained.readout(None, material_of(parts.skin), self._pool)
-            errors = on.likelihood(self.frequency, 0).errors
-        return SessionPrecision(*map(_known, errors.noise, errors.accuracy))
+        self._kept: tuple[Material, LinearLikelihood] | None = None
 
     def share_of(
         self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
     ) -> float:
         """Merit of these readings and frequencies."""
-        own = self._pairs_of(material, [self._pool[k] for k in readings], [*frequencies])
-        candidates = by_reading(own, self._session, self._pair_source.merit)
-        return candidates.slope(np.ones(candidates.candidates))[0]
+        own = self._likelihood_of(material, [self._pool[k] for k in readings], [*frequencies])
+        return self._candidates(own.by_interface(), own).slope(np.ones(len(readings)))[0]
 
     def readings_at(
         self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
@@ -200,30 +133,29 @@ class Picker:
         by = self._readings(material, highest, readings, frequencies)
         return Picked(by.candidates, tuple(frequencies), by.share, by.upper_bound, by.share)
 
-    def bound_with_own_frequencies(self, material: Material, picked: Picked) -> float | None:
+    def bound_with_own_frequencies(
+        self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
+    ) -> float | None:
         """Upper bound of the merit where each reading has own frequencies, the same total number.
 
         None without baseline sweeps: the errors of a session are then common to all frequencies.
         """
-        if self._session != SessionPrecision():
+        if not self._against_rest:
             return None
-        every = len(self.frequency)
-        candidates = by_both(
-            self._pairs(material).of(picked.readings, range(every)), self._pair_source.merit
-        )
-        return selection_bound(candidates.slope, _by_both(picked, every), candidates.candidates)
+        candidates, begun = self._single_readings(material, readings, frequencies)
+        return selection_bound(candidates.slope, begun, candidates.count)
 
-    def own_frequencies(self, material: Material, picked: Picked) -> list[list[int]]:
-        """Own frequencies for each picked reading, with the same total number.
+    def own_frequencies(
+        self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
+    ) -> list[list[int]]:
+        """Own frequencies for each reading, with the same total number as if all had these.
 
         They are the best found by exchanges along the slope of the merit. A reading may get none.
         """
+        candidates, begun = self._single_readings(material, readings, frequencies)
+        best = exchanged_by_slope(candidates.slope, begun, candidates.count)
         every = len(self.frequency)
-        candidates = by_both(
-            self._pairs(material).of(picked.readings, range(every)), self._pair_source.merit
-        )
-        best = exchanged_by_slope(candidates.slope, _by_both(picked, every), candidates.candidates)
-        return [(best[best // every == k] % every).tolist() for k in range(len(picked.readings))]
+        return [(best[best // every == k] % every).tolist() for k in range(len(readings))]
 
     def picked(
         self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
@@ -263,56 +195,42 @@ class Picker:
         frequencies: Sequence[int],
     ) -> tuple[Selection, Selection]:
         by = self._readings(material, budget[0], readings, frequencies)
-        everything = self._pairs(material)
-        some = everything.of(by.candidates, range(len(self.frequency)))
-        candidates = by_frequency(some, self._session, self._pair_source.merit)
-        return by, best_selection(
-            candidates.score, candidates.slope, candidates.candidates, budget[1], [frequencies]
-        )
+        some = self._likelihood(material).some(by.candidates)
+        candidates = self._candidates(some.by_frequency(), some)
+        return by, best_selection(candidates, budget[1], [frequencies])
 
     def _readings(
         self, material: Material, count: int, readings: Sequence[int], frequencies: Sequence[int]
     ) -> Selection:
-        everything = self._pairs(material).of(range(len(self._pool)), frequencies)
-        candidates = by_reading(everything, self._session, self._pair_source.merit)
-        return best_selection(
-            candidates.score, candidates.slope, candidates.candidates, count, [readings]
-        )
+        some = self._likelihood(material).some(frequencies=frequencies)
+        candidates = self._candidates(some.by_interface(), some)
+        return best_selection(candidates, count, [readings])
 
-    def _pairs(self, material: Material) -> Pairs:
-        """Pairs of all samples at all candidates, kept for the last material."""
+    def _single_readings(
+        self, material: Material, readings: Sequence[int], frequencies: Sequence[int]
+    ) -> tuple[Candidates, Integer]:
+        """Single frequencies of readings as candidates, and indices of these frequencies."""
+        own = self._likelihood(material).some(readings)
+        first = len(self.frequency) * np.arange(len(readings))
+        begun = np.add.outer(first, frequencies).ravel().astype(np.int64)
+        return self._candidates(own.by_reading(), own), begun
+
+    def _candidates(self, information: SummedInformation, known: LinearLikelihood) -> Candidates:
+        return Candidates(information, known.weight, self._goal.merit)
+
+    def _likelihood(self, material: Material) -> LinearLikelihood:
+        """That of all samples at all candidates, kept for the last material."""
         if self._kept is None or self._kept[0] != material:
             every = list(range(len(self.frequency)))
-            self._kept = material, self._pairs_of(material, self._pool, every)
+            self._kept = material, self._likelihood_of(material, self._pool, every)
         return self._kept[1]
 
-    def _pairs_of(
+    def _likelihood_of(
         self, material: Material, readings: Sequence[Interface], frequencies: Sequence[int]
-    ) -> Pairs:
-        """Pairs of all samples, each with its share of the weight."""
-        found = []
-        for number in range(self._casts):
-            on = self._trained.readout(self._trained.sample(number), material, readings)
-            found.append(self._pair_source(on, self.frequency[list(frequencies)]))
-        separation = np.concatenate([each.separation for each in found])
-        weight = np.concatenate([each.weight for each in found]) / len(found)
-        return Pairs(separation, weight)
-
-
-def _by_both(picked: Picked, every: int) -> Integer:
-    """Indices of the picks among the candidates of `by_both`. every: number of frequencies."""
-    own = np.add.outer(every * np.arange(len(picked.readings)), picked.frequencies)
-    return own.ravel().astype(np.int64)
-
-
-def _known(noise: Real, accuracy: Real) -> float:
-    """1/deviation² of an error that is common to a session, in units of the noise.
-
-    The deviation is the root mean square over all readings.
-    """
-    ratio = accuracy / noise
-    largest = np.unravel_index(ratio.argmax(), ratio.shape)
-    if not ratio[largest]:
-        return np.inf
-    share = float(np.square(ratio / ratio[largest]).mean())
-    return float((noise[largest] / accuracy[largest]) ** 2) / share
+    ) -> LinearLikelihood:
+        """That of all samples, each with the same weight."""
+        skins = (
+            self._trained.readout(self._trained.sample(number), material, readings)
+            for number in range(self._casts)
+        )
+        return joined([self._goal.likelihood(on, self.frequency[frequencies]) for on in skins])

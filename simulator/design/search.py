@@ -16,10 +16,9 @@ from ..scene.parts import SceneParts
 from ..scene.scene import Scene
 from ..sweeps import InputError
 from .evaluator import SceneEvaluator, SearchSettings, first_evaluator
+from .layout import Layout, Material, lowest_tenth
 from .picking import Picked, sweep_time
 from .reading_pool import check_readers, geometries
-from .scoring import Layout, lowest_tenth
-from .skin_readout import Material
 from .trained_skins import foam_bounds
 
 DIGITS = 2

@@ -7,8 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from .evaluator import SceneEvaluator
-from .scoring import Layout, lowest_tenth
-from .skin_readout import Material
+from .layout import Layout, Material, lowest_tenth
 
 FACTORS = (0.5, 0.65, 0.8, 1.0, 1.25, 1.55, 2.0)
 

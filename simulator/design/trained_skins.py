@@ -9,26 +9,49 @@ from functools import cached_property
 
 import numpy as np
 
+from ..arrays import Complex, Real
+from ..bounds.likelihood import Likelihood
 from ..measure.skins import DrawnSkin, drawn_skin
+from ..models.network_skin import NetworkSkin
 from ..models.parameters import HALF_WAVES, nominal
-from ..models.reduced.cases import Case, pixel_touches
+from ..models.reduced.cases import Case
 from ..models.reduced.reduced_model import Reduced
+from ..models.reduced.reduced_skin import ReducedSkin
 from ..models.terminals import read, require_no_spread, trained
+from ..press.batch import PressBatch
 from ..progress import ProgressCallback, silent
 from ..scene.contacts import Interface
 from ..scene.design_goals import Design
 from ..scene.parts import SceneParts, Setup, Skin
-from .skin_readout import Material, SkinReadout, material_of
-from .touch_positions import TouchPositions
+from .goals import Goal
+from .layout import Material, material_of
 
-RTOL = 1e-2
-"""Certified tolerance of Rs and Cp for every reading; ln Z is about ten times more accurate."""
-RTOL_OF_TOUCHES = 2e-3
-"""Tolerance for positions: slopes are less accurate than values; bounds are so to some percent."""
-FACTORS = (0.5, 3.0)
 BEYOND = 2.0
 """Factor by which training exceeds the bounds of the sheets, for the spread of samples."""
 BEYOND_LOG = math.log(BEYOND)
+
+
+class SkinReadout:
+    """One skin with some readings: its model, and what the meter observes of presses."""
+
+    def __init__(self, reduced: Reduced, readings: Sequence[Interface], drawn: DrawnSkin) -> None:
+        self.parts, self._readings, self._leads = reduced.parts, readings, drawn.leads
+        self.skin: ReducedSkin = reduced.skin(drawn.variation)
+
+    def reading(self, frequency: Real) -> Setup:
+        """Its readings at these frequencies in Hz, behind its own leads."""
+        return Setup(tuple(self._readings), frequency, self._leads)
+
+    def likelihood(self, frequency: Real, against_rest: int) -> Likelihood:
+        """Likelihood of presses by these readings; frequency in Hz."""
+        network = NetworkSkin(self.skin, frequency)
+        wiring = network.wiring(self._readings)
+
+        def solve(batch: PressBatch) -> Complex:
+            return network.impedances(wiring, network.admittances(batch))
+
+        meter, skin = self.parts.meter, self.parts.skin
+        return Likelihood(skin, solve, self.reading(frequency), meter, against_rest)
 
 
 class TrainedSkins:
@@ -40,18 +63,16 @@ class TrainedSkins:
         request: Design,
         band: tuple[float, float],
         seed: int,
+        goal: Goal,
         progress: ProgressCallback = silent,
-        touches: TouchPositions | None = None,
     ) -> None:
-        """band: range of all frequencies, Hz. progress: see `ProgressCallback`. touches: at
-        any position, instead of presses of whole pixels.
+        """band: range of all frequencies, Hz. progress: see `ProgressCallback`.
 
         Raises InputError where a tension spreads presses.
         """
         require_no_spread(parts.skin, parts.plan.press)
         self.parts, self._request, self._band, self._seed = parts, request, band, seed
-        self._progress, self._touches = progress, touches
-        self._divided = parts if touches is None else touches.divided
+        self._progress, self._goal, self._divided = progress, goal, goal.divided
         self.modes = len(HALF_WAVES) if parts.plan.draws.session.unevenness else 1
 
     def sample(self, number: int) -> DrawnSkin:
@@ -79,10 +100,9 @@ class TrainedSkins:
     @cached_property
     def reduced(self) -> Reduced:
         """The model, trained at first use for all that the constraints allow."""
-        rtol = RTOL if self._touches is None else RTOL_OF_TOUCHES
         return trained(
             self._divided,
-            rtol,
+            self._goal.rtol,
             self._draw,
             modes=self.modes,
             progress=self._progress,
@@ -91,12 +111,7 @@ class TrainedSkins:
 
     def _draw(self, random: np.random.Generator) -> Case:
         request = self._request
-        draw = (
-            pixel_touches(self.parts.skin, self.parts.plan, FACTORS)
-            if self._touches is None
-            else self._touches.training_touch
-        )
-        press, grid = draw(random), self._divided.skin.pixels.shape
+        press, grid = self._goal.training_touch(random), self._divided.skin.pixels.shape
         skin = drawn_skin(self.parts, int(random.integers(2**62)), 0, grid, self.modes)
         own = material_of(self.parts.skin)
         lowest = np.log(min(*request.sheet_resistance, own.top, own.bottom))

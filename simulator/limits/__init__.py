@@ -130,11 +130,11 @@ def position_bound(
     range or a meter without noise.
     """
     from ..bounds.fields import CELLS_PER_PIXEL, fields_of
-    from ..bounds.position_bound import chosen_touch, places_on, position_slopes
+    from ..bounds.position_bound import chosen_touch, place_likelihood, places_on
 
     touch = chosen_touch(parts.skin, parts.plan.press, size, factor)
     fields = fields_of(parts, float(parts.setup.frequency[-1]), touch)
-    slopes = position_slopes(
+    slopes = place_likelihood(
         fields,
         places_on(parts.skin, touch, CELLS_PER_PIXEL, max_places),
         touch,

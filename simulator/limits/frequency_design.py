@@ -11,7 +11,7 @@ all candidates together do not resolve, such as mirror images, is left out.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,95 +19,46 @@ import numpy as np
 from ..arrays import Integer, Real
 from ..bounds.choice import best_choice
 from ..bounds.fields import CELLS_PER_PIXEL, AnyFields, TouchSize, fields_of
-from ..bounds.fisher_information import (
-    SummedInformation,
-    in_noise,
-    lower_triangle,
-    pixel_maps,
-    session_errors,
-    summed,
-    variances,
-)
 from ..bounds.frequency_sets import OPTIMAL, candidates_of, compared, too_near
+from ..bounds.likelihood import in_noise, over_noise
+from ..bounds.merits import Candidates, NearestPair, RmsError
 from ..bounds.position_bound import (
-    Slopes,
+    PlaceLikelihood,
     chosen_touch,
     errors_in_fields,
+    pixel_maps,
+    place_likelihood,
     places_on,
-    position_slopes,
 )
+from ..bounds.touch_pairs import pair_likelihood
 from ..bounds.touch_readings import Hypothesis, hypotheses
 from ..bounds.touches.pixel_touches import middles
 from ..bounds.touches.touch_rasterizers import RasterizedTouch, rasterizer_for
-from ..measure.readout import ErrorModel, observed
+from ..measure.readout import observed
 from ..models.reduced.touches import scene_spreads_presses
 from ..models.solution import Response
 from ..progress import ProgressCallback, silent, tracked
-from ..scene.parts import Pressing, SceneParts
+from ..scene.parts import SceneParts
 from ..sweeps import InputError
 from ..sweeps.units import prefixed
 
 CRITERIA = ("position", "column", "pixel")
 MIN_SEPARATION = 1.0
 """Smallest separation, in the meter's errors, that all candidates together must reach."""
-NO_ROOM = 1e-30
-"""m²: prior variance of a coordinate that is known."""
 
 
-@dataclass(frozen=True)
-class Criterion:
-    """A figure of any set of candidates, to be minimized.
-
-    frequency: of the candidates, Hz. information: of each. prior: 1/deviation² of each unknown,
-    shape (p,). merit: function from variances of the first `wanted` unknowns, shape (choice, case,
-    wanted), to the figure, shape (choice,). left_out: number of coordinates, or pairs of pixels,
-    that all candidates together do not resolve.
-    """
-
-    frequency: Real
-    information: SummedInformation
-    prior: Real
-    wanted: int
-    merit: Callable[[Real], Real]
-    left_out: int = 0
-
-    def score(self, choices: Integer) -> Real:
-        """Figures of choices of candidates, shape (choice, n) to (choice,)."""
-        known = self.prior.tolist()
-        parts = self.information.of(choices)
-        return np.concatenate([self.merit(variances(each, known, self.wanted)) for each in parts])
-
-    @property
-    def of_all(self) -> float:
-        """Figure of all candidates together."""
-        return float(self.score(np.arange(len(self.frequency))[None])[0])
-
-
-def position_criterion(slopes: Slopes) -> Criterion:
-    """Criterion of the distance between touch and estimate.
+def position_criterion(places: PlaceLikelihood) -> Candidates:
+    """Frequencies as candidates, by the distance between touch and estimate.
 
     It uses the coordinates that all candidates together resolve. Raises InputError where there are
     none.
     """
-    information = summed(slopes.by)
-    anywhere = np.square(slopes.room) / 12
-    every = lower_triangle(information.sum(axis=1))
-    resolved = variances(every, slopes.prior.tolist(), 2) < anywhere
+    anywhere, every = np.square(places.room) / 12, places.readings.covariances(2)
+    resolved = np.diagonal(every, axis1=1, axis2=2) < anywhere
     if not resolved.any():
         raise InputError("no frequencies resolve the position of a touch")
-
-    def merit(variance: Real) -> Real:
-        posterior = resolved / (1 / variance + 1 / np.maximum(anywhere, NO_ROOM))
-        return np.sqrt(posterior.sum(axis=(-1, -2)) / resolved.any(axis=-1).sum())
-
-    return Criterion(
-        slopes.frequency,
-        SummedInformation(information),
-        slopes.prior,
-        2,
-        merit,
-        int((~resolved).sum()),
-    )
+    readings = places.readings
+    return Candidates(readings.by_frequency(), readings.weight, RmsError(resolved, anywhere))
 
 
 def identity_criterion(
@@ -117,12 +68,11 @@ def identity_criterion(
     against_rest: int = 0,
     progress: ProgressCallback = silent,
     touch: TouchSize | None = None,
-) -> Criterion:
-    """Criterion of the distance between the nearest two pixels with different answers.
+) -> Candidates:
+    """Frequencies as candidates, by the distance of the nearest two pixels with different answers.
 
-    Its figure is the inverse of their distance. touch: around the middle of a pixel, by default the
-    whole pixel as the parts presses it. Raises InputError where no pixels are resolved, and for
-    touches of another size on pixels in groups.
+    touch: around the middle of a pixel, by default the whole pixel as the parts presses it. Raises
+    InputError where no pixels are resolved, and for touches of another size on pixels in groups.
     """
     parts = fields.parts
     model = errors_in_fields(fields, frequency, against_rest)
@@ -132,24 +82,24 @@ def identity_criterion(
     answers = [
         _pressed(fields, pixels, each, frequency) for each in tracked(among, "pixels", progress)
     ]
-    pairs = [
+    spread = parts.plan.press.factor_spread * abs(touch.rise)
+    middle = over_noise(np.stack([observed(each.Z) for each in answers]), model)
+    slopes = np.stack(
+        [in_noise(each.Z, [each.by_parameter["strength"]], model) for each in answers]
+    )
+    different = [
         (one, other)
         for one, other in itertools.combinations(range(len(among)), 2)
         if among[one].answer != among[other].answer
     ]
-    slopes, prior = _pair_slopes(parts.plan.press, touch.rise, pairs, answers, model)
-    information = summed(slopes)
-    whole = variances(lower_triangle(information.sum(axis=1)), prior.tolist(), 1)[:, 0]
-    resolved = whole < MIN_SEPARATION**-2
+    pairs = pair_likelihood(
+        middle, spread * np.moveaxis(slopes, -1, 1), np.array(different), None, model
+    )
+    resolved = pairs.covariances(1)[:, 0, 0] < MIN_SEPARATION**-2
     if not resolved.any():
         raise InputError(f"{parts.skin.name}: no frequencies distinguish any two {target}s")
-
-    def merit(variance: Real) -> Real:
-        return np.sqrt(variance[..., 0].max(axis=-1))
-
-    left_out = int((~resolved).sum())
-    every = SummedInformation(information[resolved])
-    return Criterion(frequency, every, prior, 1, merit, left_out)
+    readings = pairs.cases(resolved)
+    return Candidates(readings.by_frequency(), readings.weight, NearestPair())
 
 
 def _pixel_touches(fields: AnyFields, touch: TouchSize) -> list[RasterizedTouch]:
@@ -178,35 +128,6 @@ def _pressed(
     return fields.respond(factors, {"strength": by_strength}, frequency)
 
 
-def _pair_slopes(
-    pressing: Pressing,
-    rise: float,
-    pairs: Sequence[tuple[int, int]],
-    answers: Sequence[Response],
-    model: ErrorModel,
-) -> tuple[Real, Real]:
-    """Differences of pairs, slopes by both strengths and by the session's errors, over noise.
-
-    Also returns the prior information of each.
-    """
-    shape = 2, *model.read.shape
-    deviation = np.moveaxis(model.noise, 0, -1)
-    levels = [np.moveaxis(observed(each.Z).reshape(shape), 0, -1) / deviation for each in answers]
-    by_strength = [
-        in_noise(each.Z, [each.by_parameter["strength"]], model)[..., 0] for each in answers
-    ]
-    errors, known = session_errors(model)
-    spread = pressing.factor_spread * abs(rise)
-    strengths = 2 if spread else 0
-    slopes = np.zeros((len(pairs), *levels[0].shape, 1 + strengths + errors.shape[-1]))
-    for number, (one, other) in enumerate(pairs):
-        slopes[number, ..., 0] = levels[one] - levels[other]
-        if strengths:
-            slopes[number, ..., 1], slopes[number, ..., 2] = by_strength[one], -by_strength[other]
-    slopes[..., 1 + strengths :] = errors
-    return slopes, np.concatenate([[0.0], np.full(strengths, spread**-2.0 if spread else 0), known])
-
-
 def checked_criterion(name: str) -> str:
     """Returns the name of a criterion. Raises InputError for any other."""
     if name not in CRITERIA:
@@ -227,15 +148,13 @@ class FrequencyDesign:
     """Sets of frequencies in Hz by name, OPTIMAL among them, and the figure of each.
 
     figures: minimized values; in m for position, for column and pixel 1 over the distance in the
-    meter's errors. left_out: number of coordinates, or pairs of pixels, that no set resolves.
-    errors: for position, the median error in m of each set, as in `limits`. assumptions: text on
-    the touch, the meter and the candidates.
+    meter's errors. errors: for position, the median error in m of each set, as in `limits`.
+    assumptions: text on the touch, the meter and the candidates.
     """
 
     criterion: str
     sets: dict[str, Real]
     figures: dict[str, float]
-    left_out: int
     errors: dict[str, float]
     assumptions: str
 
@@ -309,14 +228,13 @@ def design(
     scored, slopes = criterion_at(parts, criterion, every, touch, against_rest, progress)
     numbers = {name: np.searchsorted(every, f) for name, f in others.items()}
     best = best_set(
-        scored, np.searchsorted(every, own), n, numbers.values(), repeats, among is None
+        scored, every, np.searchsorted(every, own), n, numbers.values(), repeats, among is None
     )
     chosen = {OPTIMAL: best, **numbers}
     return FrequencyDesign(
         criterion,
         {name: every[k] for name, k in chosen.items()},
         {name: float(scored.score(k[None])[0]) for name, k in chosen.items()},
-        scored.left_out,
         {}
         if slopes is None
         else {name: slopes.bounds(every[k]).median_error() for name, k in chosen.items()},
@@ -338,24 +256,25 @@ def _assumptions(touch: TouchSize, candidates: Real, against_rest: int) -> str:
 
 
 def best_set(
-    criterion: Criterion,
+    candidates: Candidates,
+    frequency: Real,
     own: Integer,
     n: int,
     others: Iterable[Integer],
     repeats: bool = False,
     spaced: bool = True,
 ) -> Integer:
-    """The best n of the candidates `own`, which are indices of frequencies of the criterion.
+    """The best n of the candidates `own`, which are indices of frequencies (Hz, ascending).
 
     others: further sets from which exchanges start. spaced: True if no two may be `too_near`.
     """
-    excludes = too_near(criterion.frequency[own], n) if spaced else np.eye(len(own), dtype=bool)
+    excludes = too_near(frequency[own], n) if spaced else np.eye(len(own), dtype=bool)
     excludes &= not repeats
     starts = [np.searchsorted(own, k) for k in others if np.isin(k, own).all()]
-    return own[best_choice(lambda k: criterion.score(own[k]), len(own), n, starts, excludes)]
+    return own[best_choice(lambda k: candidates.score(own[k]), len(own), n, starts, excludes)]
 
 
-def sampled_positions(slopes: Slopes) -> Slopes:
+def sampled_positions(slopes: PlaceLikelihood) -> PlaceLikelihood:
     """About DESIGN_PLACES of the positions, evenly spread."""
     return slopes.some(max(1, len(slopes.places) // DESIGN_PLACES))
 
@@ -377,15 +296,15 @@ def criterion_at(
     touch: TouchSize,
     against_rest: int,
     progress: ProgressCallback,
-) -> tuple[Criterion, Slopes | None]:
-    """The criterion and, for position, the slopes at all positions of `limits`."""
+) -> tuple[Candidates, PlaceLikelihood | None]:
+    """The candidates and, for position, the likelihood at all positions of `limits`."""
     of_groups = name != "position" and parts.skin.pixels.groups is not None
     cells = 1 if of_groups else None
     fields = fields_of(parts, float(candidates[-1]), touch, cells)
     if name != "position":
         return identity_criterion(fields, name, candidates, against_rest, progress, touch), None
     places = places_on(parts.skin, touch, CELLS_PER_PIXEL)
-    slopes = position_slopes(
+    slopes = place_likelihood(
         fields, places, touch, candidates, against_rest=against_rest, progress=progress
     )
     return position_criterion(sampled_positions(slopes)), slopes

@@ -62,7 +62,7 @@ class RandomPresses(Likelihood):
         self.parts, self._presses, self._offset = parts.for_rods, presses, offset
         self._sides, self._extent = np.array(size), np.array([skin.length, skin.width])
         self.grid = skin.grid(CELLS)
-        super().__init__(self._solved, self.parts.setup, parts.meter, against_rest)
+        super().__init__(skin, self._solved, self.parts.setup, parts.meter, against_rest)
 
     @classmethod
     def of_pixels(

@@ -11,12 +11,12 @@ from ..arrays import Real
 from ..bounds.fields import CELLS_PER_PIXEL, fields_of
 from ..bounds.frequency_sets import OPTIMAL, candidates_of, compared, own_band
 from ..bounds.position_bound import (
+    PlaceLikelihood,
     PositionBounds,
-    Slopes,
     TouchSize,
     errors_of_places,
+    place_likelihood,
     places_on,
-    position_slopes,
 )
 from ..bounds.touches.rasterization_errors import RasterizationErrors
 from ..progress import ProgressCallback, silent
@@ -179,9 +179,9 @@ def with_interfaces(parts: SceneParts, names: Sequence[str]) -> SceneParts:
 
 def _slopes(
     parts: SceneParts, options: SurveyOptions, frequency: Real, progress: ProgressCallback
-) -> Slopes:
+) -> PlaceLikelihood:
     fields = fields_of(parts, float(frequency[-1]), options.touch)
-    return position_slopes(
+    return place_likelihood(
         fields,
         places_on(parts.skin, options.touch, CELLS_PER_PIXEL),
         options.touch,
@@ -197,12 +197,12 @@ def _pixels_from_edge(skin: Skin, setup: Setup) -> int:
     return skin.pixels.columns if edge in ("left", "right") else skin.pixels.rows
 
 
-def _sets(skin: Skin, setup: Setup, slopes: Slopes, n: int) -> dict[str, Real]:
+def _sets(skin: Skin, setup: Setup, slopes: PlaceLikelihood, n: int) -> dict[str, Real]:
     named = compared(skin, setup, n, own_band(setup))
     try:
         criterion = position_criterion(sampled_positions(slopes))
     except InputError:  # no set resolves the position, so there is no best one
         return {f"{n}, {name}": f for name, f in named.items()}
     every, others = np.arange(len(slopes.frequency)), map(slopes.number, named.values())
-    best = best_set(criterion, every, n, others)
+    best = best_set(criterion, slopes.frequency, every, n, others)
     return {f"{n}, {name}": f for name, f in (named | {OPTIMAL: slopes.frequency[best]}).items()}

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
 from rcskin.simulator.bounds.fields import FullFields, TouchSize, fields_of
-from rcskin.simulator.bounds.fisher_information import error_model, in_noise, session_errors
-from rcskin.simulator.bounds.position_bound import chosen_touch, errors_of_places, position_slopes
+from rcskin.simulator.bounds.likelihood import error_model, in_noise
+from rcskin.simulator.bounds.position_bound import chosen_touch, errors_of_places, place_likelihood
 from rcskin.simulator.bounds.touch_readings import TouchReadings
 from rcskin.simulator.bounds.touches import rasterization_errors
 from rcskin.simulator.bounds.touches.pixel_touches import DepthPixelTouches
@@ -76,11 +76,10 @@ def test_slopes_and_bounds_are_those_of_differences_of_the_full_model(foam, size
     for name, slope in expected.items():
         scale = largest if name != "strength" else np.abs(slope).max()
         assert np.abs(found.by_parameter[name] - slope).max() < 0.05 * scale
-    told = position_slopes(fields, [(x, y)], touch, frequency)
+    told = place_likelihood(fields, [(x, y)], touch, frequency)
     model = error_model(scene.parts.setup, scene.parts.meter, frequency)
     own = in_noise(impedance(0, 0, 0), list(expected.values()), model)
-    by = np.concatenate([own, session_errors(model)[0]], axis=-1)[None]
-    truth = replace(told, by=by).bounds()
+    truth = replace(told, readings=replace(told.readings, by=own[None])).bounds()
     for name in ("x", "strength"):
         value = getattr(truth, name)
         np.testing.assert_allclose(getattr(told.bounds(), name), value, rtol=0.1)

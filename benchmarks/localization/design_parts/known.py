@@ -9,7 +9,7 @@ from rcskin.benchmarks.localization.twin_parts.known import known_accuracy, know
 from rcskin.benchmarks.localization.twin_parts.scenes import PLACED_SIZE
 from rcskin.benchmarks.localization.twin_parts.trials import Trial
 from rcskin.localization.inputs.baselines import RECENT
-from rcskin.simulator.design.touch_positions import TouchPositions
+from rcskin.simulator.design.goals import TouchPositions
 from rcskin.simulator.limits import off_centre_accuracy, posterior_distance
 from rcskin.simulator.models.reduced.reduced_model import Reduced
 

@@ -12,9 +12,9 @@ from ...report.from_above import MM, draw_outline, ribbon
 from ...scene.contacts import Interface
 from ...scene.design_goals import POSITION, Design
 from ...scene.parts import SceneParts, Skin
+from ..goals import TouchPositions
 from ..search import SearchStep
 from ..sensitivity import SensitivityCurve
-from ..touch_positions import TouchPositions
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

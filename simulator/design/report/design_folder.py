@@ -11,7 +11,7 @@ from ...report.page import write_page
 from ...scene.scene import Scene
 from ...scene.scene_files import scene_text
 from ..evaluator import SearchSettings
-from ..scoring import Layout, designed
+from ..layout import Layout, designed
 from ..search import SearchResult
 from ..sensitivity import SensitivityCurve, loss_without_each, sensitivity_curves
 from .design_charts import MeritScale, draw_flat, draw_steps, draw_wiring, scale_of

@@ -11,7 +11,7 @@ from ...scene.contacts import Interface
 from ...scene.parts import Skin
 from ...scene.wiring_checks import conductor_groups
 from ..evaluator import SearchSettings
-from ..scoring import Layout, designed
+from ..layout import Layout, designed
 from ..search import SearchResult, SearchStep
 from ..sensitivity import SensitivityCurve
 from .design_charts import MeritScale, scale_of

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.bounds import choice
 from rcskin.simulator.bounds.fields import FullFields
-from rcskin.simulator.bounds.position_bound import chosen_touch, places_on, position_slopes
+from rcskin.simulator.bounds.position_bound import chosen_touch, place_likelihood, places_on
 from rcskin.simulator.limits.frequency_design import identity_criterion, position_criterion
 
 
@@ -17,7 +17,7 @@ def test_exchange_finds_the_best_of_all_choices(noisy_strip, target, repeats, mo
     if target == "position":
         touch = chosen_touch(noisy_strip.parts.skin, noisy_strip.press)
         places = places_on(noisy_strip.parts.skin, touch, fields.cells)
-        criterion = position_criterion(position_slopes(fields, places, touch, f))
+        criterion = position_criterion(place_likelihood(fields, places, touch, f))
     else:
         criterion = identity_criterion(fields, target, f)
     every = itertools.combinations_with_replacement if repeats else itertools.combinations

@@ -5,7 +5,7 @@ import pytest
 from rcskin.simulator.bounds.bayes import CommonDraws, DrawScores, bayes
 from rcskin.simulator.bounds.fields import CELLS_PER_PIXEL, FullFields, fields_of
 from rcskin.simulator.bounds.likelihood import Likelihood
-from rcskin.simulator.bounds.position_bound import chosen_touch, places_on, position_slopes
+from rcskin.simulator.bounds.position_bound import chosen_touch, place_likelihood, places_on
 from rcskin.simulator.bounds.posterior import NEGLIGIBLE, in_tiles, posterior, posterior_of_tiles
 from rcskin.simulator.bounds.touch_readings import TouchReadings, hypotheses
 from rcskin.simulator.measure.experiment import own_presses
@@ -42,7 +42,9 @@ def read_by(model, scene, count=None, variation=None):
     """The likelihood of a skin that is read through so many of a scene's interfaces."""
     some = scene.interfaces[:count]
     skin, meter = read(model, some).skin(variation), scene.parts.meter
-    return Likelihood(skin.sweeps, Setup(some, scene.frequencies, scene.leads), meter)
+    return Likelihood(
+        scene.parts.skin, skin.sweeps, Setup(some, scene.frequencies, scene.leads), meter
+    )
 
 
 @pytest.fixture(scope="module")
@@ -98,7 +100,7 @@ def test_readings_that_are_not_taken_have_no_effect(scene, model, scores):
     """At no frequency of the others, the first is alone."""
     taken = np.zeros((len(READINGS), 3), dtype=bool)
     taken[0] = True
-    found = CommonDraws(scene.parts, draws=3000).score(read_by(model, scene), taken)
+    found = CommonDraws(scene.parts, draws=3000).score(read_by(model, scene).some(taken))
     np.testing.assert_allclose(found.correct, scores(1).correct, atol=1e-3)
 
 
@@ -156,7 +158,7 @@ def test_bounds_on_position_are_those_of_the_full_elements(scene):
     both = [fields_of(scene.parts, highest, touch), FullFields(scene.parts, highest)]
     assert not isinstance(both[0], FullFields)
     found, truth = (
-        position_slopes(each, places, touch, scene.frequencies).bounds() for each in both
+        place_likelihood(each, places, touch, scene.frequencies).bounds() for each in both
     )
     for name in ("x", "y", "strength"):
         np.testing.assert_allclose(getattr(found, name), getattr(truth, name), rtol=0.04)

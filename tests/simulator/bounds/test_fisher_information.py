@@ -4,12 +4,10 @@ import numpy as np
 import pytest
 from rcskin.simulator.bounds.fisher_information import (
     covariances,
-    error_model,
     lower_triangle,
-    session_errors,
-    summed,
     variances,
 )
+from rcskin.simulator.bounds.likelihood import LinearLikelihood, error_model
 from rcskin.simulator.sweeps import InputError
 
 
@@ -41,21 +39,19 @@ def test_errors_of_the_session_as_unknowns_are_the_meters_covariance(noisy, agai
     deviation = model.deviation.reshape(2, 2, 3)
     plain = np.random.default_rng(2).standard_normal((2, 2, 3, 2))
     J = np.moveaxis(plain / deviation[..., None], 0, 2)
-    errors, prior = session_errors(model)
-    slopes = np.concatenate([J, errors], axis=-1)[None]
-    information = summed(slopes).sum(axis=1)[0] + np.diag([0, 0, *prior])
+    known = LinearLikelihood.of_cases(J[None], model, np.zeros(2))
     flat = plain.reshape(-1, 2)
     full = np.linalg.inv(flat.T @ np.linalg.solve(model.covariance, flat))
-    np.testing.assert_allclose(covariances(information, 2), full, rtol=1e-6)
+    np.testing.assert_allclose(known.covariances(2)[0], full, rtol=1e-6)
 
 
 @pytest.mark.parametrize("wanted", [1, 2])
 def test_variances_are_those_of_the_covariance_also_of_what_nothing_determines(wanted):
     J = np.random.default_rng(3).standard_normal((5, 6, 4))
     J[1, :, 1], J[2, :, 0] = 2 * J[1, :, 0], 0.0
-    information, known = J.swapaxes(1, 2) @ J, [0.0, 0.0, 0.5, 2.0]
-    found = variances(lower_triangle(information), known, wanted)
-    full = covariances(information + np.diag(known), wanted)
+    information = J.swapaxes(1, 2) @ J + np.diag([0.0, 0.0, 0.5, 2.0])
+    found = variances(lower_triangle(information), wanted)
+    full = covariances(information, wanted)
     np.testing.assert_allclose(found, np.diagonal(full, axis1=1, axis2=2), rtol=1e-3)
     assert np.isinf(found[2, 0])
 

@@ -1,10 +1,12 @@
 """The bound on position: additivity, symmetries, and an estimate that reaches it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import FullFields
-from rcskin.simulator.bounds.fisher_information import error_model
-from rcskin.simulator.bounds.position_bound import Slopes, chosen_touch, places_on, position_slopes
+from rcskin.simulator.bounds.likelihood import error_model
+from rcskin.simulator.bounds.position_bound import chosen_touch, place_likelihood, places_on
 from rcskin.simulator.limits import position_bound
 from rcskin.simulator.measure.readout import observed
 from rcskin.simulator.models.line import Line
@@ -22,7 +24,7 @@ def slopes_of(scene, most=4, **options):
     touch = chosen_touch(scene.parts.skin, scene.press)
     fields = FullFields(scene.parts, float(scene.frequencies[-1]))
     places = places_on(scene.parts.skin, touch, fields.cells, most)
-    return position_slopes(fields, places, touch, scene.frequencies, **options)
+    return place_likelihood(fields, places, touch, scene.frequencies, **options)
 
 
 def square_of(noisy, **more):
@@ -51,9 +53,7 @@ def drifting(noisy):
 
 def test_n_repeated_readings_divide_the_bound_by_root_n(square):
     once = slopes_of(square)
-    four = Slopes(
-        once.places, np.concatenate([once.by] * 4, axis=2), once.prior, once.frequency, once.room
-    )
+    four = replace(once, readings=once.readings.some(frequencies=4 * [*range(6)]))
     for name in ("x", "y", "strength"):
         single, repeated = (getattr(each.bounds(), name) for each in (once, four))
         np.testing.assert_allclose(repeated, single / 2, rtol=1e-6)
@@ -91,7 +91,7 @@ def test_one_edge_has_symmetric_bounds_and_does_not_resolve_y_in_the_middle(nois
     touch, fields = chosen_touch(scene.parts.skin, scene.press), FullFields(scene.parts, 1e5)
     middle, width = scene.skin.width / 2, scene.skin.width
     places = [(0.04, 0.018), (0.04, width - 0.018), (0.04, middle)]
-    low, high, half = position_slopes(fields, places, touch, scene.frequencies).bounds().y
+    low, high, half = place_likelihood(fields, places, touch, scene.frequencies).bounds().y
     assert low == pytest.approx(high, rel=1e-6)
     assert np.isinf(half) and np.isfinite(low)
 
@@ -105,7 +105,7 @@ def test_maximum_likelihood_on_the_exact_line_reaches_the_bound(noisy):
         frequencies=np.geomspace(1e3, 3e4, 6).tolist(),
     )
     touch, x = chosen_touch(scene.parts.skin, scene.press), 0.0375
-    slopes = position_slopes(FullFields(scene.parts, 3e4), [(x, 0.01)], touch, scene.frequencies)
+    slopes = place_likelihood(FullFields(scene.parts, 3e4), [(x, 0.01)], touch, scene.frequencies)
     bounds = slopes.bounds()
     assert np.isinf(bounds.y).all()
     line, model = (

@@ -6,34 +6,46 @@ import math
 import numpy as np
 import pytest
 from rcskin.simulator.bounds.choice import best_selection, selection_bound
-from rcskin.simulator.design.merits import (
-    AccuracyMerit,
-    Pairs,
-    PositionMerit,
-    SessionPrecision,
-    by_both,
-    by_frequency,
-    by_reading,
-    lower_triangle,
-)
+from rcskin.simulator.bounds.fisher_information import lower_triangle
+from rcskin.simulator.bounds.likelihood import LinearLikelihood
+from rcskin.simulator.bounds.merits import AccuracyMerit, Candidates, PositionMerit
 
-KNOWN, UNKNOWN = SessionPrecision(), SessionPrecision(gain=0.5, phase=2.0)
+ACCURACY = AccuracyMerit()
+KNOWN, UNKNOWN = (0.0, 0.0), (2**0.5, 0.5**0.5)
+"""Errors of the session over the noise, of ln |Z| and phase."""
 
 
-def some_pairs(seed=1, pairs=30, readings=7, frequencies=9, size=0.6):
+def likelihood_of(by, session, prior):
+    errors = np.broadcast_to(session, (1, *by.shape[1:4]))
+    return LinearLikelihood(by, errors, prior, np.full(len(by), 1 / len(by)))
+
+
+def some_pairs(session=KNOWN, seed=1, pairs=30, readings=7, frequencies=9, size=0.6):
     random = np.random.default_rng(seed)
     apart = size * random.standard_normal((pairs, readings, frequencies, 2, 3))
-    return Pairs(apart, np.full(pairs, 1 / pairs))
+    return likelihood_of(apart, session, np.array([0.0, 1.0, 1.0]))
+
+
+def by_reading(known, merit=ACCURACY):
+    return Candidates(known.by_interface(), known.weight, merit)
+
+
+def by_frequency(known, merit=ACCURACY):
+    return Candidates(known.by_frequency(), known.weight, merit)
+
+
+def by_both(known, merit=ACCURACY):
+    return Candidates(known.by_reading(), known.weight, merit)
 
 
 @pytest.mark.parametrize("told", [by_reading, by_frequency])
 @pytest.mark.parametrize("session", [KNOWN, UNKNOWN])
 def test_slopes_are_those_of_differences(told, session):
-    share, random = told(some_pairs(), session), np.random.default_rng(2)
-    weights = random.random(share.candidates)
+    share, random = told(some_pairs(session)), np.random.default_rng(2)
+    weights = random.random(share.count)
     _, slope = share.slope(weights)
     h = 1e-5
-    for k, step in enumerate(h * np.eye(share.candidates)):
+    for k, step in enumerate(h * np.eye(share.count)):
         difference = (share.slope(weights + step)[0] - share.slope(weights - step)[0]) / (2 * h)
         assert slope[k] == pytest.approx(difference, rel=1e-5)
 
@@ -41,40 +53,39 @@ def test_slopes_are_those_of_differences(told, session):
 @pytest.mark.parametrize("told", [by_reading, by_frequency])
 @pytest.mark.parametrize("session", [KNOWN, UNKNOWN])
 def test_the_share_lies_below_all_its_tangents(told, session):
-    share, random = told(some_pairs(), session), np.random.default_rng(3)
+    share, random = told(some_pairs(session)), np.random.default_rng(3)
     for _ in range(20):
-        at, other = random.random((2, share.candidates))
+        at, other = random.random((2, share.count))
         value, slope = share.slope(at)
         assert share.slope(other)[0] <= value + slope @ (other - at) + 1e-12
 
 
 @pytest.mark.parametrize("session", [KNOWN, UNKNOWN])
 def test_errors_of_a_session_hide_what_all_frequencies_share(session):
-    common = np.repeat(some_pairs(frequencies=1).separation, 5, axis=2)
-    pairs = Pairs(common, some_pairs().weight)
-    known = by_frequency(pairs, KNOWN).slope(np.ones(5))[0]
-    assert by_frequency(pairs, session).slope(np.ones(5))[0] <= known
-    joint = by_reading(pairs, session).slope(np.ones(7))[0]
-    assert joint == pytest.approx(by_frequency(pairs, session).slope(np.ones(5))[0], rel=1e-12)
+    common = np.repeat(some_pairs(frequencies=1).by, 5, axis=2)
+    known, unknown = (likelihood_of(common, each, some_pairs().prior) for each in (KNOWN, session))
+    told = by_frequency(unknown).slope(np.ones(5))[0]
+    assert told <= by_frequency(known).slope(np.ones(5))[0]
+    assert by_reading(unknown).slope(np.ones(7))[0] == pytest.approx(told, rel=1e-12)
 
 
 @pytest.mark.parametrize("session", [KNOWN, UNKNOWN])
 def test_a_score_is_1_minus_the_merit_of_a_choice(session):
-    share = by_frequency(some_pairs(), session)
+    share = by_frequency(some_pairs(session))
     choices = np.array([[0, 3, 5], [1, 2, 8]])
     for choice, score in zip(choices, share.score(choices), strict=True):
-        weights = np.zeros(share.candidates)
+        weights = np.zeros(share.count)
         weights[choice] = 1
         assert 1 - score == pytest.approx(share.slope(weights)[0], abs=3e-6)
 
 
 def test_few_choices_are_all_evaluated_and_none_exceeds_the_bound():
-    share = by_reading(some_pairs(), KNOWN)
+    share = by_reading(some_pairs())
     best = max(
         share.slope(np.isin(range(7), choice).astype(float))[0]
         for choice in itertools.combinations(range(7), 3)
     )
-    found = best_selection(share.score, share.slope, 7, 3)
+    found = best_selection(share, 3)
     assert (
         found.exhaustive
         and found.share == pytest.approx(best, abs=2e-6)
@@ -85,37 +96,35 @@ def test_few_choices_are_all_evaluated_and_none_exceeds_the_bound():
 
 
 def test_exchanges_come_close_to_a_bound_that_holds(monkeypatch):
-    share = by_reading(some_pairs(size=0.3), KNOWN)
-    exact = best_selection(share.score, share.slope, 7, 3)
+    share = by_reading(some_pairs(size=0.3))
+    exact = best_selection(share, 3)
     monkeypatch.setattr("rcskin.simulator.bounds.choice.MAX_EXHAUSTIVE", 0)
-    found = best_selection(share.score, share.slope, 7, 3)
+    found = best_selection(share, 3)
     assert not found.exhaustive
     assert exact.share - 1e-3 < found.share <= exact.share + 1e-6 <= found.upper_bound + 1e-5
 
 
 def test_more_is_never_less():
-    share = by_reading(some_pairs(size=0.3), UNKNOWN)
-    shares = [best_selection(share.score, share.slope, 7, n).share for n in range(1, 8)]
+    share = by_reading(some_pairs(UNKNOWN, size=0.3))
+    shares = [best_selection(share, n).share for n in range(1, 8)]
     assert shares == sorted(shares) and not math.isclose(shares[0], shares[-1])
 
 
-def some_places(seed=1, places=12):
+def some_places(session, merit, seed=1, places=12):
     random = np.random.default_rng(seed)
     scale = np.array([2e2, 1e2, 1.0])
     apart = scale * random.standard_normal((places, 7, 9, 2, 3))
-    return Pairs(apart, np.full(places, 1 / places))
+    return likelihood_of(apart, session, merit.prior)
 
 
 @pytest.mark.parametrize("told", [by_reading, by_frequency])
 @pytest.mark.parametrize("session", [KNOWN, UNKNOWN])
 def test_the_merit_of_positions_is_concave_with_exact_slopes(told, session):
-    share, random = (
-        told(some_places(), session, PositionMerit((0.1, 0.05))),
-        np.random.default_rng(2),
-    )
+    merit, random = PositionMerit((0.1, 0.05)), np.random.default_rng(2)
+    share = told(some_places(session, merit), merit)
     h = 1e-5
     for _ in range(10):
-        weights, other = 0.2 + random.random((2, share.candidates))
+        weights, other = 0.2 + random.random((2, share.count))
         value, slope = share.slope(weights)
         assert 0 < value < 1
         assert share.slope(other)[0] <= value + slope @ (other - weights) + 1e-12
@@ -125,23 +134,23 @@ def test_the_merit_of_positions_is_concave_with_exact_slopes(told, session):
 
 def test_without_readings_the_distance_is_that_of_a_guess():
     near = PositionMerit((0.1, 0.05))
-    told = near(np.zeros((1, 3, 3)), np.ones(1))
-    assert float(told.value) == pytest.approx(0, abs=1e-12)
+    value, _ = near(np.diag(near.prior)[None], np.ones(1))
+    assert float(value) == pytest.approx(0, abs=1e-12)
     assert near.guess == pytest.approx(np.hypot(0.1, 0.05) / np.sqrt(12))
 
 
 def test_frequencies_of_each_reading_bound_those_of_all():
     pairs, every = some_pairs(size=0.3), np.arange(9)
     told = by_both(pairs)
-    assert told.candidates == 7 * 9
-    shared = by_frequency(pairs, KNOWN)
-    found = best_selection(shared.score, shared.slope, 9, 3)
+    assert told.count == 7 * 9
+    shared = by_frequency(pairs)
+    found = best_selection(shared, 3)
     own = np.add.outer(9 * np.arange(7), np.array(found.candidates)).ravel()
-    weights = np.isin(np.arange(told.candidates), own).astype(float)
+    weights = np.isin(np.arange(told.count), own).astype(float)
     assert told.slope(weights)[0] == pytest.approx(found.share, rel=1e-12)
     assert (
         found.share
-        < selection_bound(told.slope, own, told.candidates)
+        < selection_bound(told.slope, own, told.count)
         < shared.slope(every * 0 + 1.0)[0]
     )
 
@@ -151,7 +160,7 @@ def test_frequencies_of_each_reading_bound_those_of_all():
 )
 def test_a_merit_without_slopes_equals_that_with_slopes(merit):
     ways = 20 * np.random.default_rng(5).standard_normal((6, 11, 5, 3))
-    found = np.einsum("...ka,...kb->...ab", ways, ways)
+    found = np.einsum("...ka,...kb->...ab", ways, ways) + np.eye(3)
     weight = np.full(11, 1 / 11)
-    whole = merit(found, weight).value
+    whole = merit(found, weight)[0]
     assert merit.value(lower_triangle(found), weight) == pytest.approx(whole, rel=1e-12)

@@ -6,14 +6,14 @@ import math
 import numpy as np
 import pytest
 from rcskin.simulator.bounds.frequency_sets import equation_6
+from rcskin.simulator.bounds.touch_pairs import NEAREST, SAME, nearest
 from rcskin.simulator.bounds.touch_readings import hypotheses
 from rcskin.simulator.design.evaluator import SceneEvaluator, SearchSettings
-from rcskin.simulator.design.merits import NEAREST, SAME, _nearest
+from rcskin.simulator.design.goals import PressedPixels
+from rcskin.simulator.design.layout import Material, designed
 from rcskin.simulator.design.reading_pool import terminals
-from rcskin.simulator.design.scoring import AccuracyScorer, designed, merits
 from rcskin.simulator.design.search import best_value, search
 from rcskin.simulator.design.search_journal import SearchJournal
-from rcskin.simulator.design.skin_readout import Material
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.measure.readout import ErrorModel
 from rcskin.simulator.press.batch import PressBatch
@@ -138,10 +138,10 @@ class SampleReadings:
 def test_common_draws_and_independent_draws_agree_on_a_lossy_sample(strip):
     scene = strip(session={"lead_resistance": 2e3, "stray_capacitance": 1e-11, "loss_tangent": 0.1})
     trained = bench(scene, band=None)._trained
-    judge = AccuracyScorer(scene.parts, Design(casts=1), 4000, 1)
+    judge = PressedPixels(scene.parts, Design(casts=1), 4000, 1)
     own = bench(scene, band=None).own
     on = trained.readout(trained.sample(0), own.material, own.readings)
-    told = merits(judge, trained, own, 1)[1]
+    told = judge.score(on, scene.frequencies)
     assert 0.3 < told < 0.99
     readings, presses = (
         SampleReadings(on, scene.frequencies, 6),
@@ -177,7 +177,7 @@ def test_the_nearest_pairs_are_those_at_the_nearest_strengths():
         for other in np.argsort(apart[one])[:NEAREST]
         if SAME**2 < apart[one, other] < np.inf
     }
-    found = _nearest(middle, slopes, answers)
+    found = nearest(middle, slopes, answers)
     assert {tuple(each) for each in found.tolist()} == expected
     assert (3, 8) not in expected and found.tolist() == sorted(found.tolist())
 

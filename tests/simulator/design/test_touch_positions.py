@@ -5,11 +5,11 @@ import json
 import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import FullFields
-from rcskin.simulator.bounds.position_bound import position_slopes
+from rcskin.simulator.bounds.position_bound import place_likelihood
 from rcskin.simulator.design.evaluator import SceneEvaluator, SearchSettings
+from rcskin.simulator.design.goals import CELLS, TouchPositions
 from rcskin.simulator.design.reading_pool import terminals
 from rcskin.simulator.design.search_journal import SearchJournal
-from rcskin.simulator.design.touch_positions import CELLS, TouchPositions
 from rcskin.simulator.scene.design_goals import Design
 
 POSITIONS = {"target": "position", "casts": 1, "sheet_ratio": 1.0, "readings": 2}
@@ -33,11 +33,13 @@ def bench(scene):
 
 
 def test_bounds_are_those_of_the_full_solver(scene):
-    found, touches = bench(scene), TouchPositions(scene.parts)
+    found, touches = bench(scene), TouchPositions(scene.parts, 6)
     on = found._trained.readout(None, found.own.material, scene.interfaces)
-    told = touches.slopes(on, scene.frequencies, 6)
+    told = touches.at_places(on, scene.frequencies)
     fields = FullFields(scene.parts, float(scene.frequencies[-1]), CELLS)
-    exact = position_slopes(fields, touches.places, touches.size, scene.frequencies, against_rest=6)
+    exact = place_likelihood(
+        fields, touches.places, touches.size, scene.frequencies, against_rest=6
+    )
     for name in ("x", "y", "strength"):
         one, other = (getattr(each.bounds(), name) for each in (told, exact))
         assert np.isfinite(other).any()

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import fields_of
-from rcskin.simulator.bounds.position_bound import chosen_touch, places_on, position_slopes
+from rcskin.simulator.bounds.position_bound import chosen_touch, place_likelihood, places_on
 from rcskin.simulator.limits.survey import SurveyOptions, survey, with_interfaces
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 
@@ -34,7 +34,7 @@ def slopes_of(scene, against_rest):
     touch = chosen_touch(scene.parts.skin, scene.press)
     fields = fields_of(scene.parts, scene.frequencies[-1], touch)
     places = places_on(scene.parts.skin, touch, fields.cells, 3)
-    return position_slopes(fields, places, touch, scene.frequencies, against_rest=against_rest)
+    return place_likelihood(fields, places, touch, scene.frequencies, against_rest=against_rest)
 
 
 @pytest.mark.parametrize("against_rest", [0, 4])
@@ -55,10 +55,11 @@ def test_information_of_readings_adds_up(shared):
     """Against rest no error is shared: left and right of a mask are what the whole is made of."""
     slopes = slopes_of(shared, 4)
     taken = np.array(shared.with_(OWN).parts.setup.taken)
-    per_reading = np.einsum("cifqa,cifqb->cifab", slopes.by, slopes.by)
-    expected = slopes.of_information(per_reading[:, taken].sum(axis=1))
-    np.testing.assert_allclose(slopes.bounds(taken=taken).strength, expected.strength, rtol=1e-9)
-    assert (slopes.bounds().strength < expected.strength).all()
+    by = slopes.readings.by
+    information = np.einsum("cifqa,cifqb->cifab", by, by)[:, taken].sum(axis=1)
+    expected = np.sqrt(np.linalg.inv(information)[:, 2, 2])
+    np.testing.assert_allclose(slopes.bounds(taken=taken).strength, expected, rtol=1e-6)
+    assert (slopes.bounds().strength < expected).all()
 
 
 def test_a_survey_has_the_scenes_own_frequencies_and_common_sets(shared):

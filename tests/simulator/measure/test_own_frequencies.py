@@ -201,7 +201,9 @@ def test_two_bounds_agree_and_fewer_readings_give_less(shared, own, own_skin, ag
         for scene in (own, shared)
     )
     assert part[0] < whole[0]
-    by_own = Likelihood(own_skin.sweeps, own.parts.setup, own.parts.meter, against_rest)
+    by_own = Likelihood(
+        own.parts.skin, own_skin.sweeps, own.parts.setup, own.parts.meter, against_rest
+    )
     other = CommonDraws(own.parts, "pixel", **known).score(by_own).accuracy
     assert abs(other.share - part[0]) < 4 * np.hypot(other.error, part[1])
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.fisher_information import session_errors
+from rcskin.simulator.bounds.likelihood import LinearLikelihood, over_noise
 from rcskin.simulator.measure.readout import ErrorModel, MeterSession, observed, reading_from
 from rcskin.simulator.scene.meter import Readout
 
@@ -93,10 +93,11 @@ def test_all_forms_of_the_errors_are_one_covariance(against_rest):
     expected = np.linalg.inv(own.covariance)
     whitened = own.whitened(flat)
     np.testing.assert_allclose(whitened @ whitened.T, flat @ expected @ flat.T)
-    slopes, prior = session_errors(own)
-    entering = np.moveaxis(slopes, 2, 0).reshape(12, -1) * own.deviation[:, None]
-    covariance = np.diag(own.deviation**2) + entering @ np.diag(1 / prior) @ entering.T
-    np.testing.assert_allclose(covariance, own.covariance)
+    by = np.moveaxis(over_noise(flat, own), 0, -1)[None]
+    linear = LinearLikelihood.of_cases(by, own, np.zeros(4))
+    np.testing.assert_allclose(linear.information[0], flat @ expected @ flat.T)
+    whole = linear.by_frequency().at(np.ones(3))
+    np.testing.assert_allclose(whole[0], flat @ expected @ flat.T)
 
 
 def test_readings_not_taken_do_not_enter():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import FullFields
-from rcskin.simulator.bounds.fisher_information import error_model
+from rcskin.simulator.bounds.likelihood import error_model
 from rcskin.simulator.bounds.position_bound import SkinUnknowns
 from rcskin.simulator.calibration.fitting.measurements import measurements_of
 from rcskin.simulator.calibration.fitting.prior import priors
