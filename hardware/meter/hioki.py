@@ -5,83 +5,29 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from ...simulator.meters.accuracy_table import (
-    METER_BANDS,
-    RANGES,
-    AccuracyTable,
-    GeneratorLevel,
-    ReadingConditions,
-)
+from ...simulator.meters.accuracy_table import AccuracyTable, GeneratorLevel, ReadingConditions
 from .errors import GarbledError
+from .hioki_dialect import (
+    CORRECTIONS,
+    CP_RS_X,
+    STATUS_AND_VALUES,
+    HiokiDialect,
+    HiokiSiblingDialect,
+    frequency_of,
+    voltage_from,
+)
 from .lcr_meter import LcrMeter
 from .meter_reading import MeterReading, parse_reading
-from .setting import (
-    IntegerFormat,
-    MeterProperty,
-    NumberFormat,
-    OnOffFormat,
-    RegisterFormat,
-    Setting,
-    WordFormat,
-)
 
-SPEEDS = ("FAST", "MEDium", "SLOW", "SLOW2")
-CORRECTIONS = ("OFF", "ALL", "SPOT")
-CORRECTION_COMMANDS = {"open": ":CORRection:OPEN", "short": ":CORRection:SHORt"}
 CORRECTION_COMPLETE = 1
-CP_RS_X = 16, 18
-STATUS_AND_VALUES = 18
 TIMING = ("frequency", "speed", "averaging", "trigger_delay")
 READ = "*TRG;:MEASure?"
 ROUNDING = 6e-5
 """Relative rounding of frequencies, which a meter sets with five digits."""
 
 
-class HiokiMeter(LcrMeter):
+class HiokiMeter(HiokiDialect, LcrMeter):
     """Common part of the four models."""
-
-    header = Setting(":HEADer", OnOffFormat(), "True if answers begin with the command's name")
-    items = Setting(":MEASure:ITEM", RegisterFormat(2), "Quantities of a reading")
-    valid = Setting(":MEASure:VALid", IntegerFormat(1, 31), "Parts of a reading")
-    mode = Setting(":MODE", WordFormat(("LCR", "CONTinuous")), "Mode of measurement")
-    level = Setting(
-        ":LEVel",
-        WordFormat(("V", "CV", "CC")),
-        "Controlled quantity: the open voltage (V), the skin's voltage (CV) or its current (CC)",
-    )
-    voltage = Setting(":LEVel:VOLTage", NumberFormat("V", 5e-3, 5, 4), "Open voltage, rms, level V")
-    constant_voltage = Setting(
-        ":LEVel:CVOLTage", NumberFormat("V", 5e-3, 5, 4), "Voltage on the skin, rms, level CV"
-    )
-    constant_current = Setting(
-        ":LEVel:CCURRent",
-        NumberFormat("A", 10e-6, 50e-3, 4),
-        "Current through the skin, rms, level CC",
-    )
-    range = Setting(
-        ":RANGe",
-        IntegerFormat(1, 10),
-        "Range, 100 mohm x 10^(range - 1) full scale; ends automatic choice",
-        moves="auto_range",
-    )
-    auto_range = Setting(
-        ":RANGe:AUTO", OnOffFormat(), "True if the meter chooses the range", moves="range"
-    )
-    trigger = Setting(
-        ":TRIGger",
-        WordFormat(("INTernal", "EXTernal")),
-        "Source of the trigger: the meter itself, or *TRG",
-    )
-    cable = Setting(":CORRection:CABLe", IntegerFormat(0, 1), "Length of the cable, m")
-    load_correction = Setting(
-        ":CORRection:LOAD", OnOffFormat(), "True if load correction is applied"
-    )
-    open_correction = MeterProperty(
-        ":CORRection:OPEN?", WordFormat(CORRECTIONS), "Open correction in use"
-    )
-    short_correction = MeterProperty(
-        ":CORRection:SHORt?", WordFormat(CORRECTIONS), "Short correction in use"
-    )
 
     needed: ClassVar = {
         "header": False,
@@ -106,7 +52,7 @@ class HiokiMeter(LcrMeter):
     )
     timing = TIMING
     restored_last = ("auto_range", "trigger", "header")
-    extents = ("ALL", "SPOT", "OFF")
+    extents = (*CORRECTIONS[1:], "OFF")
 
     def read(self) -> MeterReading:
         """Reading that this call triggered, never an older one.
@@ -162,7 +108,7 @@ class HiokiMeter(LcrMeter):
         """Start to acquire a correction, or end it; the meter requires the external trigger."""
         self.trigger = "EXTERNAL"
         self.talk.query(":ESR0?", int)
-        self.talk.send(f"{CORRECTION_COMMANDS[kind]} {extent}")
+        self.talk.send(f"{self._corrections(kind)} {extent}")
 
     def correction_done(self) -> bool:
         """True if the started correction has ended."""
@@ -170,67 +116,44 @@ class HiokiMeter(LcrMeter):
 
     def correction_fault(self, kind: str) -> str:
         """Fault of the correction that has ended; empty if there is none."""
-        error = self.talk.query(f"{CORRECTION_COMMANDS[kind]}:ERRor?", int)
+        error = self.talk.query(f"{self._corrections(kind)}:ERRor?", int)
         return f"error {error}" if error else ""
 
     def cancel_correction(self, kind: str) -> None:
         """Cancel the started correction."""
-        self.talk.send(f"{CORRECTION_COMMANDS[kind]} CANCel")
+        self.talk.send(f"{self._corrections(kind)} CANCel")
+
+    def _corrections(self, kind: str) -> str:
+        return getattr(type(self), f"{kind}_correction").command
 
 
 class IM3523(HiokiMeter):
     """40 Hz to 200 kHz. Speed, averaging and delay exist per range and are set equally."""
 
     model = "IM3523"
-    frequency = Setting(":FREQuency", NumberFormat("Hz", *METER_BANDS["IM3523"], 5), "Frequency")
-    speed = Setting(":RANGe:SYNC:SPEEd", WordFormat(SPEEDS), "Speed", each_range=RANGES)
-    averaging = Setting(
-        ":RANGe:SYNC:AVERaging",
-        IntegerFormat(1, 256, "OFF"),
-        "Readings averaged",
-        each_range=RANGES,
-    )
-    trigger_delay = Setting(
-        ":RANGe:SYNC:TRIGger:DELay",
-        NumberFormat("s", 0, 9.9999, 5),
-        "Time from trigger to measurement",
-        each_range=RANGES,
-    )
 
 
-class _Sibling(HiokiMeter):
-    speed = Setting(":SPEEd", WordFormat(SPEEDS), "Speed")
-    averaging = Setting(":AVERaging", IntegerFormat(1, 256, "OFF"), "Readings averaged")
-    trigger_delay = Setting(
-        ":TRIGger:DELay", NumberFormat("s", 0, 9.9999, 5), "Time from trigger to measurement"
-    )
-
-
-class IM3533(_Sibling):
+class IM3533(HiokiSiblingDialect, HiokiMeter):
     """1 mHz to 200 kHz."""
 
     model = "IM3533"
-    frequency = Setting(":FREQuency", NumberFormat("Hz", *METER_BANDS["IM3533"], 5), "Frequency")
+    frequency = frequency_of("IM3533")
 
 
-class IM3536(_Sibling):
+class IM3536(HiokiSiblingDialect, HiokiMeter):
     """4 Hz to 8 MHz, from 10 mV."""
 
     model = "IM3536"
-    frequency = Setting(":FREQuency", NumberFormat("Hz", *METER_BANDS["IM3536"], 5), "Frequency")
-    voltage = Setting(
-        ":LEVel:VOLTage", NumberFormat("V", 10e-3, 5, 4), "Open voltage, rms, level V"
-    )
-    constant_voltage = Setting(
-        ":LEVel:CVOLTage", NumberFormat("V", 10e-3, 5, 4), "Voltage on the skin, rms, level CV"
-    )
+    frequency = frequency_of("IM3536")
+    voltage = voltage_from(10e-3, ":LEVel:VOLTage", "Open voltage, rms, level V")
+    constant_voltage = voltage_from(10e-3, ":LEVel:CVOLTage", "Voltage on the skin, rms, level CV")
 
 
-class IM3570(_Sibling):
+class IM3570(HiokiSiblingDialect, HiokiMeter):
     """4 Hz to 5 MHz."""
 
     model = "IM3570"
-    frequency = Setting(":FREQuency", NumberFormat("Hz", *METER_BANDS["IM3570"], 5), "Frequency")
+    frequency = frequency_of("IM3570")
 
 
 HIOKI = (IM3523, IM3533, IM3536, IM3570)

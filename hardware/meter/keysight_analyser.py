@@ -1,7 +1,6 @@
 """Impedance analyser E4990A by Keysight, swept by segments.
 
-The manual was not read. The commands are those of public programs for this analyser, see the table
-in docs/reference/meter.md; the sequence is that of github.com/rjollos/e4990a.
+The sequence of a sweep is that of github.com/rjollos/e4990a.
 """
 
 from __future__ import annotations
@@ -17,24 +16,10 @@ from ...simulator.meters.accuracy_table import (
 )
 from ...simulator.sweeps import InputError
 from .errors import FailedReadingError
-from .keysight_meter import (
-    CORRECTION_SECONDS,
-    KeysightMeter,
-    NumbersFormat,
-    NumbersSetting,
-    reading_of,
-    state_of,
-)
+from .keysight_dialects import AnalyserDialect
+from .keysight_meter import CORRECTION_SECONDS, KeysightMeter, reading_of
 from .meter_reading import MeterReading
-from .setting import (
-    IntegerFormat,
-    MeterProperty,
-    NumberFormat,
-    OnOffFormat,
-    Setting,
-    TokenFormat,
-    WordFormat,
-)
+from .setting import NumbersFormat
 
 SEGMENT_HEADER = (7, 0, 0, 0, 0, 0, 0, 0)
 """Start of a table of segments that have start, stop and number of points, and nothing else."""
@@ -48,15 +33,9 @@ POINTS_OF_SEGMENT = 2
 """Smallest number of points of a segment."""
 VALUES_OF_POINT = 2
 """Values of a point in a trace: the value, and 0."""
-TABLE_SPEEDS = {1: "FAST", 2: "MEDIUM", 3: "SLOW", 4: "SLOW", 5: "SLOW2"}
-"""Speeds in the words of an accuracy table."""
-MIN_SECONDS = {1: 5e-3, 2: 0.03, 3: 0.07, 4: 0.14, 5: 0.25}
-"""Shortest time of a point by speed, s: assumed, and generous, as a time-out follows from it."""
-PERIODS = {1: 2, 2: 4, 3: 8, 4: 16, 5: 32}
-"""Periods of the signal in a point by speed: assumed in the same way."""
 
 
-class E4990A(KeysightMeter):
+class E4990A(AnalyserDialect, KeysightMeter):
     """20 Hz to 10, 20, 30, 50 or 120 MHz, by its option.
 
     A pair of neighbouring frequencies is a segment of two points. The analyser chooses its range by
@@ -79,56 +58,6 @@ class E4990A(KeysightMeter):
     restored_last = ("continuous", "trace_count", "trigger")
     max_points = 402
     rounding = 1e-6
-    correction_commands: ClassVar = {
-        "open": ":SENSe1:CORRection2:COLLect:ACQuire:OPEN",
-        "short": ":SENSe1:CORRection2:COLLect:ACQuire:SHORt",
-    }
-    correction_states: ClassVar = {
-        "open": ":SENSe1:CORRection2:OPEN",
-        "short": ":SENSe1:CORRection2:SHORt",
-    }
-
-    data_format = Setting(":FORMat:DATA", TokenFormat(), "Format of answers")
-    trace_count = Setting(":CALCulate1:PARameter:COUNt", IntegerFormat(1, 4), "Number of traces")
-    trace_1 = Setting(":CALCulate1:PARameter1:DEFine", TokenFormat(), "Quantity of trace 1")
-    trace_2 = Setting(":CALCulate1:PARameter2:DEFine", TokenFormat(), "Quantity of trace 2")
-    sweep_type = Setting(":SENSe1:SWEep:TYPE", TokenFormat(), "Type of the sweep")
-    sweep_delay = Setting(
-        ":SENSe1:SWEep:DELay", NumberFormat("s", 0, 30, 5), "Time before each measurement"
-    )
-    swept = MeterProperty(":SENSe1:FREQuency:DATA?", NumbersFormat(), "Frequencies of the sweep")
-    segments = NumbersSetting(":SENSe1:SEGMent:DATA", NumbersFormat(), "Table of the segments")
-    continuous = Setting(
-        ":INITiate1:CONTinuous", OnOffFormat(), "True if the analyser waits for triggers by itself"
-    )
-    trigger = Setting(
-        ":TRIGger:SOURce",
-        WordFormat(("INTernal", "EXTernal", "MANual", "BUS")),
-        "Source of the trigger: the analyser itself, a contact, a key, or a command",
-    )
-    sweep_averages = Setting(
-        ":CALCulate1:AVERage:STATe", OnOffFormat(), "True if sweeps are averaged"
-    )
-    source_mode = Setting(
-        ":SOURce1:MODE", WordFormat(("VOLTage", "CURRent")), "Kind of the oscillator's level"
-    )
-    voltage = Setting(":SOURce1:VOLTage", NumberFormat("V", 5e-3, 1, 4), "Voltage, rms, level V")
-    constant_current = Setting(
-        ":SOURce1:CURRent", NumberFormat("A", 200e-6, 20e-3, 4), "Current, rms, level CC"
-    )
-    speed = Setting(
-        ":SENSe1:APERture:TIME", IntegerFormat(1, 5), "Measurement time: 1 fastest, 5 most accurate"
-    )
-    averages = Setting(":SENSe1:AVERage:STATe", OnOffFormat(), "True if points are averaged")
-    averaging_count = Setting(
-        ":SENSe1:AVERage:COUNt", IntegerFormat(1, 999), "Readings of a point that are averaged"
-    )
-    load_correction = Setting(
-        ":SENSe1:CORRection2:LOAD", OnOffFormat(), "True if load compensation is applied"
-    )
-    open_correction = state_of(":SENSe1:CORRection2:OPEN", "Open compensation of the fixture")
-    short_correction = state_of(":SENSe1:CORRection2:SHORt", "Short compensation of the fixture")
-    bias = state_of(":SOURce1:BIAS:STATe", "DC bias")
 
     @property
     def level(self) -> str:
@@ -215,7 +144,8 @@ class E4990A(KeysightMeter):
     def reading_seconds(cls, timing: Mapping[str, Any]) -> float:
         """Approximate time of a point, s; at the lowest frequency if none is given."""
         frequency = timing.get("frequency", METER_BANDS[cls.model][0])
-        one = max(PERIODS[timing["speed"]] / frequency, MIN_SECONDS[timing["speed"]])
+        n = timing["speed"] - 1
+        one = max(cls.periods[n] / frequency, cls.longest_seconds[n])
         averaged = one * (timing["averaging_count"] if timing["averages"] else 1)
         return averaged + timing["sweep_delay"]
 
@@ -227,7 +157,7 @@ class E4990A(KeysightMeter):
         voltage = settings["voltage"]
         if settings["level"] == "CC":
             voltage = settings["constant_current"] * abs(OUTPUT_RESISTANCE + Z)
-        speed = TABLE_SPEEDS[settings["speed"]]
+        speed = cls.table_speeds[settings["speed"] - 1]
         return ReadingConditions(
             frequency, table.fitting_range(Z), speed, settings["averaging"], voltage
         )
@@ -238,7 +168,7 @@ class E4990A(KeysightMeter):
         Or end its use.
         """
         if extent != "OFF":
-            self.talk.send(":SENSe1:CORRection:COLLect:FPOints FIXed")
+            self.talk.send(f"{type(self).fixture_points.command} FIXed")
         super().start_correction(kind, extent)
 
     def correction_done(self) -> bool:

@@ -1,9 +1,4 @@
-"""LCR meters E4980A and E4980AL by Keysight (once Agilent) and 4284A by Hewlett-Packard.
-
-Sources: E4980A/E4980AL User's Guide (E4980-90230), chapters "SCPI Command Reference" and "Remote
-Control"; 4284A Operation Manual (04284-90040), chapter "Command Reference"; public programs for
-these meters. docs/reference/meter.md says which command rests on which.
-"""
+"""LCR meters E4980A and E4980AL by Keysight (once Agilent) and 4284A by Hewlett-Packard."""
 
 from __future__ import annotations
 
@@ -13,56 +8,87 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...simulator.meters.accuracy_table import (
-    METER_BANDS,
     OUTPUT_RESISTANCE,
     RANGES,
     AccuracyTable,
     ReadingConditions,
 )
 from ...simulator.sweeps import InputError
-from .errors import FailedReadingError
-from .keysight_meter import (
-    CORRECTION_SECONDS,
-    AmplitudeSetting,
-    FrequencyListFormat,
-    KeysightMeter,
-    NumbersSetting,
-    reading_of,
-    state_of,
+from .errors import FailedReadingError, RefusedError
+from .keysight_dialects import (
+    CORRECTING,
+    STATUSES,
+    TABLE_SPEEDS,
+    E4980ALDialect,
+    HP4284ADialect,
+    LcrDialect,
 )
-from .meter_reading import MeterReading, ReadingStatus
-from .setting import (
-    ChoiceFormat,
-    IntegerFormat,
-    NumberFormat,
-    OnOffFormat,
-    PartsFormat,
-    Setting,
-    SettingPart,
-    TokenFormat,
-    WordFormat,
-)
+from .keysight_meter import CORRECTION_SECONDS, KeysightMeter, reading_of
+from .meter_reading import MeterReading
+from .setting import Setting, SettingPart, SettingsOwner
 
-SPEEDS = ("SHORt", "MEDium", "LONG")
-TABLE_SPEEDS = {"SHORT": "FAST", "MEDIUM": "MEDIUM", "LONG": "SLOW"}
-"""Speeds in the words of an accuracy table."""
 MEASUREMENT_PAGE, LIST_PAGE = "MEAS", "LIST"
 VALUES_OF_POINT = 4
 """Values of a point in the answer of a list sweep: R, X, status, comparison."""
-CORRECTING = 1
-"""Bit of the operation status register: correction data are being measured."""
-STATUSES = {
-    -1: ReadingStatus.NOT_MEASURED,
-    0: ReadingStatus.NORMAL,
-    1: ReadingStatus.OVERLOAD,
-    2: ReadingStatus.CONVERTER,
-    3: ReadingStatus.SOURCE_OVERLOAD,
-    4: ReadingStatus.NOT_LEVELLED,
-}
-"""Status of a reading by the number in the meter's answer."""
 
 
-class KeysightLcrMeter(KeysightMeter):
+class AmplitudeFormat:
+    """Amplitude with its unit: `0.5 V` or `0.001 A`, rms."""
+
+    rows: ClassVar[Mapping[str, Setting[float]]] = {
+        "V": LcrDialect.voltage,
+        "A": LcrDialect.current,
+    }
+
+    def __str__(self) -> str:
+        return " or ".join(str(row.allowed) for row in self.rows.values())
+
+    def write(self, value: Any) -> str | None:
+        """The command with the number."""
+        number, _, unit = str(value).partition(" ")
+        if unit not in self.rows:
+            return None
+        try:
+            text = self.rows[unit].allowed.write(float(number))
+        except ValueError:
+            return None
+        return text and f"{self.rows[unit].command} {text}"
+
+    def read(self, text: str) -> str:
+        """The amplitude in a command."""
+        command, _, number = text.partition(" ")
+        unit = next(unit for unit, row in self.rows.items() if row.command == command)
+        return f"{float(number):.4g} {unit}"
+
+
+class AmplitudeSetting(Setting[str]):
+    """Amplitude of the generator: a voltage or a current, whichever the meter controls.
+
+    The query of the other one is an error and has no answer.
+    """
+
+    def __init__(self) -> None:
+        super().__init__("", AmplitudeFormat(), "Amplitude of the generator, rms")
+        self.command_text = ""
+
+    def __get__(self, meter: Any, owner: type) -> Any:
+        if meter is None:
+            return self
+        latest = str(meter.cached.get(self.name, "V"))[-1]
+        first, second = sorted(AmplitudeFormat.rows, key=lambda unit: unit != latest)
+        try:
+            value = self._query(meter, first)
+        except RefusedError:
+            value = self._query(meter, second)
+        meter.cached[self.name] = value
+        return value
+
+    def _query(self, meter: SettingsOwner, unit: str) -> str:
+        command = AmplitudeFormat.rows[unit].command
+        return meter.talk.query(f"{command}?", lambda text: self.allowed.read(f"{command} {text}"))
+
+
+class KeysightLcrMeter(LcrDialect, KeysightMeter):
     """Common part of the three models."""
 
     needed: ClassVar = {
@@ -89,57 +115,10 @@ class KeysightLcrMeter(KeysightMeter):
     delays = ("trigger_delay",)
     restored_last = ("auto_range", "page", "continuous", "trigger")
     rounding = 6e-4
-    correction_commands: ClassVar = {
-        "open": ":CORRection:OPEN:EXECute",
-        "short": ":CORRection:SHORt:EXECute",
-    }
-    correction_states: ClassVar = {
-        "open": ":CORRection:OPEN:STATe",
-        "short": ":CORRection:SHORt:STATe",
-    }
-    list_frequencies: ClassVar[NumbersSetting]
-    _listed: tuple[float, ...] = ()
-    seconds_at: ClassVar[Mapping[str, tuple[tuple[float, float], ...]]]
-
-    data_format = Setting(":FORMat", TokenFormat(), "Format of answers")
-    function = Setting(":FUNCtion:IMPedance", TokenFormat(), "Quantities of a reading")
-    deviation_1 = Setting(":FUNCtion:DEV1:MODE", TokenFormat(), "Deviation of the first quantity")
-    deviation_2 = Setting(":FUNCtion:DEV2:MODE", TokenFormat(), "Deviation of the second quantity")
-    page = Setting(":DISPlay:PAGE", TokenFormat(), "Page of the display, which decides on sweeps")
-    list_mode = Setting(
-        ":LIST:MODE", WordFormat(("SEQuence", "STEPped")), "Points of a list per trigger"
-    )
-    continuous = Setting(
-        ":INITiate:CONTinuous", OnOffFormat(), "True if the meter waits for triggers by itself"
-    )
-    trigger = Setting(
-        ":TRIGger:SOURce",
-        WordFormat(("INTernal", "EXTernal", "BUS", "HOLD")),
-        "Source of the trigger: the meter itself, a contact, *TRG, or a key",
-    )
-    trigger_delay: ClassVar[Setting[float]]
-    level_control = Setting(
-        ":AMPLitude:ALC", OnOffFormat(), "True if the amplitude is controlled at the skin"
-    )
     amplitude = AmplitudeSetting()
-    auto_range = Setting(
-        ":FUNCtion:IMPedance:RANGe:AUTO",
-        OnOffFormat(),
-        "True if the meter chooses the range",
-        moves="range",
-    )
-    aperture = Setting(
-        ":APERture", PartsFormat((WordFormat(SPEEDS), IntegerFormat(1, 256))), "Time of integration"
-    )
-    speed = SettingPart(aperture, 0, "Speed")
-    averaging = SettingPart(aperture, 1, "Readings averaged")
-    cable = Setting(":CORRection:LENGth", IntegerFormat(0, 4), "Length of the cable, m")
-    load_correction = Setting(
-        ":CORRection:LOAD:STATe", OnOffFormat(), "True if load correction is applied"
-    )
-    open_correction = state_of(":CORRection:OPEN:STATe", "Open correction")
-    short_correction = state_of(":CORRection:SHORt:STATe", "Short correction")
-    bias = state_of(":BIAS:STATe", "DC bias")
+    speed = SettingPart(LcrDialect.aperture, 0, "Speed")
+    averaging = SettingPart(LcrDialect.aperture, 1, "Readings averaged")
+    _listed: tuple[float, ...] = ()
 
     @property
     def level(self) -> str:
@@ -216,11 +195,9 @@ class KeysightLcrMeter(KeysightMeter):
 
     @classmethod
     def reading_seconds(cls, timing: Mapping[str, Any]) -> float:
-        """Approximate time of a reading, s: between the table's frequencies, straight in logs."""
-        speed, averaging = timing["aperture"]
-        frequency, seconds = np.log(np.array(cls.seconds_at[speed]).T)
-        one = float(np.exp(np.interp(np.log(timing["frequency"]), frequency, seconds)))
-        return one * averaging + timing["trigger_delay"] + timing.get("step_delay", 0.0)
+        """Approximate time of a reading, s."""
+        one = seconds_of(cls.seconds_at, timing["aperture"], timing["frequency"])
+        return one + timing["trigger_delay"] + timing.get("step_delay", 0.0)
 
     @classmethod
     def conditions(
@@ -247,8 +224,21 @@ class KeysightLcrMeter(KeysightMeter):
 
     def correction_done(self) -> bool:
         """True if the started correction has ended."""
-        status = self.talk.query(":STATus:OPERation:CONDition?", int, seconds=CORRECTION_SECONDS)
+        status = self.talk.query(f"{self.condition}?", int, seconds=CORRECTION_SECONDS)
         return not status & CORRECTING
+
+
+def seconds_of(
+    seconds_at: Mapping[str, Sequence[tuple[float, float]]],
+    aperture: tuple[str, int],
+    frequency: float,
+) -> float:
+    """Time of a measurement, s. seconds_at: of a dialect. aperture: speed and averaging.
+
+    The time at a frequency in Hz is straight in logarithms between those of the table.
+    """
+    known, seconds = np.log(np.array(seconds_at[aperture[0]]).T)
+    return aperture[1] * float(np.exp(np.interp(np.log(frequency), known, seconds)))
 
 
 def parse_point(R: str, X: str, status: str, frequency: float) -> MeterReading:
@@ -271,68 +261,25 @@ def _range_number(full_scale: float) -> int:
     return int(np.clip(round(np.log10(full_scale)) + 2, RANGES[0], RANGES[-1]))
 
 
-def _list_setting(model: str, digits: int, points: int, clear: str = "") -> NumbersSetting:
-    allowed = FrequencyListFormat(NumberFormat("Hz", *METER_BANDS[model], digits), points)
-    return NumbersSetting(":LIST:FREQuency", allowed, "Frequencies of the list sweep", clear)
-
-
-def _range_setting(*numbers: float) -> Setting[float]:
-    return Setting(
-        ":FUNCtion:IMPedance:RANGe",
-        ChoiceFormat("ohm", numbers),
-        "Range; ends automatic choice",
-        moves="auto_range",
-    )
-
-
 class E4980A(KeysightLcrMeter):
-    """20 Hz to 2 MHz, which it sets with four digits. Times: data sheet, measurement time."""
+    """20 Hz to 2 MHz, which it sets with four digits."""
 
     model = "E4980A"
-    max_points = 201
     settable = (*KeysightLcrMeter.settable, "step_delay")
     timing = (*KeysightLcrMeter.timing, "step_delay")
     delays = ("trigger_delay", "step_delay")
-    trigger_delay = Setting(
-        ":TRIGger:TDELay", NumberFormat("s", 0, 999, 5), "Time from trigger to measurement"
-    )
-    step_delay = Setting(
-        ":TRIGger:DELay", NumberFormat("s", 0, 999, 5), "Time before each measurement"
-    )
-    frequency = Setting(":FREQuency", NumberFormat("Hz", *METER_BANDS["E4980A"], 4), "Frequency")
-    list_frequencies = _list_setting("E4980A", 4, max_points, ":LIST:CLEar:ALL")
-    range = _range_setting(0.1, 1, 10, 100, 300, 1e3, 3e3, 1e4, 3e4, 1e5)
-    seconds_at: ClassVar = {
-        "SHORT": ((20, 0.33), (100, 0.1), (1e3, 0.02), (1e4, 7.7e-3), (1e5, 5.7e-3), (2e6, 5.6e-3)),
-        "MEDIUM": ((20, 0.38), (100, 0.18), (1e3, 0.11), (1e4, 0.092), (1e5, 0.089), (2e6, 0.088)),
-        "LONG": ((20, 0.48), (100, 0.3), (1e3, 0.24), (1e4, 0.23), (1e5, 0.22), (2e6, 0.22)),
-    }
 
 
-class E4980AL(E4980A):
+class E4980AL(E4980ALDialect, E4980A):
     """20 Hz to 300 kHz, 500 kHz or 1 MHz, by its option."""
 
     model = "E4980AL"
-    frequency = Setting(":FREQuency", NumberFormat("Hz", *METER_BANDS["E4980AL"], 4), "Frequency")
-    list_frequencies = _list_setting("E4980AL", 4, 201, ":LIST:CLEar:ALL")
 
 
-class HP4284A(KeysightLcrMeter):
-    """20 Hz to 1 MHz, of which it has 8610 frequencies. Times: from memory, generous."""
+class HP4284A(HP4284ADialect, KeysightLcrMeter):
+    """20 Hz to 1 MHz, of which it has 8610 frequencies."""
 
     model = "4284A"
-    max_points = 10
-    trigger_delay = Setting(
-        ":TRIGger:DELay", NumberFormat("s", 0, 60, 5), "Time from trigger to measurement"
-    )
-    frequency = Setting(":FREQuency", NumberFormat("Hz", *METER_BANDS["4284A"], 6), "Frequency")
-    list_frequencies = _list_setting("4284A", 6, max_points)
-    range = _range_setting(1, 10, 100, 300, 1e3, 3e3, 1e4, 3e4, 1e5)
-    seconds_at: ClassVar = {
-        "SHORT": ((20, 1.35), (100, 0.27), (1e3, 0.04), (1e4, 0.03), (1e6, 0.03)),
-        "MEDIUM": ((20, 2.0), (100, 0.4), (1e3, 0.19), (1e4, 0.18), (1e6, 0.18)),
-        "LONG": ((20, 5.2), (100, 1.04), (1e3, 0.83), (1e4, 0.82), (1e6, 0.82)),
-    }
 
 
 KEYSIGHT_LCR = (E4980A, E4980AL, HP4284A)

@@ -94,6 +94,10 @@ class ReadingStatus(Enum):
 
 
 BY_CODE = {status.code: status for status in ReadingStatus}
+FAILURES = {
+    code for code, status in BY_CODE.items() if code < OTHER_MAKERS and not status.has_values
+}
+"""Codes of Hioki's without a number."""
 
 
 @dataclass(frozen=True)

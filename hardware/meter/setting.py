@@ -1,19 +1,29 @@
-"""Settings of a meter as declared properties: command, meaning, allowed values and format."""
+"""Settings of a meter as declared properties: the rows of a dialect.
+
+A dialect is a class whose attributes are rows: `frequency = Setting(":FREQuency[:CW]", ...)`. A
+driver is a subclass and sets by the rows; the virtual meter parses and answers by the same rows.
+"""
 
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from numbers import Real
 from typing import TYPE_CHECKING, Any, Generic, Protocol, Self, TypeVar, overload
 
 from ...simulator.sweeps import InputError
+from .errors import RefusedError
 
 if TYPE_CHECKING:
     from .link.conversation import Conversation
 
 Value_co = TypeVar("Value_co", covariant=True)
+NO_NUMBER = 9.9e37
+"""A meter that speaks SCPI writes this number where it has none."""
+NO_VALUE = 9e37
+"""From here on a number stands for none."""
 
 
 class ValueFormat(Protocol[Value_co]):
@@ -34,12 +44,18 @@ class ValueFormat(Protocol[Value_co]):
 
 @dataclass(frozen=True)
 class NumberFormat:
-    """Numbers in a unit, sent with `digits` significant digits."""
+    """Numbers in a unit, sent with `digits` significant digits.
+
+    resolution: digits to which the meter rounds; 0 if it keeps the number. answered: format of the
+    meter's answer, or `eng5` for five digits with an exponent in threes.
+    """
 
     unit: str
     low: float
     high: float
     digits: int
+    resolution: int = 0
+    answered: str = "+.5E"
 
     def __str__(self) -> str:
         return f"from {self.low:g} to {self.high:g} {self.unit}"
@@ -107,9 +123,17 @@ class WordFormat:
 
 @dataclass(frozen=True)
 class RegisterFormat:
-    """`count` registers of eight bits. Further ones of a model are left out if they are 0."""
+    """Registers of eight bits, of which a meter has at least these; further ones are left out if 0.
 
-    count: int
+    highest: largest number that the meter takes in each.
+    """
+
+    highest: tuple[int, ...]
+
+    @property
+    def count(self) -> int:
+        """Number of registers."""
+        return len(self.highest)
 
     def __str__(self) -> str:
         return f"{self.count} whole numbers from 0 to 255"
@@ -159,8 +183,9 @@ class ChoiceFormat:
         return f"{value:g}" if _is_number(value) and value in self.numbers else None
 
     def read(self, text: str) -> float:
-        """A finite number."""
-        return NumberFormat(self.unit, -math.inf, math.inf, 12).read(text)
+        """A finite number; one of `numbers` as it stands there."""
+        value = NumberFormat(self.unit, -math.inf, math.inf, 12).read(text)
+        return next((each for each in self.numbers if each == value), value)
 
 
 @dataclass(frozen=True)
@@ -181,7 +206,12 @@ class StateFormat:
 
 @dataclass(frozen=True)
 class TokenFormat:
-    """Any word of the meter, such as the name of a page; it is kept as the meter wrote it."""
+    """Any word of the meter, such as the name of a page; it is kept as the meter wrote it.
+
+    words: those that are known, in short and long form. The driver sends others, too.
+    """
+
+    words: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         return "a word of the meter"
@@ -219,6 +249,30 @@ class PartsFormat:
         return tuple(part.read(each.strip()) for part, each in pairs)
 
 
+@dataclass(frozen=True)
+class NumbersFormat:
+    """Numbers, any or each in a format. most: largest count of them."""
+
+    each: NumberFormat | None = None
+    most: int = 3000
+
+    def __str__(self) -> str:
+        return f"at most {self.most} numbers {self.each}" if self.each else "numbers"
+
+    def write(self, value: Any) -> str | None:
+        """The numbers."""
+        texts = [self.each.write(one) if self.each else f"{one:.12g}" for one in value]
+        fits = None not in texts and len(texts) <= self.most
+        return (",".join(filter(None, texts)) if fits else None) or None
+
+    def read(self, text: str) -> tuple[float, ...]:
+        """The numbers; none in an empty answer."""
+        numbers = [float(one) for one in text.split(",") if text]
+        if self.each and not all(math.isfinite(number) for number in numbers):
+            raise ValueError(text)
+        return tuple(number for number in numbers if not self.each or number < NO_VALUE)
+
+
 def _is_number(value: Any) -> bool:
     return isinstance(value, Real) and not isinstance(value, bool) and math.isfinite(value)
 
@@ -243,12 +297,37 @@ class SettingsOwner(Protocol):
         ...
 
 
-class MeterProperty(Generic[T]):
-    """A property that the meter reports. Each access queries the meter."""
+def driver_form(header: str) -> str:
+    """Header as the driver sends it: `:FREQuency[:CW]` -> `:FREQuency`, `#` -> 1.
 
-    def __init__(self, query: str, allowed: ValueFormat[T], meaning: str) -> None:
-        """query: text of the query; `{range}` in it stands for the present range."""
-        self.query, self.allowed, self.__doc__ = query, allowed, f"{meaning}: {allowed}."
+    Words in square brackets may be omitted and are; words in round ones may be, and are sent.
+    """
+    return re.sub(r"\[.*?\]|[()]", "", header).replace("#", "1")
+
+
+class MeterProperty(Generic[T]):
+    """A property that the meter reports. Each access queries the meter.
+
+    header: of the command, as the manual prints it (capitals are the short form), see
+    `driver_form`; empty if this is no row of a dialect. default: value after a reset. source: what
+    the row rests on; the dialect's `source` if empty. twin: what the virtual meter allows, where a
+    real one may have more.
+    """
+
+    def __init__(
+        self,
+        header: str,
+        allowed: ValueFormat[T],
+        meaning: str,
+        default: Any = None,
+        *,
+        source: str = "",
+        twin: ValueFormat[Any] | None = None,
+    ) -> None:
+        self.header, self.allowed, self.meaning = header, allowed, meaning
+        self.command = driver_form(header)
+        self.query, self.__doc__ = f"{self.command}?", f"{meaning}: {allowed}."
+        self.default, self.source, self.twin = default, source, twin or allowed
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
@@ -262,8 +341,7 @@ class MeterProperty(Generic[T]):
 
     def query_of(self, meter: Any) -> T:
         """Present value on a meter."""
-        at = {"range": meter.range} if "{range}" in self.query else {}
-        return meter.talk.query(self.query.format(**at), self.read_answer)
+        return meter.talk.query(self.query, self.read_answer)
 
     def __set__(self, meter: SettingsOwner, value: T) -> None:
         raise AttributeError(f"`{self.name}` is read from the meter and cannot be set")
@@ -281,21 +359,30 @@ class Setting(MeterProperty[T]):
 
     def __init__(
         self,
-        command: str,
+        header: str,
         allowed: ValueFormat[T],
         meaning: str,
+        default: Any = None,
         *,
+        source: str = "",
+        twin: ValueFormat[Any] | None = None,
         each_range: Sequence[int] = (),
         moves: str = "",
+        clear: str = "",
     ) -> None:
         """each_range: numbers of the ranges, if the meter keeps one value per range; all are set to
         the same value.
 
-        moves: another setting that changes with this one.
+        moves: another setting that changes with this one. clear: command that empties a table.
         """
-        super().__init__(f"{command}? {{range}}" if each_range else f"{command}?", allowed, meaning)
-        self.command_text = f"{command} ALL," if each_range else f"{command} "
-        self._command, self._each_range, self._moves = command, each_range, moves
+        super().__init__(header, allowed, meaning, default, source=source, twin=twin)
+        self.command_text = f"{self.command} ALL," if each_range else f"{self.command} "
+        self.each_range, self._moves, self._clear = each_range, moves, clear
+
+    def query_of(self, meter: Any) -> T:
+        """Present value on a meter; that of the present range if each has its own."""
+        query = f"{self.query} {meter.range}" if self.each_range else self.query
+        return meter.talk.query(query, self.read_answer)
 
     def __set__(self, meter: SettingsOwner, value: T) -> None:
         """Set it.
@@ -310,20 +397,31 @@ class Setting(MeterProperty[T]):
         meter.cached[self.name] = self.allowed.read(text)
 
     def current_value(self, meter: SettingsOwner) -> T | tuple[T, ...]:
-        """Present value, or one value per range."""
-        if not self._each_range:
+        """Present value, or one value per range; an empty table if the meter refuses the query."""
+        if self.each_range:
+            return tuple(
+                meter.talk.query(f"{self.query} {n}", self.read_answer) for n in self.each_range
+            )
+        try:
             return self.__get__(meter, type(meter))
-        return tuple(
-            meter.talk.query(f"{self._command}? {n}", self.read_answer) for n in self._each_range
-        )
+        except RefusedError:
+            if isinstance(self.allowed, NumbersFormat):
+                return ()
+            raise
 
     def restore(self, meter: SettingsOwner, found: Any) -> None:
-        """Set a value that `current_value` gave earlier. Raises as `__set__`."""
-        if not self._each_range or len(set(found)) == 1:
-            self.__set__(meter, found[0] if self._each_range else found)
-            return
-        for n, value in zip(self._each_range, found, strict=True):
-            meter.talk.send(f"{self._command} {n},{self.allowed.write(value)}")
+        """Set a value that `current_value` gave earlier. Raises as `__set__`.
+
+        A table that was empty is emptied if the model has a command for it.
+        """
+        if isinstance(self.allowed, NumbersFormat) and not found:
+            if self._clear:
+                meter.talk.send(self._clear)
+        elif not self.each_range or len(set(found)) == 1:
+            self.__set__(meter, found[0] if self.each_range else found)
+        else:
+            for n, value in zip(self.each_range, found, strict=True):
+                meter.talk.send(f"{self.command} {n},{self.allowed.write(value)}")
 
     def _save_original(self, meter: SettingsOwner) -> None:
         """Add the present value to the meter's original settings, with `moves`, if missing."""
@@ -341,7 +439,7 @@ class SettingPart(MeterProperty[T]):
 
     def __init__(self, whole: Setting[Any], index: int, meaning: str) -> None:
         allowed: ValueFormat[T] = whole.allowed.parts[index]  # pyright: ignore
-        super().__init__(whole.query, allowed, meaning)
+        super().__init__("", allowed, meaning)
         self._whole, self._index = whole, index
 
     def query_of(self, meter: Any) -> T:
@@ -356,3 +454,23 @@ class SettingPart(MeterProperty[T]):
         values = list(self._whole.query_of(meter))
         values[self._index] = self.allowed.read(text)
         self._whole.__set__(meter, tuple(values))
+
+
+FROM_MEMORY, CHOSEN = "from memory", "chosen here"
+"""Sources of what rests on no text that was at hand."""
+
+
+def source_of(dialect: Any, name: str) -> str:
+    """What a row of a dialect rests on: `own_sources` of the model, the row, or the dialect."""
+    own = next((text for text, names in dialect.own_sources.items() if name in names.split()), "")
+    return own or rows(dialect)[name].source or dialect.source
+
+
+def rows(dialect: type) -> dict[str, MeterProperty[Any]]:
+    """Rows of a dialect by name, those of its base classes first."""
+    found: dict[str, Any] = {}
+    for each in reversed(dialect.__mro__):
+        found |= vars(each)
+    return {
+        name: row for name, row in found.items() if isinstance(row, MeterProperty) and row.header
+    }

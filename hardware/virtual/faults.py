@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ...simulator.sweeps import InputError
-from .measurement import UNDERFLOW, WITHOUT_NUMBERS
+from ..meter.meter_reading import FAILURES
 
 KINDS = {
     "drop": "close the connection instead of answering",
@@ -47,7 +47,7 @@ class Fault:
             raise InputError(f"`times` must be a whole number in 1..1000000, got {self.times!r}")
         if type(self.seconds) not in (int, float) or not 0 <= self.seconds <= 3600:
             raise InputError(f"`seconds` must be in [0, 3600] s, got {self.seconds!r}")
-        if self.status not in WITHOUT_NUMBERS | {UNDERFLOW}:
+        if self.status not in FAILURES:
             raise InputError(f"`status` must be 1, 7, -7, 9 or 12 to 17, got {self.status}")
 
 

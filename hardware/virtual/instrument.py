@@ -9,12 +9,11 @@ import asyncio
 import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from copy import deepcopy
 from dataclasses import dataclass, replace
-from enum import IntFlag
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from ..meter.meter_reading import VIRTUAL_SERIAL
+from ..meter.link.conversation import Event
+from ..meter.meter_reading import BY_CODE, VIRTUAL_SERIAL
 from .faults import GARBAGE, ON_ANSWERS, Fault
 from .language import (
     SYNTAX_ERROR,
@@ -26,7 +25,7 @@ from .language import (
     MeterCommand,
     messages,
 )
-from .measurement import NO_RESULT, MeasurementResult, MeasurementSetup, MeterSettings
+from .measurement import NO_RESULT, MeasurementResult, MeasurementSetup, Settings
 from .virtual_device import VirtualDevice
 
 if TYPE_CHECKING:
@@ -34,26 +33,15 @@ if TYPE_CHECKING:
     from .measurement import Skin
 
 
-class Standard(IntFlag):
-    """Bits of `*ESR?`."""
-
-    PON = 128
-    CME = 32
-    EXE = 16
-    DDE = 8
-    QYE = 4
-    OPC = 1
-
-
 @dataclass
 class EventRegisters:
     """Standard event register with its mask, and the mask of the status byte."""
 
-    standard: int = Standard.PON
+    standard: int = Event.POWER_ON
     standard_mask: int = 0
     request_mask: int = 0
 
-    def note(self, event: Standard) -> None:
+    def note(self, event: Event) -> None:
         """Set the bit of an event."""
         self.standard |= event
 
@@ -111,7 +99,7 @@ class PendingMeasurement:
     points: press, momentary in the middle of the point, and settings of each reading.
     """
 
-    points: tuple[tuple[Any, MeterSettings], ...]
+    points: tuple[tuple[Any, Settings], ...]
     done: float
     setup: MeasurementSetup
 
@@ -141,7 +129,7 @@ class Instrument(VirtualDevice, ABC):
     @property
     def shown_reading(self) -> dict[str, Any] | None:
         """The latest reading, for a page; None if it has no numbers."""
-        if not self.latest.has_numbers:
+        if not self.latest.status.has_values:
             return None
         Z = self.latest.Z.real, self.latest.Z.imag
         return {"frequency": self.latest.conditions.frequency, "Z": Z}
@@ -221,7 +209,7 @@ class Instrument(VirtualDevice, ABC):
         fault = self.faults.take("status")
         results = [await self._measured(pending.setup, *point) for point in pending.points]
         if fault:
-            results = [replace(result, status=fault.status) for result in results]
+            results = [replace(result, status=BY_CODE[fault.status]) for result in results]
         self.keep(results)
         if self.pending is pending:
             self.pending = None
@@ -235,9 +223,9 @@ class Instrument(VirtualDevice, ABC):
         """Note a change that affects readings: the next one needs its whole time."""
         self.fresh_from = self.now + self.pace * self.seconds
 
-    def begin(self, done: float, points: Sequence[MeterSettings] = ()) -> None:
+    def begin(self, done: float, points: Sequence[Settings] = ()) -> None:
         """Begin a measurement that is done at a time, s, at points or with the present settings."""
-        now, each = self.now, tuple(points) or (deepcopy(self.settings),)
+        now, each = self.now, tuple(points) or (self.settings.replaced(),)
         step = (done - now) / len(each)
         presses = [
             self.bench.skin.momentary(self.press, now + (n + 0.5) * step) for n in range(len(each))
@@ -245,7 +233,7 @@ class Instrument(VirtualDevice, ABC):
         self.pending = PendingMeasurement(tuple(zip(presses, each, strict=True)), done, self.bench)
 
     async def _measured(
-        self, setup: MeasurementSetup, press: Any, settings: MeterSettings
+        self, setup: MeasurementSetup, press: Any, settings: Settings
     ) -> MeasurementResult:
         loop = asyncio.get_running_loop()
         try:

@@ -7,13 +7,26 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from decimal import Decimal
 from itertools import chain, product
 from typing import Any
 
-NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?", re.ASCII)
+from ..meter.setting import (
+    ChoiceFormat,
+    IntegerFormat,
+    MeterProperty,
+    NumberFormat,
+    OnOffFormat,
+    PartsFormat,
+    RegisterFormat,
+    StateFormat,
+    TokenFormat,
+    ValueFormat,
+    WordFormat,
+)
 
 
 def engineering(value: float, digits: int) -> str:
@@ -22,26 +35,6 @@ def engineering(value: float, digits: int) -> str:
     shift = int(exponent) % 3
     moved = Decimal(mantissa).scaleb(shift)
     return f"{moved:.{max(digits - 1 - shift, 0)}f}E{int(exponent) - shift:+03d}"
-
-
-def number(text: str, low: float, high: float) -> float:
-    """Number in an argument.
-
-    Raises CommandError if it is none, ExecutionError if it is out of range.
-    """
-    if NUMBER.fullmatch(text) is None:
-        raise CommandError(text, NUMERIC_DATA_ERROR)
-    if not low <= float(text) <= high:
-        raise ExecutionError(text, DATA_OUT_OF_RANGE)
-    return float(text)
-
-
-def integer(text: str, low: int, high: int) -> int:
-    """Number in an argument, rounded to a whole one as a meter does. Raises as `number`."""
-    value = number(text, -math.inf, math.inf)
-    if not low - 0.5 <= value < high + 0.5:
-        raise ExecutionError(text, DATA_OUT_OF_RANGE)
-    return math.floor(value + 0.5)
 
 
 NODE = re.compile(r"(\[)?:?([A-Za-z*][A-Za-z0-9]*#?)\]?")
@@ -199,3 +192,146 @@ def _arguments(text: str = "") -> tuple[str, ...]:
     if not all(arguments):
         raise CommandError(text, SYNTAX_ERROR)
     return arguments
+
+
+class Language(ABC):
+    """How the meters of a maker read arguments and write answers, by the formats of a dialect."""
+
+    @abstractmethod
+    def number(self, text: str, low: float, high: float, unit: str = "") -> float:
+        """Number in an argument. Raises CommandError if it is none, ExecutionError out of range."""
+
+    @abstractmethod
+    def unknown_word(self, text: str) -> LanguageError:
+        """Error of an argument that is none of the words."""
+
+    @abstractmethod
+    def word_text(self, word: str) -> str:
+        """A word in an answer. word: as the manual prints it."""
+
+    @abstractmethod
+    def switch_text(self, on: bool) -> str:
+        """Answer of a switch."""
+
+    def integer(self, text: str, low: int, high: int) -> int:
+        """Whole number in an argument, rounded. Raises as `number`."""
+        return math.floor(self.number(text, low, high) + 0.5)
+
+    def word(self, text: str, words: Iterable[str]) -> str:
+        """The one of the words that an argument writes, as the manual prints it."""
+        found = next((word for word in words if matched_word(text, (word,))), None)
+        if found is None:
+            raise self.unknown_word(text)
+        return found
+
+    def switch(self, text: str) -> bool:
+        """True for ON or 1, False for OFF or 0."""
+        return self.word(text, ("ON", "1", "OFF", "0")) in ("ON", "1")
+
+    def parse(self, allowed: ValueFormat[Any], texts: Sequence[str], present: Any = None) -> Any:
+        """Value in the arguments of a command, as the driver reads it in an answer.
+
+        present: value before, of which parts without an argument are kept. Raises LanguageError.
+        """
+        text = texts[0]
+        match allowed:
+            case NumberFormat(unit, low, high, _, resolution):
+                value = self.number(text, low, high, unit.upper())
+                return float(f"{value:.{resolution - 1}E}") if resolution else value
+            case IntegerFormat(low, high, word):
+                return low if word and text.upper() == word else self.integer(text, low, high)
+            case ChoiceFormat(unit, numbers):
+                value = self.number(text, -math.inf, math.inf, unit.upper())
+                if value not in numbers:
+                    raise self.unknown_word(text)
+                return allowed.read(str(value))
+            case WordFormat(words):
+                return self.word(text, words).upper()
+            case TokenFormat(words):
+                return short_form(self.word(text, words))
+            case OnOffFormat():
+                return self.switch(text)
+            case StateFormat():
+                return "ON" if self.switch(text) else "OFF"
+            case RegisterFormat(highest):
+                return tuple(
+                    self.integer(each, 0, n) for each, n in zip(texts, highest, strict=True)
+                )
+            case PartsFormat(parts):
+                given = zip(parts, texts, strict=False)
+                return (*(self.parse(part, [one]) for part, one in given), *present[len(texts) :])
+        raise TypeError(f"no argument has the format {allowed}")
+
+    def show(self, allowed: ValueFormat[Any], value: Any) -> str:
+        """A value of a setting in an answer."""
+        match allowed:
+            case NumberFormat(answered=form):
+                return engineering(value, int(form[3:])) if form[:3] == "eng" else f"{value:{form}}"
+            case IntegerFormat(low, _, word):
+                return word if word and value == low else str(value)
+            case WordFormat(words):
+                return self.word_text(next(word for word in words if word.upper() == value))
+            case OnOffFormat() | StateFormat():
+                return self.switch_text(value in (True, "ON"))
+            case RegisterFormat():
+                return ",".join(map(str, value))
+            case PartsFormat(parts):
+                return ",".join(map(self.show, parts, value))
+        return str(value)
+
+
+def arguments_of(allowed: ValueFormat[Any]) -> int | tuple[int, int]:
+    """Number of arguments of a value, or the lowest and the highest number."""
+    if isinstance(allowed, RegisterFormat):
+        return allowed.count
+    return (1, len(allowed.parts)) if isinstance(allowed, PartsFormat) else 1
+
+
+def manual_form(header: str) -> str:
+    """Header of a row with all words that may be omitted in square brackets."""
+    return header.replace("(", "[").replace(")", "]")
+
+
+def setting_command(
+    language: Language, name: str, row: MeterProperty[Any], moves_reading: bool = True
+) -> MeterCommand:
+    """Command of a row: it sets the virtual meter's setting of this name, and answers it."""
+    header, allowed = manual_form(row.header), row.twin
+    suffixes = header.count("#")
+
+    def set_value(meter: Any, *given: Any) -> None:
+        check_suffixes(given[:suffixes])
+        present = getattr(meter.settings, name)
+        setattr(meter.settings, name, language.parse(allowed, given[suffixes:], present))
+        if moves_reading:
+            meter.changed()
+
+    def query(meter: Any, *given: Any) -> str:
+        check_suffixes(given)
+        return language.show(allowed, getattr(meter.settings, name))
+
+    return MeterCommand(header, set_value, query, set_arguments=arguments_of(allowed))
+
+
+def setting_commands(
+    language: Language,
+    found: Mapping[str, MeterProperty[Any]],
+    special: Mapping[str, MeterCommand],
+    shown_only: Sequence[str] = (),
+) -> tuple[MeterCommand, ...]:
+    """Commands of the rows of a dialect, in their order.
+
+    special: commands of rows that do more than set a value. shown_only: settings that change what
+    an answer holds, and no reading.
+    """
+    return tuple(
+        special.get(name) or setting_command(language, name, row, name not in shown_only)
+        for name, row in found.items()
+        if name in special or row.default is not None
+    )
+
+
+def check_suffixes(suffixes: Sequence[int]) -> None:
+    """Raise CommandError unless all numbers of a header's suffixes are 1."""
+    if any(number != 1 for number in suffixes):
+        raise CommandError(suffixes, SUFFIX_OUT_OF_RANGE)

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from types import SimpleNamespace
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from ...simulator.meters.accuracy_table import AccuracyTable, ReadingConditions
+from ..meter.meter_reading import ReadingStatus
+from ..meter.setting import rows
 
 if TYPE_CHECKING:
     from ...simulator.measure.specimen import Specimen
@@ -18,39 +21,47 @@ if TYPE_CHECKING:
 
 Readout = Callable[[complex, ReadingConditions], complex]
 """Displayed impedance for a true one, ohm, with the errors of the session and the reading."""
-NORMAL, NOT_MEASURED, OUTSIDE_GUARANTEE, OVERFLOW, UNDERFLOW = 0, 1, 2, 7, -7
-WITHOUT_NUMBERS = {1, 7, 9, *range(12, 18)}
 
 
 @dataclass(frozen=True)
 class MeasurementResult:
     """Result of a measurement. Z: as measured, ohm. conditions: with the range that was used."""
 
-    status: int
+    status: ReadingStatus
     Z: complex
     conditions: ReadingConditions
 
-    @property
-    def has_numbers(self) -> bool:
-        """True if the display shows numbers."""
-        return self.status not in (*WITHOUT_NUMBERS, UNDERFLOW)
+
+NO_RESULT = MeasurementResult(ReadingStatus.NOT_MEASURED, 0j, ReadingConditions(1e3, 6))
 
 
-NO_RESULT = MeasurementResult(NOT_MEASURED, 0j, ReadingConditions(1e3, 6))
+class Settings(SimpleNamespace):
+    """Settings of a virtual meter by name: those of its dialect, and its `own` ones.
 
+    A subclass says how they measure. frequency: Hz.
+    """
 
-class MeterSettings(Protocol):
-    """Settings of a dialect that a measurement uses. frequency: Hz."""
-
+    dialect: ClassVar[type]
+    own: ClassVar[Mapping[str, Any]] = {}
     frequency: float
+
+    def __init__(self, **changes: Any) -> None:
+        """changes: values that differ from those after a reset."""
+        defaults = {name: row.default for name, row in rows(self.dialect).items()}
+        kept = {name: value for name, value in defaults.items() if value is not None}
+        super().__init__(**{**kept, **self.own, **changes})
+
+    def replaced(self, **changes: Any) -> Self:
+        """Copy in which these settings have other values."""
+        return type(self)(**{**vars(self), **changes})
 
     def conditions(self, Z: complex, accuracy: AccuracyTable) -> ReadingConditions:
         """Conditions of a measurement of Z in ohm, with the range that the meter uses."""
-        ...
+        raise NotImplementedError
 
-    def status(self, Z: complex, used: ReadingConditions, accuracy: AccuracyTable) -> int:
+    def status(self, Z: complex, used: ReadingConditions, accuracy: AccuracyTable) -> ReadingStatus:
         """Status of a reading that shows Z in ohm under these conditions."""
-        ...
+        return ReadingStatus.NORMAL
 
 
 @dataclass(frozen=True)
@@ -61,7 +72,7 @@ class MeasurementSetup:
     readout: Readout
     accuracy: AccuracyTable
 
-    def measure(self, press: Any, settings: MeterSettings) -> MeasurementResult:
+    def measure(self, press: Any, settings: Settings) -> MeasurementResult:
         """Measure under a press, given as the skin's `momentary` does.
 
         Raises the skin's errors; ValueError if Z is not finite.

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ...simulator.sweeps import InputError
-from .hioki.im3523 import VirtualHioki
+from .hioki import VirtualHioki
 from .instrument import Instrument
-from .keysight.e4980a import Virtual4284A, VirtualE4980A, VirtualE4980AL
-from .keysight.e4990a import VirtualE4990A
+from .keysight_analyser import VirtualE4990A
+from .keysight_lcr import Virtual4284A, VirtualE4980A, VirtualE4980AL
 
 VIRTUAL_MODELS: dict[str, Callable[..., Instrument]] = {
     "IM3523": VirtualHioki,

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.virtual.control import ControlPort
-from rcskin.hardware.virtual.hioki.im3523 import VirtualHioki
+from rcskin.hardware.virtual.hioki import VirtualHioki
 from rcskin.hardware.virtual.instrument import answer
 from rcskin.hardware.virtual.measurement import MeasurementSetup
 from rcskin.hardware.virtual.meter_server import run_in_thread

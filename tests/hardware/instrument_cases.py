@@ -5,9 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from rcskin.hardware.meter.instruments import INSTRUMENTS
-from rcskin.hardware.virtual.hioki.meter_state import PerRange, Settings
-from rcskin.hardware.virtual.keysight.analyser_settings import AnalyserSettings, Segment
-from rcskin.hardware.virtual.keysight.lcr_settings import LcrSettings
+from rcskin.hardware.virtual.hioki import HiokiSettings
+from rcskin.hardware.virtual.keysight_analyser import AnalyserSettings, Segment
+from rcskin.hardware.virtual.keysight_lcr import LcrSettings
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Case:
     model: str
     found: Callable[[], Any]
     changes: Mapping[str, Any]
-    acquired: Any = True
+    acquired: Any = "ON"
     lost: Mapping[str, Any] | None = None
     quantities: tuple[str, ...] = ()
     meddling: tuple[str, ...] = ()
@@ -33,10 +33,9 @@ class Case:
         return INSTRUMENTS[self.model]
 
 
-def hioki() -> Settings:
+def hioki() -> HiokiSettings:
     """Settings that no command here leaves untouched, each range with its own."""
-    each = {n: PerRange(("FAST", "SLOW")[n % 2], n, n / 10) for n in range(1, 11)}
-    return Settings(
+    return HiokiSettings(
         header=True,
         mode="CONTINUOUS",
         frequency=2e3,
@@ -46,16 +45,19 @@ def hioki() -> Settings:
         constant_current=2e-3,
         range=7,
         auto_range=False,
-        parameters=("CP", "D"),
+        parameter_1="CP",
+        parameter_2="D",
         items=(1, 2),
         valid=2,
-        each_range=each,
+        speed=("SLOW", "FAST") * 5,
+        averaging=tuple(range(1, 11)),
+        trigger_delay=tuple(n / 10 for n in range(1, 11)),
         load_correction=True,
         cable=1,
     )
 
 
-def keysight(level: str = "VOLT") -> LcrSettings:
+def keysight(level: str = "voltage", delay: str = "step_delay") -> LcrSettings:
     """Settings that no command here leaves untouched."""
     return LcrSettings(
         frequency=2e3,
@@ -65,18 +67,17 @@ def keysight(level: str = "VOLT") -> LcrSettings:
         function="ZTD",
         range=1e3,
         auto_range=False,
-        aperture="SHOR",
-        averaging=3,
-        trigger="INT",
-        step_delay=0.5,
+        aperture=("SHORT", 3),
+        trigger="INTERNAL",
         continuous=False,
         page="LSET",
-        list_mode="STEP",
+        list_mode="STEPPED",
         list_values=(1e3, 3e3),
         level_control=True,
         references=(5e3, -1e5),
         load_correction=True,
-        length=1,
+        cable=1,
+        **{delay: 0.5},
     )
 
 
@@ -97,7 +98,7 @@ IM3523 = Case(
         "frequency": 5e3,
     },
     acquired="ALL",
-    lost={"parameters": Settings().parameters},
+    lost={"parameter_1": "Z", "parameter_2": "PHASE"},
     quantities=(
         ":MEASure:ITEM 5,2",
         ":MEASure:ITEM 24,2",
@@ -130,7 +131,7 @@ CHANGES = {
     "load_correction": False,
     "frequency": 5e3,
 }
-LOST_LIST = {"list_mode": "SEQ", "list_values": (), "references": (0.0, 0.0)}
+LOST_LIST = {"list_mode": "SEQUENCE", "list_values": (), "references": (0.0, 0.0)}
 LCR_QUANTITIES = (
     ":FUNC:IMP ZTD",
     ":FUNC:IMP GB",
@@ -161,7 +162,7 @@ E4980A = Case(
 )
 HP4284A = Case(
     "4284A",
-    lambda: keysight("CURR"),
+    lambda: keysight("current", "trigger_delay"),
     {**CHANGES, "amplitude": "0.005 A"},
     lost={**LOST_LIST, "voltage": 1.0},
     quantities=LCR_QUANTITIES,
@@ -176,14 +177,14 @@ E4990A = Case(
         segment_table=(7, 0, 0, 0, 0, 0, 0, 0, 1, 1e3, 2e3, 3),
         segments=(Segment(1e3, 2e3, 3),),
         parameters=("CP", "D", "Z", "Y"),
-        level="CURR",
+        source_mode="CURRENT",
         voltage=0.25,
-        current=1e-3,
-        time=2,
-        point_average=True,
-        point_count=8,
-        sweep_average=True,
-        trigger="EXT",
+        constant_current=1e-3,
+        speed=2,
+        averages=True,
+        averaging_count=8,
+        sweep_averages=True,
+        trigger="EXTERNAL",
         continuous=False,
         load_correction=True,
     ),

@@ -9,7 +9,7 @@ import sys
 import pytest
 from rcskin.hardware.meter.errors import MeterError, NoConnectionError
 from rcskin.hardware.meter.link.discovery import ProbeResult
-from rcskin.hardware.virtual.hioki.meter_state import Settings
+from rcskin.hardware.virtual.hioki import HiokiSettings
 from rcskin.hardware.virtual.recorded_skin import RecordedSkin
 from rcskin.hardware.virtual.served_skin import instrument, recorded
 from rcskin.simulator.sweeps import InputError, impedance, read
@@ -115,7 +115,7 @@ def test_settings_of_the_command_line_reach_the_meter(told, ports, tmp_path, ins
     asked = {"level": "CV", "constant_voltage": 0.5, "range": 8, "auto_range": False, "cable": 1}
     asked |= {"speed": "SLOW", "averaging": 2, "trigger_delay": 0.1}
     assert {name: kept[name] for name in asked} == asked
-    assert instrument.settings == Settings()
+    assert instrument.settings == HiokiSettings()
 
 
 @pytest.fixture

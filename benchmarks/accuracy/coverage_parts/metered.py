@@ -7,11 +7,10 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
-from rcskin.hardware.meter.hioki import CP_RS_X, STATUS_AND_VALUES
+from rcskin.hardware.meter.hioki_dialect import CP_RS_X, STATUS_AND_VALUES
 from rcskin.hardware.meter.meter_reading import MeterReading, parse_reading
 from rcskin.hardware.record.operators import parse_step
-from rcskin.hardware.virtual.hioki.im3523 import measurement_text
-from rcskin.hardware.virtual.hioki.meter_state import Settings
+from rcskin.hardware.virtual.hioki import HiokiSettings, measurement_text
 from rcskin.hardware.virtual.measurement import MeasurementSetup
 from rcskin.simulator.measure.specimen import MeterSessionErrors, Specimen
 from rcskin.simulator.meters.accuracy_table import read_table
@@ -58,6 +57,6 @@ def _trace(bench: MeasurementSetup, scene: Scene, press: str) -> list[MeterReadi
     """A reading at each frequency, by way of what the meter would answer."""
     found = []
     for frequency in scene.frequencies:
-        settings = Settings(frequency=float(frequency), items=CP_RS_X, valid=STATUS_AND_VALUES)
+        settings = HiokiSettings(frequency=float(frequency), items=CP_RS_X, valid=STATUS_AND_VALUES)
         found.append(parse_reading(measurement_text(bench.measure(press, settings), settings)))
     return found

@@ -13,7 +13,6 @@ import pytest
 from rcskin.hardware.control_client import send_request
 from rcskin.hardware.meter.errors import NoConnectionError
 from rcskin.hardware.virtual.faults import Fault
-from rcskin.hardware.virtual.hioki.meter_state import PerRange
 from rcskin.simulator.sweeps import UNPRESSED, read, write
 
 SOON = 30
@@ -45,7 +44,8 @@ def until(ours, wanted, seconds=2 * SOON):
 def set_otherwise(instrument):
     """Settings of a meter's user that the command changes, as they are before it."""
     settings = instrument.settings
-    settings.header, settings.items, settings.each_range[3] = True, (1, 1), PerRange("FAST", 7)
+    settings.header, settings.items = True, (1, 1)
+    settings.averaging = (1, 1, 7, *settings.averaging[3:])
     return copy.deepcopy(settings)
 
 

@@ -5,7 +5,7 @@ import pyvisa
 from pymeasure.instruments import Instrument
 from pymeasure.instruments.agilent import Agilent4284A, AgilentE4980
 from pymeasure.instruments.validators import strict_range
-from rcskin.hardware.virtual.keysight.e4980a import Virtual4284A, VirtualE4980A
+from rcskin.hardware.virtual.keysight_lcr import Virtual4284A, VirtualE4980A
 
 
 @pytest.fixture

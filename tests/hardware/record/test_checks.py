@@ -10,7 +10,7 @@ from rcskin.hardware.meter.hioki import IM3523
 from rcskin.hardware.meter.meter_reading import MeterReading
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
 from rcskin.hardware.record.sweep_checks import SweepChecker, SweepLimits, frozen_remarks
-from rcskin.hardware.virtual.hioki.meter_state import Settings, conditions
+from rcskin.hardware.virtual.hioki import HiokiSettings
 from rcskin.simulator.meters.accuracy_table import read_table
 from rcskin.simulator.sweeps import parallel_capacitance
 from rcskin.simulator.sweeps.reading_quantities import GAIN, IMPEDANCE
@@ -152,7 +152,7 @@ def test_bounds_follow_the_open_voltage_behind_the_output_resistance(level):
     judge = dataclasses.replace(JUDGE, settings={**SETTINGS, **asked})
     expected = {"V": 0.4, "CV": 0.3 * np.sqrt(2), "CC": 1e-3 * 100 * np.sqrt(2)}[level]
     assert judge._conditions(1e3, Z).level == pytest.approx(expected)
-    assert conditions(Settings(**asked), 5, Z).level == pytest.approx(expected)
+    assert HiokiSettings(**asked).in_range(5, Z).level == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("two_terminal", [True, False])

@@ -74,7 +74,7 @@ def test_a_fault_costs_a_repetition_and_nothing_else(task, operator, instrument,
     assert all(not entry.remarks for entry in entries)
     now, found = instrument.settings, case.found()
     lost = {"frequency", *case.lost} if fault.kind == "forget" else set()  # never set by the driver
-    assert now == dataclasses.replace(found, **{name: getattr(now, name) for name in lost})
+    assert now == found.replaced(**{name: getattr(now, name) for name in lost})
 
 
 @pytest.mark.parametrize("case", [E4980A], indirect=True, ids=["E4980A"])
@@ -102,31 +102,31 @@ def only(task, *presses, **other):
 @pytest.mark.parametrize(
     ("slow", "recorded"),
     [
-        ({"delay": 20.0}, {"trigger_delay": 0.0}),
+        ({"trigger_delay": 20.0}, {"trigger_delay": 0.0}),
         ({"step_delay": 5.0}, {"step_delay": 0.0}),
-        ({"delay": 999.0, "step_delay": 999.0}, {"trigger_delay": 0.0, "step_delay": 0.0}),
-        ({"aperture": "LONG", "averaging": 256}, {"speed": "LONG", "averaging": 256}),
+        ({"trigger_delay": 999.0, "step_delay": 999.0}, {"trigger_delay": 0.0, "step_delay": 0.0}),
+        ({"aperture": ("LONG", 256)}, {"speed": "LONG", "averaging": 256}),
     ],
 )
 @pytest.mark.parametrize("case", [E4980A], indirect=True, ids=["E4980A"])
 def test_what_makes_a_sweep_slow_is_set_to_zero_or_waited_for(
     task, operator, show, instrument, case, slow, recorded
 ):
-    instrument.settings = found = dataclasses.replace(case.found(), **slow)
-    before, instrument.pace = dataclasses.replace(found), 0.01
+    instrument.settings = found = case.found().replaced(**slow)
+    before, instrument.pace = found.replaced(), 0.01
     header, _ = record(only(task, "none"), operator)
     assert show.remarks == [] and recorded.items() <= header.settings.items()
     assert instrument.settings == before
 
 
 @pytest.mark.parametrize(
-    ("case", "name"), [(HP4284A, "step_delay"), (E4990A, "delay")], indirect=["case"]
+    ("case", "name"), [(HP4284A, "trigger_delay"), (E4990A, "sweep_delay")], indirect=["case"]
 )
 def test_a_delay_that_was_left_does_not_stop_a_recording(
     task, operator, show, instrument, case, name
 ):
     setattr(instrument.settings, name, 30.0)
-    before, instrument.pace = dataclasses.replace(instrument.settings), 0.02
+    before, instrument.pace = instrument.settings.replaced(), 0.02
     record(only(task, "none"), operator)
     assert show.remarks == []
     assert instrument.settings == before
@@ -141,7 +141,7 @@ def test_a_requested_delay_is_kept_and_recorded(task, operator, instrument, case
 @pytest.mark.parametrize("case", [E4980A], indirect=True, ids=["E4980A"])
 def test_a_sweep_that_takes_too_long_names_what_the_time_follows_from(meter, instrument):
     meter.read_sweep([1e3, 2e3])
-    instrument.pace, instrument.settings.delay = 0.1, 200.0
+    instrument.pace, instrument.settings.trigger_delay = 0.1, 200.0
     with pytest.raises(NoAnswerError, match="follows from .*aperture = SHORT 3, trigger_delay"):
         meter.read_sweep([1e3, 2e3])
 

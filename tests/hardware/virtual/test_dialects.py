@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.hardware.virtual.faults import Fault
 from rcskin.hardware.virtual.instrument import answer
-from rcskin.hardware.virtual.keysight.e4980a import VirtualE4980A
-from rcskin.hardware.virtual.keysight.e4990a import VirtualE4990A
-from rcskin.hardware.virtual.keysight.keysight_instrument import KeysightInstrument
+from rcskin.hardware.virtual.keysight_analyser import VirtualE4990A
+from rcskin.hardware.virtual.keysight_instrument import KeysightInstrument
+from rcskin.hardware.virtual.keysight_lcr import VirtualE4980A
 from rcskin.hardware.virtual.recorded_skin import exact_readout
 from rcskin.hardware.virtual.served_skin import ServedSkin, notes
 from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS, virtual_model
@@ -287,4 +287,4 @@ def test_a_segment_may_have_a_level_a_time_and_averaging_of_its_own(make_instrum
     assert talk(meter, f":SENS1:SWE:TYPE SEGM;:SENS1:SEGM:DATA {table}", ERROR)[1] == NO_ERROR
     points = meter.settings.sweep_points()
     assert [point.frequency for point in points] == [1e3, 2e3, 3e3]
-    assert {(point.voltage, point.time, point.averaging) for point in points} == {(0.1, 2, 8)}
+    assert {(point.voltage, point.speed, point.averaging) for point in points} == {(0.1, 2, 8)}

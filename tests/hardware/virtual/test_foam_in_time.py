@@ -5,7 +5,7 @@ import asyncio
 import numpy as np
 import pytest
 from rcskin.hardware.virtual.control import ControlPort
-from rcskin.hardware.virtual.hioki.im3523 import VirtualHioki
+from rcskin.hardware.virtual.hioki import VirtualHioki
 from rcskin.hardware.virtual.instrument import answer
 from rcskin.hardware.virtual.measurement import MeasurementSetup
 from rcskin.hardware.virtual.recorded_skin import exact_readout

@@ -5,7 +5,7 @@ import asyncio
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.hardware.virtual.hioki.im3523 import vocabulary
+from rcskin.hardware.virtual.hioki import vocabulary
 from rcskin.hardware.virtual.instrument import answer
 from rcskin.hardware.virtual.language import (
     CommandError,

@@ -6,7 +6,7 @@ import re
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.hardware.virtual.hioki.im3523 import OVER, measured_text
+from rcskin.hardware.virtual.hioki import OVER, measured_text
 from rcskin.hardware.virtual.language import engineering
 from rcskin.hardware.virtual.measurement import quantity
 from rcskin.simulator.sweeps.reading_quantities import parallel_capacitance, series_capacitance

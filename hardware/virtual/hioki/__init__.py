@@ -1,1 +1,0 @@
-"""Virtual LCR meters of Hioki: IM3523 and its siblings."""
