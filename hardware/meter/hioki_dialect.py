@@ -18,12 +18,10 @@ from .setting import (
     WordFormat,
 )
 
+ON_OFF = OnOffFormat()
 SPEEDS = ("FAST", "MEDium", "SLOW", "SLOW2")
 CORRECTIONS = ("OFF", "ALL", "SPOT")
-ITEMS = (
-    ("Z", "Y", "PHASE", "CS", "CP", "D", "LS", "LP"),
-    ("Q", "RS", "G", "RP", "X", "B", "RDC"),
-)
+ITEMS = (("Z", "Y", "PHASE", "CS", "CP", "D", "LS", "LP"), ("Q", "RS", "G", "RP", "X", "B", "RDC"))
 """Quantities of a reading by register and bit; an answer has them in this order."""
 PARAMETERS = WordFormat(("OFF", *ITEMS[0], *ITEMS[1]))
 CP_RS_X = 16, 18
@@ -48,16 +46,14 @@ class HiokiDialect:
     """Rows that the four models share. Speed, averaging and delay of the IM3523 exist per range."""
 
     source: ClassVar[str] = "Hioki's documentation of the IM3523's communication commands"
-    own_sources: ClassVar[Mapping[str, str]] = {}
+    sources: ClassVar[Mapping[str, str]] = {}
     facts: ClassVar[Mapping[str, str]] = {
         "`*TRG;:MEASure?`; form and statuses of a reading; bits of the registers": source,
         "times of a reading": FROM_MEMORY,
         "4 s to acquire a correction at all frequencies, 1 s at one (the virtual meter)": CHOSEN,
     }
 
-    header = Setting(
-        ":HEADer", OnOffFormat(), "True if answers begin with the command's name", False
-    )
+    header = Setting(":HEADer", ON_OFF, "True if answers begin with the command's name", False)
     mode = Setting(":MODE", WordFormat(("LCR", "CONTinuous")), "Mode of measurement", "LCR")
     items = Setting(
         ":MEASure:ITEM", RegisterFormat((255, 127)), "Quantities of a reading", default=(0, 0)
@@ -66,7 +62,7 @@ class HiokiDialect:
     parameter_1 = Setting(":PARameter1", PARAMETERS, "First quantity on the display", "Z")
     parameter_2 = Setting(":PARameter2", PARAMETERS, "Second quantity on the display", "PHASE")
     compatible = Setting(
-        ":COMMand:COMPatible", OnOffFormat(), "True if commands of the 3522-50 are known", False
+        ":COMMand:COMPatible", ON_OFF, "True if commands of the 3522-50 are known", False
     )
     terminator = Setting(
         ":TRANsmit:TERMinator", IntegerFormat(0, 1), "End of an answer: CR+LF (0) or CR (1)", 0
@@ -93,7 +89,7 @@ class HiokiDialect:
         moves="auto_range",
     )
     auto_range = Setting(
-        ":RANGe:AUTO", OnOffFormat(), "True if the meter chooses the range", True, moves="range"
+        ":RANGe:AUTO", ON_OFF, "True if the meter chooses the range", True, moves="range"
     )
     trigger = Setting(
         ":TRIGger",
@@ -103,7 +99,7 @@ class HiokiDialect:
     )
     cable = Setting(":CORRection:CABLe", IntegerFormat(0, 1), "Length of the cable, m", 0)
     load_correction = Setting(
-        ":CORRection:LOAD", OnOffFormat(), "True if load correction is applied", False
+        ":CORRection:LOAD", ON_OFF, "True if load correction is applied", False
     )
     open_correction = MeterProperty(
         ":CORRection:OPEN", WordFormat(CORRECTIONS), "Open correction in use", "OFF"
@@ -134,8 +130,7 @@ class HiokiDialect:
 class HiokiSiblingDialect(HiokiDialect):
     """Rows of the IM3533, IM3536 and IM3570; the IM3523 knows them when it is `compatible`."""
 
-    source = "the IM3523's documentation"
-    own_sources: ClassVar = {NAMED: "speed averaging trigger_delay"}
+    sources: ClassVar = {NAMED: "speed averaging trigger_delay"}
 
     speed = Setting(":SPEEd", HiokiDialect.speed.allowed, "Speed")
     averaging = Setting(":AVERaging", HiokiDialect.averaging.allowed, "Readings averaged")

@@ -63,33 +63,34 @@ FUNCTIONS = tuple(
 PAGES = tuple(
     "MEASurement BNUMber BCOunt LIST MSETup CSETup LTABle LSETup CATAlog SYSTem SELF MLARge".split()
 )
+ON_OFF = OnOffFormat()
 DEVIATION = TokenFormat(("ABSolute", "PERCent", "OFF"))
 
 
-def states_of(header: str, name: str, source: str = "") -> MeterProperty[str]:
+def states_of(header: str, name: str) -> MeterProperty[str]:
     """Row of what is ON or OFF, which the driver reads and sets only to correct."""
-    return MeterProperty(header, StateFormat(), name, "OFF", source=source)
+    return MeterProperty(header, StateFormat(), name, "OFF")
 
 
 def range_row(*numbers: float) -> Setting[float]:
     """Row of the measurement ranges of a model, ohm."""
     allowed = ChoiceFormat("ohm", numbers)
     header, meaning = ":FUNCtion:IMPedance:RANGe[:VALue]", "Range; ends automatic choice"
-    return Setting(header, allowed, meaning, 100e3, source=QCODES, moves="auto_range")
+    return Setting(header, allowed, meaning, 100e3, moves="auto_range")
 
 
 def frequency_row(model: str, digits: int) -> Setting[float]:
     """Row of the frequency of a model, which is sent with so many digits."""
     band = METER_BANDS[model]
     allowed, twin = (NumberFormat("Hz", *band, sent, resolution=4) for sent in (digits, 4))
-    return Setting(":FREQuency[:CW]", allowed, "Frequency", 1e3, source=QCODES, twin=twin)
+    return Setting(":FREQuency[:CW]", allowed, "Frequency", 1e3, twin=twin)
 
 
 def list_row(model: str, digits: int, points: int, clear: str = "") -> Setting[tuple[float, ...]]:
     """Row of the frequencies of a list sweep."""
     allowed = NumbersFormat(NumberFormat("Hz", *METER_BANDS[model], digits, resolution=4), points)
     meaning = "Frequencies of the list sweep"
-    return Setting(":LIST:FREQuency", allowed, meaning, source=PYMEASURE, clear=clear)
+    return Setting(":LIST:FREQuency", allowed, meaning, clear=clear)
 
 
 class LcrDialect:
@@ -101,7 +102,15 @@ class LcrDialect:
     """
 
     source: ClassVar[str] = GUIDE
-    own_sources: ClassVar[Mapping[str, str]] = {}
+    sources: ClassVar[Mapping[str, str]] = {
+        QCODES: "frequency voltage current function range auto_range aperture bias bias_voltage "
+        "bias_current bias_auto_range open_correction short_correction",
+        EOLALDE: "deviation_1 deviation_2 level_control",
+        PYMEASURE: "trigger continuous data_format page list_mode list_frequencies",
+        FOUR_PROGRAMS: "trigger_delay step_delay",
+        PYMEASURE_4284A: "high_power load_type",
+        TWO_PROGRAMS: "load_correction cable",
+    }
     facts: ClassVar[Mapping[str, str]] = {
         "`*TRG` answers the reading": "user's guide E4980-90230, pages 249 to 252",
         "form of a reading and of a list sweep": "user's guide E4980-90230, pages 261 to 269",
@@ -132,7 +141,6 @@ class LcrDialect:
         NumberFormat("V", 0, 20, 4),
         "Voltage of the generator, rms; above 2 V with option 001",
         1.0,
-        source=QCODES,
         twin=NumberFormat("V", 0, 2, 4),
     )
     current = Setting(
@@ -140,23 +148,17 @@ class LcrDialect:
         NumberFormat("A", 0, 0.1, 4),
         "Current of the generator, rms; above 20 mA with option 001",
         0.0,
-        source=QCODES,
         twin=NumberFormat("A", 0, 20e-3, 4),
     )
     function = Setting(
-        ":FUNCtion:IMPedance[:TYPE]",
-        TokenFormat(FUNCTIONS),
-        "Quantities of a reading",
-        "CPD",
-        source=QCODES,
+        ":FUNCtion:IMPedance[:TYPE]", TokenFormat(FUNCTIONS), "Quantities of a reading", "CPD"
     )
     range = range_row(*RANGES)
     auto_range = Setting(
         ":FUNCtion:IMPedance:RANGe:AUTO",
-        OnOffFormat(),
+        ON_OFF,
         "True if the meter chooses the range",
         True,
-        source=QCODES,
         moves="range",
     )
     aperture = Setting(
@@ -164,101 +166,58 @@ class LcrDialect:
         PartsFormat((WordFormat(SPEEDS), IntegerFormat(1, 256))),
         "Time of integration, and readings averaged",
         ("MEDIUM", 1),
-        source=QCODES,
     )
     deviation_1 = Setting(
-        ":FUNCtion:DEV1:MODE", DEVIATION, "Deviation of the first quantity", "OFF", source=EOLALDE
+        ":FUNCtion:DEV1:MODE", DEVIATION, "Deviation of the first quantity", "OFF"
     )
     deviation_2 = Setting(
-        ":FUNCtion:DEV2:MODE", DEVIATION, "Deviation of the second quantity", "OFF", source=EOLALDE
+        ":FUNCtion:DEV2:MODE", DEVIATION, "Deviation of the second quantity", "OFF"
     )
     trigger = Setting(
         ":TRIGger:SOURce",
         WordFormat(("INTernal", "HOLD", "EXTernal", "BUS")),
         "Source of the trigger: the meter itself, a key, a contact, or *TRG",
         "INTERNAL",
-        source=PYMEASURE,
     )
     trigger_delay: ClassVar[Setting[float]] = Setting(
-        ":TRIGger:TDELay",
-        NumberFormat("s", 0, 999, 5),
-        "Time from trigger to measurement",
-        0.0,
-        source=FOUR_PROGRAMS,
+        ":TRIGger:TDELay", NumberFormat("s", 0, 999, 5), "Time from trigger to measurement", 0.0
     )
     step_delay = Setting(
-        ":TRIGger:DELay",
-        NumberFormat("s", 0, 999, 5),
-        "Time before each measurement",
-        0.0,
-        source=FOUR_PROGRAMS,
+        ":TRIGger:DELay", NumberFormat("s", 0, 999, 5), "Time before each measurement", 0.0
     )
     continuous = Setting(
-        ":INITiate:CONTinuous",
-        OnOffFormat(),
-        "True if the meter waits for triggers by itself",
-        True,
-        source=PYMEASURE,
+        ":INITiate:CONTinuous", ON_OFF, "True if the meter waits for triggers by itself", True
     )
-    comparator = Setting(":COMParator[:STATe]", OnOffFormat(), "True if readings have a bin", False)
+    comparator = Setting(":COMParator[:STATe]", ON_OFF, "True if readings have a bin", False)
     data_format = Setting(
-        ":FORMat[:DATA]",
-        TokenFormat(("ASCii", "REAL")),
-        "Format of answers",
-        "ASC,64",
-        source=PYMEASURE,
+        ":FORMat[:DATA]", TokenFormat(("ASCii", "REAL")), "Format of answers", "ASC,64"
     )
-    long_format = Setting(":FORMat:ASCii:LONG", OnOffFormat(), "True for nine decimals", False)
+    long_format = Setting(":FORMat:ASCii:LONG", ON_OFF, "True for nine decimals", False)
     level_control = Setting(
-        ":AMPLitude:ALC",
-        OnOffFormat(),
-        "True if the amplitude is controlled at the skin",
-        False,
-        source=EOLALDE,
+        ":AMPLitude:ALC", ON_OFF, "True if the amplitude is controlled at the skin", False
     )
-    bias = states_of(":BIAS:STATe", "DC bias", QCODES)
-    bias_voltage = Setting(
-        ":BIAS:VOLTage[:LEVel]", NumberFormat("V", -40, 40, 4), "DC bias", 0.0, source=QCODES
-    )
-    bias_current = Setting(
-        ":BIAS:CURRent[:LEVel]", NumberFormat("A", -0.1, 0.1, 4), "DC bias", 0.0, source=QCODES
-    )
-    bias_auto_range = Setting(
-        ":BIAS:RANGe:AUTO", OnOffFormat(), "True if automatic", True, source=QCODES
-    )
-    high_power = Setting(
-        ":OUTPut:HPOWer", OnOffFormat(), "True with option 001", False, source=PYMEASURE_4284A
-    )
+    bias = states_of(":BIAS:STATe", "DC bias")
+    bias_voltage = Setting(":BIAS:VOLTage[:LEVel]", NumberFormat("V", -40, 40, 4), "DC bias", 0.0)
+    bias_current = Setting(":BIAS:CURRent[:LEVel]", NumberFormat("A", -0.1, 0.1, 4), "DC bias", 0.0)
+    bias_auto_range = Setting(":BIAS:RANGe:AUTO", ON_OFF, "True if automatic", True)
+    high_power = Setting(":OUTPut:HPOWer", ON_OFF, "True with option 001", False)
     page = Setting(
-        ":DISPlay:PAGE",
-        TokenFormat(PAGES),
-        "Page of the display, which decides on sweeps",
-        "MEAS",
-        source=PYMEASURE,
+        ":DISPlay:PAGE", TokenFormat(PAGES), "Page of the display, which decides on sweeps", "MEAS"
     )
-    display = Setting(":DISPlay:ENABle", OnOffFormat(), "True if the display works", True)
-    open_correction = states_of(":CORRection:OPEN:STATe", "Open correction", QCODES)
-    short_correction = states_of(":CORRection:SHORt:STATe", "Short correction", QCODES)
+    display = Setting(":DISPlay:ENABle", ON_OFF, "True if the display works", True)
+    open_correction = states_of(":CORRection:OPEN:STATe", "Open correction")
+    short_correction = states_of(":CORRection:SHORt:STATe", "Short correction")
     load_correction = Setting(
-        ":CORRection:LOAD:STATe",
-        OnOffFormat(),
-        "True if load correction is applied",
-        False,
-        source=TWO_PROGRAMS,
+        ":CORRection:LOAD:STATe", ON_OFF, "True if load correction is applied", False
     )
     load_type = Setting(
-        ":CORRection:LOAD:TYPE",
-        TokenFormat(FUNCTIONS),
-        "Quantities of the load",
-        "CPD",
-        source=PYMEASURE_4284A,
+        ":CORRection:LOAD:TYPE", TokenFormat(FUNCTIONS), "Quantities of the load", "CPD"
     )
     cable = Setting(
         ":CORRection:LENGth",
         IntegerFormat(0, 4),
         "Length of the cable, m",
         0,
-        source=TWO_PROGRAMS,
         twin=ChoiceFormat("m", (0, 1, 2, 4)),
     )
     method = Setting(
@@ -269,7 +228,6 @@ class LcrDialect:
         WordFormat(("SEQuence", "STEPped")),
         "Points of a list per trigger",
         "SEQUENCE",
-        source=PYMEASURE,
     )
     list_frequencies = list_row("E4980A", 4, max_points, clear_list)
 
@@ -284,7 +242,7 @@ class E4980ALDialect(LcrDialect):
 class HP4284ADialect(LcrDialect):
     """Up to 1 MHz, of which it has 8610 frequencies; one delay. Times: from memory, generous."""
 
-    own_sources: ClassVar = {
+    sources: ClassVar = {
         PYMEASURE_4284A: "frequency voltage current function range auto_range trigger "
         "trigger_delay bias open_correction short_correction load_correction cable list_mode "
         "list_frequencies page data_format continuous",
@@ -307,27 +265,9 @@ class HP4284ADialect(LcrDialect):
     max_points = 10
     list_frequencies = list_row("4284A", 6, max_points)
     range = range_row(*RANGES[1:])
-    voltage = Setting(
-        ":VOLTage[:LEVel]",
-        NumberFormat("V", 0, 20, 4),
-        "Voltage of the generator, rms",
-        1.0,
-        twin=NumberFormat("V", 5e-3, 2, 4),
-    )
-    current = Setting(
-        ":CURRent[:LEVel]",
-        NumberFormat("A", 0, 0.1, 4),
-        "Current of the generator, rms",
-        0.0,
-        twin=NumberFormat("A", 50e-6, 20e-3, 4),
-    )
-    cable = Setting(
-        ":CORRection:LENGth",
-        IntegerFormat(0, 4),
-        "Length of the cable, m",
-        0,
-        twin=ChoiceFormat("m", (0, 1, 2)),
-    )
+    voltage = LcrDialect.voltage.for_twin(NumberFormat("V", 5e-3, 2, 4))
+    current = LcrDialect.current.for_twin(NumberFormat("A", 50e-6, 20e-3, 4))
+    cable = LcrDialect.cable.for_twin(ChoiceFormat("m", (0, 1, 2)))
     trigger_delay = Setting(
         ":TRIGger:DELay", NumberFormat("s", 0, 60, 5), "Time from trigger to measurement", 0.0
     )
@@ -344,7 +284,12 @@ class AnalyserDialect:
     """
 
     source: ClassVar[str] = RJOLLOS
-    own_sources: ClassVar[Mapping[str, str]] = {}
+    sources: ClassVar[Mapping[str, str]] = {
+        MAGDYNLAB: "trace_count data_format",
+        TRCRENSHAW: "trace_1 trace_2 constant_current",
+        "programmer's guide of the E5061A, chapter 13": "points",
+        PROBE_STATION: "sweep_delay",
+    }
     facts: ClassVar[Mapping[str, str]] = {
         "`:TRIGger:SINGle` and `*OPC?`": RJOLLOS,
         "`:CALCulate1:PARameter1:SELect`, then `:CALCulate1:DATA:FDATa?`; `:ABORt`": TRCRENSHAW,
@@ -363,22 +308,15 @@ class AnalyserDialect:
     periods: ClassVar = (2, 4, 8, 16, 32)
     table_speeds: ClassVar = ("FAST", "MEDIUM", "SLOW", "SLOW", "SLOW2")
 
-    trace_count = Setting(
-        ":CALCulate#:PARameter:COUNt", IntegerFormat(1, 4), "Number of traces", source=MAGDYNLAB
-    )
-    trace_1 = Setting(
-        ":CALCulate1:PARameter1:DEFine", TokenFormat(), "Quantity of trace 1", source=TRCRENSHAW
-    )
-    trace_2 = Setting(
-        ":CALCulate1:PARameter2:DEFine", TokenFormat(), "Quantity of trace 2", source=TRCRENSHAW
-    )
+    trace_count = Setting(":CALCulate#:PARameter:COUNt", IntegerFormat(1, 4), "Number of traces")
+    trace_1 = Setting(":CALCulate1:PARameter1:DEFine", TokenFormat(), "Quantity of trace 1")
+    trace_2 = Setting(":CALCulate1:PARameter2:DEFine", TokenFormat(), "Quantity of trace 2")
     swept = MeterProperty(":SENSe#:FREQuency:DATA", NumbersFormat(), "Frequencies of the sweep")
     points = Setting(
         ":SENSe#:SWEep:POINts",
         IntegerFormat(2, 1601),
         "Points of a linear or logarithmic sweep",
         201,
-        source="programmer's guide of the E5061A, chapter 13",
     )
     sweep_type = Setting(
         ":SENSe#:SWEep:TYPE",
@@ -387,11 +325,7 @@ class AnalyserDialect:
         "LIN",
     )
     sweep_delay = Setting(
-        ":SENSe#:SWEep:DELay",
-        NumberFormat("s", 0, 30, 5),
-        "Time before each measurement",
-        0.0,
-        source=PROBE_STATION,
+        ":SENSe#:SWEep:DELay", NumberFormat("s", 0, 30, 5), "Time before each measurement", 0.0
     )
     segments = Setting(":SENSe#:SEGMent:DATA", NumbersFormat(), "Table of the segments")
     speed = Setting(
@@ -400,20 +334,18 @@ class AnalyserDialect:
         "Measurement time: 1 fastest, 5 most accurate",
         1,
     )
-    averages = Setting(
-        ":SENSe#:AVERage(:STATe)", OnOffFormat(), "True if points are averaged", False
-    )
+    averages = Setting(":SENSe#:AVERage(:STATe)", ON_OFF, "True if points are averaged", False)
     averaging_count = Setting(
         ":SENSe#:AVERage:COUNt", IntegerFormat(1, 999), "Readings of a point that are averaged", 1
     )
     sweep_averages = Setting(
-        ":CALCulate#:AVERage(:STATe)", OnOffFormat(), "True if sweeps are averaged", False
+        ":CALCulate#:AVERage(:STATe)", ON_OFF, "True if sweeps are averaged", False
     )
     sweep_count = Setting(
         ":CALCulate#:AVERage:COUNt", IntegerFormat(1, 999), "Sweeps that are averaged", 1
     )
     average_trigger = Setting(
-        ":TRIGger[:SEQuence]:AVERage", OnOffFormat(), "True if one trigger starts them all", False
+        ":TRIGger[:SEQuence]:AVERage", ON_OFF, "True if one trigger starts them all", False
     )
     source_mode = Setting(
         ":SOURce#:MODE",
@@ -429,13 +361,12 @@ class AnalyserDialect:
         NumberFormat("A", 200e-6, 20e-3, 4),
         "Current, rms, level CC",
         200e-6,
-        source=TRCRENSHAW,
     )
     bias = states_of(":SOURce#:BIAS:STATe", "DC bias")
     open_correction = states_of(":SENSe#:CORRection2:OPEN", "Open compensation of the fixture")
     short_correction = states_of(":SENSe#:CORRection2:SHORt", "Short compensation of the fixture")
     load_correction = Setting(
-        ":SENSe#:CORRection2:LOAD", OnOffFormat(), "True if load compensation is applied", False
+        ":SENSe#:CORRection2:LOAD", ON_OFF, "True if load compensation is applied", False
     )
     fixture_points = Setting(
         ":SENSe#:CORRection:COLLect:FPOints",
@@ -447,11 +378,7 @@ class AnalyserDialect:
         ":SENSe#:FIXTure:SELect", TokenFormat(("NONE", "ARBitrary")), "Fixture", "NONE"
     )
     data_format = Setting(
-        ":FORMat:DATA",
-        TokenFormat(("ASCii", "REAL", "REAL32")),
-        "Format of answers",
-        "ASC",
-        source=MAGDYNLAB,
+        ":FORMat:DATA", TokenFormat(("ASCii", "REAL", "REAL32")), "Format of answers", "ASC"
     )
     byte_order = Setting(
         ":FORMat:BORDer", TokenFormat(("NORMal", "SWAPped")), "Order of bytes", "NORM"
@@ -463,8 +390,5 @@ class AnalyserDialect:
         "INTERNAL",
     )
     continuous = Setting(
-        ":INITiate#:CONTinuous",
-        OnOffFormat(),
-        "True if the analyser waits for triggers by itself",
-        True,
+        ":INITiate#:CONTinuous", ON_OFF, "True if the analyser waits for triggers by itself", True
     )

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from numbers import Real
 from typing import TYPE_CHECKING, Any, Generic, Protocol, Self, TypeVar, overload
@@ -309,9 +310,8 @@ class MeterProperty(Generic[T]):
     """A property that the meter reports. Each access queries the meter.
 
     header: of the command, as the manual prints it (capitals are the short form), see
-    `driver_form`; empty if this is no row of a dialect. default: value after a reset. source: what
-    the row rests on; the dialect's `source` if empty. twin: what the virtual meter allows, where a
-    real one may have more.
+    `driver_form`; empty if this is no row of a dialect. default: value after a reset. twin: what
+    the virtual meter allows, where a real one may have more.
     """
 
     def __init__(
@@ -321,13 +321,18 @@ class MeterProperty(Generic[T]):
         meaning: str,
         default: Any = None,
         *,
-        source: str = "",
         twin: ValueFormat[Any] | None = None,
     ) -> None:
         self.header, self.allowed, self.meaning = header, allowed, meaning
         self.command = driver_form(header)
         self.query, self.__doc__ = f"{self.command}?", f"{meaning}: {allowed}."
-        self.default, self.source, self.twin = default, source, twin or allowed
+        self.default, self.twin = default, twin or allowed
+
+    def for_twin(self, allowed: ValueFormat[Any]) -> Self:
+        """The same row, of which the virtual meter allows less."""
+        row = copy(self)
+        row.twin = allowed
+        return row
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
@@ -364,7 +369,6 @@ class Setting(MeterProperty[T]):
         meaning: str,
         default: Any = None,
         *,
-        source: str = "",
         twin: ValueFormat[Any] | None = None,
         each_range: Sequence[int] = (),
         moves: str = "",
@@ -375,7 +379,7 @@ class Setting(MeterProperty[T]):
 
         moves: another setting that changes with this one. clear: command that empties a table.
         """
-        super().__init__(header, allowed, meaning, default, source=source, twin=twin)
+        super().__init__(header, allowed, meaning, default, twin=twin)
         self.command_text = f"{self.command} ALL," if each_range else f"{self.command} "
         self.each_range, self._moves, self._clear = each_range, moves, clear
 
@@ -461,9 +465,9 @@ FROM_MEMORY, CHOSEN = "from memory", "chosen here"
 
 
 def source_of(dialect: Any, name: str) -> str:
-    """What a row of a dialect rests on: `own_sources` of the model, the row, or the dialect."""
-    own = next((text for text, names in dialect.own_sources.items() if name in names.split()), "")
-    return own or rows(dialect)[name].source or dialect.source
+    """What a row of a dialect rests on: a text of `sources`, or else `source`."""
+    known = (text for text, names in dialect.sources.items() if name in names.split())
+    return next(known, dialect.source)
 
 
 def rows(dialect: type) -> dict[str, MeterProperty[Any]]:

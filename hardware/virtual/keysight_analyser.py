@@ -366,8 +366,7 @@ SPECIAL = {
     ),
     "trace_1": MeterCommand(":CALCulate#:PARameter#:DEFine", _define, _defined),
     "swept": MeterCommand(
-        D.swept.header,
-        on_query=_on_channel(lambda meter: numbers_text(meter.settings.frequencies)),
+        D.swept.header, on_query=_on_channel(lambda meter: numbers_text(meter.settings.frequencies))
     ),
     "segments": MeterCommand(
         D.segments.header,
@@ -396,8 +395,7 @@ ANALYSER_COMMANDS = (
     ),
     _edge(":SENSe#:FREQuency:SPAN", "span", lambda settings: settings.stop - settings.start),
     MeterCommand(
-        ":SENSe#:SEGMent:COUNt",
-        on_query=_on_channel(lambda meter: len(meter.settings.segments)),
+        ":SENSe#:SEGMent:COUNt", on_query=_on_channel(lambda meter: len(meter.settings.segments))
     ),
     MeterCommand(
         ":SENSe#:SEGMent:SWEep:POINts",

@@ -460,11 +460,7 @@ def _frequency(meter: VirtualE4980A, text: str) -> float:
 
 
 def _spot(
-    words: str,
-    name: str,
-    read: Callable[..., Any],
-    show: Callable[[Any], str],
-    arguments: int = 1,
+    words: str, name: str, read: Callable[..., Any], show: Callable[[Any], str], arguments: int = 1
 ) -> MeterCommand:
     def set_value(meter: VirtualE4980A, spot: int, *texts: str) -> None:
         kept = _checked(meter, spot)
