@@ -72,9 +72,15 @@ def _campaign(name: str, *options: str) -> Benchmark:
 
 
 def _designed(target: str, *options: str) -> Benchmark:
-    quick, kept = ("--target", target), "-".join(["designed", target, *options])
+    """A design; what is asked of others of its twins goes on from what its own keep."""
+    asked, others = ("--target", target), tuple(each for each in options if each == "--others")
+    kept = "-".join(["designed", target, *(each for each in options if each not in others)])
     return Benchmark(
-        "localization/twin_design", (*quick, *options), quick, ("--found", kept), SEARCHES
+        "localization/twin_design",
+        (*asked, *options),
+        (*asked, *others),
+        ("--found", kept),
+        SEARCHES,
     )
 
 
@@ -89,13 +95,11 @@ IN_ORDER = (
     _alone("localization/torch_training"),
     _alone("scale/dataset"),
     _alone("scale/cluster"),
-    _alone("live/live_interfaces"),
     _alone("live/live_page"),
     _alone("pictures/page"),
     _alone("commands"),
     Benchmark("localization/twin"),
     _campaign("campaign", "--timeout", "60"),
-    Benchmark("speed/skins_commands"),
     Benchmark("localization/design_goals", shared=SEARCHES),
     _designed("pixel"),
     _designed("pixel", "--second"),
@@ -116,11 +120,7 @@ IN_ORDER = (
     Benchmark("localization/localizers"),
     Benchmark("localization/filtering"),
     Benchmark("accuracy/verification", needs=CAMPAIGN),
-    Benchmark(
-        "localization/twin_design_others", kept=("--found", "designed-pixel"), shared=SEARCHES
-    ),
-    Benchmark("scale/training"),
-    Benchmark("live/killed"),
+    _designed("pixel", "--others"),
     Benchmark("accuracy/stability"),
     Benchmark("localization/several_touches"),
     Benchmark("accuracy/three_dimensions"),

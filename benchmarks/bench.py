@@ -10,26 +10,36 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
 from shutil import which
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import pandas as pd
 from rcskin.simulator.sweeps.output_files import replacing
 
 HERE = Path(__file__).parent
 RESULTS = HERE / "results"
+Options = Mapping[str, Mapping[str, Any]]
+Table = pd.DataFrame | Iterable[Mapping[str, object]]
 PACKAGES = ("rcskin", "numpy", "scipy", "scikit-fem", "numba", "scikit-rf")
 
 NOT_CODE = ":!benchmarks/results", ":!*.md", ":!*.jsonl"
 
 LEAST, ENOUGH = 0.2, 1.0
 """Seconds to fill with at least three runs; seconds after which a run is not repeated."""
+
+SKINS_OPTION: Options = {"--skins": {"type": int, "help": "twins in place of the usual number"}}
+PROCESSES_OPTION: Options = {"--processes": {"type": int, "default": 2}}
+SEARCHES_OPTION: Options = {
+    "--searches": {"type": Path, "help": "folder of designs, shared with others"},
+}
+FOUND_OPTION: Options = {"--found": {"type": Path, "help": "folder that keeps what takes time"}}
 
 Size = TypeVar("Size")
 Answered = TypeVar("Answered")
@@ -52,6 +62,16 @@ class Run:
         """For tables and charts."""
         return self.folder / "results"
 
+    def publish(self, name: str, title: str, table: Table) -> None:
+        """Print a table, or its rows, and write it to NAME.md and NAME.csv of the results."""
+        publish(self.results, name, title, table)
+
+    @contextmanager
+    def kept(self, folder: Path | None = None) -> Iterator[Path]:
+        """The folder that is asked for, which stays; one that does not, where none is."""
+        with tempfile.TemporaryDirectory() as scratch:
+            yield folder or Path(scratch)
+
     def sized(self, whole: Size, least: Size) -> Size:
         """What a quick pass does with less of."""
         return least if self.quick else whole
@@ -64,15 +84,16 @@ class Run:
         return False
 
 
-def launch(
-    main: Callable[[Run], int | None], parser: argparse.ArgumentParser | None = None
-) -> None:
+def launch(main: Callable[[Run], int | None], options: Options | None = None) -> None:
     """Run a benchmark as the command line asks and exit with the code that it returns.
 
-    Ctrl-C reaches the commands that it starts, also where a shell started it in the background.
+    options: of the command line, what `add_argument` takes by the names of each. Ctrl-C reaches the
+    commands that it starts, also where a shell started it in the background.
     """
     signal.signal(signal.SIGINT, signal.default_int_handler)
-    parser = parser or argparse.ArgumentParser()
+    parser = argparse.ArgumentParser()
+    for names, keywords in (options or {}).items():
+        parser.add_argument(*names.split(), **keywords)
     parser.add_argument(
         "--quick", action="store_true", help="smallest sizes, same checks, no figures kept"
     )
@@ -144,8 +165,32 @@ def _git(*command: str) -> str | None:
         return None
 
 
-def publish(folder: Path, name: str, title: str, table: pd.DataFrame) -> None:
-    """Print a table and write it to NAME.md and NAME.csv."""
+def rcskin_command(*words: object) -> list[str]:
+    """The words of a command of rcskin, for a process of its own."""
+    return [sys.executable, "-m", "rcskin", *map(str, words)]
+
+
+def run_rcskin(*words: object) -> None:
+    """Run a command of rcskin to its end. Raises CalledProcessError where it fails."""
+    subprocess.run(rcskin_command(*words), check=True, stdout=subprocess.DEVNULL)
+
+
+@contextmanager
+def served(scene: object) -> Iterator[tuple[str, str]]:
+    """The VISA resource and the control port of a virtual meter, a process of its own."""
+    words = rcskin_command("meter", "serve", "--scene", scene, "--port", 0, "--control-port", 0)
+    with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as meter:
+        assert meter.stdout is not None
+        resource, _, control = meter.stdout.readline().split()
+        try:
+            yield resource, control
+        finally:
+            meter.send_signal(signal.SIGINT)
+
+
+def publish(folder: Path, name: str, title: str, table: Table) -> None:
+    """Print a table, or its rows, and write it to NAME.md and NAME.csv."""
+    table = table if isinstance(table, pd.DataFrame) else pd.DataFrame(list(table))
     header, *rows = [list(table.columns), *table.astype(str).to_numpy().tolist()]
     lines = [" | ".join(row) for row in [header, ["---"] * len(header), *rows]]
     text = "\n".join([f"# {title}", "", machine(), "", *(f"| {line} |" for line in lines), ""])

@@ -9,16 +9,13 @@ Run: python benchmarks/commands.py [--quick] [--into FOLDER] [PAGE ...]    READM
 
 from __future__ import annotations
 
-import argparse
 import re
 import shlex
-import sys
-import tempfile
 from pathlib import Path
 
 import pandas as pd
 from rcskin.benchmarks.all import Times, timed
-from rcskin.benchmarks.bench import HERE, Run, launch, publish
+from rcskin.benchmarks.bench import HERE, Run, launch, rcskin_command
 
 ROOT = HERE.parent
 TITLE = "Run time of every command of the pages"
@@ -47,7 +44,7 @@ def shown(page: Path) -> list[str]:
 
 def measured(command: str, folder: Path) -> Times:
     """Its times, run in a folder."""
-    return timed([sys.executable, "-m", "rcskin", *shlex.split(command)[1:]], folder)
+    return timed(rcskin_command(*shlex.split(command)[1:]), folder)
 
 
 def main(run: Run) -> int:
@@ -55,19 +52,17 @@ def main(run: Run) -> int:
     rows = []
     for page in run.asked.pages:
         asked = [line for line in shown(ROOT / page) if not WAITING.search(line)]
-        with tempfile.TemporaryDirectory() as folder:
+        with run.kept() as folder:
             besides = BESIDES if page == README else ()
             for command in run.sized([*asked, *besides], asked[:1]):
-                times = measured(command, Path(folder))
+                times = measured(command, folder)
                 told = f"{times.processor:.1f}" if times.code == 0 else FAILED.format(times.code)
                 rows.append((page, f"`{command}`", told, f"{times.clock:.1f}"))
                 print(rows[-1], flush=True)
     columns = ["page", "command", "processor (s)", "clock (s)"]
-    publish(run.results, "commands", TITLE, pd.DataFrame(rows, columns=columns))
+    run.publish("commands", TITLE, pd.DataFrame(rows, columns=columns))
     return int(any("failed" in row[2] for row in rows))
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser()
-    parser.add_argument("pages", nargs="*", default=[README], metavar="PAGE")
-    launch(main, parser)
+    launch(main, {"pages": {"nargs": "*", "default": [README], "metavar": "PAGE"}})

@@ -13,15 +13,20 @@ about 30 % and 0.3 rad off.
 from __future__ import annotations
 
 import argparse
+import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 import pandas as pd
 import xarray as xr
-from rcskin.benchmarks.accuracy.coverage_parts.metered import metered
-from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.bench import Run, launch
 from rcskin.hardware.meter.errors import FailedReadingError
+from rcskin.hardware.meter.hioki import CP_RS_X, STATUS_AND_VALUES
+from rcskin.hardware.meter.meter_reading import MeterReading, parse_reading
+from rcskin.hardware.record.operators import parse_step
+from rcskin.hardware.virtual.hioki import measurement_text
+from rcskin.hardware.virtual.measurement import MeasurementSetup, Settings
 from rcskin.simulator.calibration.fitting.centered_model import Model, model_of
 from rcskin.simulator.calibration.fitting.fit import model_tolerance
 from rcskin.simulator.calibration.fitting.fit_options import Options
@@ -31,14 +36,61 @@ from rcskin.simulator.calibration.results.sheet_intervals import sheets
 from rcskin.simulator.calibration.run import Calibration, calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
+from rcskin.simulator.measure.specimen import MeterSessionErrors, Specimen
+from rcskin.simulator.meters.accuracy_table import read_table
 from rcskin.simulator.models.parameters import FACTORS, TABLE, own_values, parts_with
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.meter import FrequencyGrid
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene
-from rcskin.simulator.sweeps import ToleranceError
+from rcskin.simulator.sweeps import ToleranceError, build
 from rcskin.simulator.sweeps.schema import DIMENSIONS, impedance
+
+
+def metered(
+    scene: Scene, presses: Sequence[str], called: Sequence[str], random: np.random.Generator
+) -> xr.Dataset:
+    """Sweeps at all interfaces, the meter choosing its range for each reading.
+
+    presses: of the skin, as text. called: what those who record say of each.
+    Raises ReadingError where a reading is outside what the meter displays.
+    """
+    errors = MeterSessionErrors(scene.parts.meter, int(random.integers(2**31)))
+    names = scene.parts.setup.names
+    one = Specimen(scene.parts, names[0])
+    benches = [
+        MeasurementSetup(
+            one.at(name),
+            lambda Z, at_hand: errors.read(Z, at_hand.frequency, at_hand.range),
+            read_table(),
+        )
+        for name in names
+    ]
+    read = [[_trace(bench, scene, press) for bench in benches] for press in presses]
+    Z = np.array([[[each.value for each in trace] for trace in sweep] for sweep in read])
+    Cp = np.array([[[each.shown["Cp"] for each in trace] for trace in sweep] for sweep in read])
+    steps = [parse_step(press, *scene.pixels.shape) for press in called]
+    return build(
+        Z,
+        scene.frequencies,
+        interface=names,
+        press=[step.press for step in steps],
+        row=[step.row for step in steps],
+        column=[step.column for step in steps],
+        shown={"Cp": Cp},
+        attributes={"settings": json.dumps({"auto_range": True})},
+    ).dataset()
+
+
+def _trace(bench: MeasurementSetup, scene: Scene, press: str) -> list[MeterReading]:
+    """A reading at each frequency, by way of what the meter would answer."""
+    found = []
+    for frequency in scene.frequencies:
+        settings = Settings(frequency=float(frequency), items=CP_RS_X, valid=STATUS_AND_VALUES)
+        found.append(parse_reading(measurement_text(bench.measure(press, settings), settings)))
+    return found
+
 
 NAME = "calibration_coverage"
 TWINS, FEWEST = 200, 6
@@ -91,7 +143,7 @@ def main(run: Run) -> int:
             "standard error, %": [f"{100 * error:.1f}" for _ in held.columns],
         }
     )
-    publish(run.results, *_named(asked, twins, twins - len(held)), table)
+    run.publish(*_named(asked, twins, twins - len(held)), table)
     off = abs(held.to_numpy(dtype=float).mean() - 0.95)
     return int(off > AGREES * error)
 
@@ -210,10 +262,13 @@ CASES = {
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--prior", choices=("session", "wide"), default="session")
-    parser.add_argument("--skin", choices=tuple(CASES), default="line")
-    parser.add_argument("--truth", choices=("prior", "scene"), default="prior")
-    parser.add_argument("--outliers", type=float, default=0.0, help="%% of the readings")
-    parser.add_argument("--twins", type=int, help=f"in place of {TWINS}")
-    launch(main, parser)
+    launch(
+        main,
+        {
+            "--prior": {"choices": ("session", "wide"), "default": "session"},
+            "--skin": {"choices": tuple(CASES), "default": "line"},
+            "--truth": {"choices": ("prior", "scene"), "default": "prior"},
+            "--outliers": {"type": float, "default": 0.0, "help": "%% of the readings"},
+            "--twins": {"type": int, "help": f"in place of {TWINS}"},
+        },
+    )

@@ -7,12 +7,11 @@ waves of each. A twin is solved in full with maps of its waves, which are normal
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import replace
 
 import numpy as np
 import pandas as pd
-from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.bench import Run, launch
 from rcskin.simulator.calibration.fitting.fit_options import Options
 from rcskin.simulator.calibration.run import Calibration, calibrate
 from rcskin.simulator.measure.readout import read_out
@@ -47,7 +46,7 @@ def main(run: Run) -> int:
     rows = [_row(scene, model, kind, twins) for kind in KINDS]
     table = pd.DataFrame(rows)
     title = f"Slow waves within their 95 % intervals, of {twins} twins a row"
-    publish(run.results, NAME, title, table)
+    run.publish(NAME, title, table)
     held = [float(row["held, %"]) / 100 for row in rows]
     return int(abs(np.mean(held) - 0.95) > AGREES * np.sqrt(0.95 * 0.05 / (twins * len(held))))
 
@@ -119,6 +118,4 @@ def calibrated(
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--twins", type=int, default=TWINS)
-    launch(main, parser)
+    launch(main, {"--twins": {"type": int, "default": TWINS}})

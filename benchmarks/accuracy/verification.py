@@ -12,16 +12,15 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from rcskin.benchmarks.accuracy.verification_parts import (
-    campaign,
+from rcskin.benchmarks.accuracy.checks import Section
+from rcskin.benchmarks.accuracy.verification_codes import other_codes, thin_sheets
+from rcskin.benchmarks.accuracy.verification_estimates import campaign, estimates
+from rcskin.benchmarks.accuracy.verification_forms import (
     closed_forms,
-    cross_code,
-    estimates,
+    manufactured,
     orders,
-    thin_sheet,
-    varying,
+    round_skins,
 )
-from rcskin.benchmarks.accuracy.verification_parts.report import Section
 from rcskin.benchmarks.bench import Run, launch, machine
 from rcskin.simulator.sweeps import whole_file
 
@@ -33,27 +32,27 @@ CHAPTERS: tuple[Chapter, ...] = (
         "Code verification",
         "Are the equations solved right? Errors against known solutions, and how they fall.",
         (
-            orders.section,
-            closed_forms.section,
-            varying.manufactured,
-            varying.round_skins,
+            orders,
+            closed_forms,
+            manufactured,
+            round_skins,
         ),
     ),
     (
         "Solution verification",
         "Is the error of an answer known where no formula is? The solver's own estimate, judged.",
-        (estimates.section, campaign.section),
+        (estimates, campaign),
     ),
     (
         "Cross-code comparison",
         "Do programs that share nothing with this one say the same?",
-        (cross_code.section,),
+        (other_codes,),
     ),
     (
         "Limits of the model",
         "Where do the right equations end? What two sheets without thickness leave out. Whether a "
         "skin that is built behaves so is validation, and needs measurements.",
-        (thin_sheet.section,),
+        (thin_sheets,),
     ),
 )
 

@@ -9,20 +9,144 @@ Run: python benchmarks/live/live_page.py [--quick]
 from __future__ import annotations
 
 import asyncio
-import tempfile
+import json
+import os
+import signal
+import subprocess
 import time
+from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass, field
 from importlib.util import find_spec
 from pathlib import Path
 from shutil import which
+from threading import Event, Thread
 
 import numpy as np
-import pandas as pd
-from rcskin.benchmarks.bench import Run, launch, publish
-from rcskin.benchmarks.live.page_parts.commands import Linked, ended_in, linked, memory, run
-from rcskin.benchmarks.live.page_parts.hostile import Target, besieged, fuzzed
-from rcskin.benchmarks.live.page_parts.viewers import NEVER, Watching
+from rcskin.benchmarks.bench import Run, launch, rcskin_command, run_rcskin
+from rcskin.benchmarks.live.hostile_clients import Target, besieged, fuzzed
 from rcskin.hardware.control_client import send_request
 from rcskin.simulator.scene.scene_files import load_scene
+from websockets.sync.client import connect
+
+
+@dataclass(frozen=True)
+class Linked:
+    """A virtual meter and a live session at it, with their pages."""
+
+    meter: subprocess.Popen
+    live: subprocess.Popen
+    control: str
+    skin: str
+    answers: str
+
+
+@contextmanager
+def linked(scene: str, model: Path) -> Iterator[Linked]:
+    """Both of them, at the virtual meter's own pace."""
+    anywhere = ["--port", 0, "--control-port", 0]
+    with ExitStack() as stack:
+        meter = stack.enter_context(
+            _command("meter", "serve", "--scene", scene, "--page", *anywhere)
+        )
+        assert meter.stdout is not None
+        resource, _, control = meter.stdout.readline().split()
+        skin = meter.stdout.readline().split()[1]
+        words = ["live", "--model", model, "--resource", resource, "--plain", "--page"]
+        live = stack.enter_context(_command(*words))
+        assert live.stdout is not None
+        told = next(line for line in live.stdout if "page http" in line)
+        next(line for line in live.stdout if line.count("\t") == 3)
+        Thread(target=live.stdout.read, daemon=True).start()
+        yield Linked(meter, live, control, skin, told.split()[-1])
+
+
+def ended_in(process: subprocess.Popen) -> float:
+    """Seconds from Ctrl-C to the end."""
+    begun = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    process.wait()
+    return time.monotonic() - begun
+
+
+def memory(process: subprocess.Popen) -> float:
+    """Of a process, MB."""
+    lines = Path(f"/proc/{process.pid}/status").read_text().splitlines()
+    return int(next(line for line in lines if line.startswith("VmRSS")).split()[1]) / 1e3
+
+
+@contextmanager
+def _command(*words: object) -> Iterator[subprocess.Popen]:
+    environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    with subprocess.Popen(rcskin_command(*words), env=environment, **pipes) as process:
+        try:
+            yield process
+        finally:
+            if process.poll() is None:
+                ended_in(process)
+
+
+NEVER = float("inf")
+
+
+@dataclass
+class Viewer:
+    """Draws each frame in so many s. frames: numbers, by when they came (s)."""
+
+    url: str
+    slowness: float
+    frames: dict[int, float] = field(default_factory=dict)
+    longest: float = 0.0
+    """s from one frame to the next."""
+
+    def watch(self, stop: Event) -> None:
+        """Until it is told to stop."""
+        target = Target(self.url)
+        with connect(target.link, origin=target.origin, compression=None) as socket:
+            latest = time.monotonic()
+            while not stop.is_set():
+                try:
+                    frame = json.loads(socket.recv(timeout=0.2))["frame"]
+                except TimeoutError:
+                    continue
+                now = time.monotonic()
+                self.longest, latest = max(self.longest, now - latest), now
+                self.frames[frame] = now
+                stop.wait(min(self.slowness, 3600))
+                socket.send(json.dumps({"do": "seen", "frame": frame}))
+
+    def age(self, other: Viewer) -> float:
+        """By how much frames came later than to another viewer, s, at most."""
+        both = self.frames.keys() & other.frames.keys()
+        return max((self.frames[n] - other.frames[n] for n in both), default=0.0)
+
+
+class Watching:
+    """Viewers in threads of their own while the block runs, from their first frame on."""
+
+    def __init__(self, url: str, *slowness: float) -> None:
+        self.viewers = [Viewer(url, each) for each in slowness]
+        self._stop = Event()
+        self._threads = [
+            Thread(target=viewer.watch, args=(self._stop,), daemon=True) for viewer in self.viewers
+        ]
+
+    def __enter__(self) -> list[Viewer]:
+        for thread in self._threads:
+            thread.start()
+        end = time.monotonic() + PATIENCE
+        while not all(viewer.frames for viewer in self.viewers):
+            if time.monotonic() > end:
+                raise RuntimeError(f"a viewer was sent no frame in {PATIENCE:g} s")
+            time.sleep(0.01)
+        return self.viewers
+
+    def __exit__(self, *error: object) -> None:
+        self._stop.set()
+        for thread in self._threads:
+            thread.join()
+
 
 SEED = 5
 SLOW = 1.0
@@ -46,8 +170,8 @@ WATCH = """
 def trained(scene: str, sweeps: int, folder: Path) -> Path:
     """A model of columns against rest, of randomised skins."""
     data, model = folder / "skins.zarr", folder / "columns.npz"
-    run("dataset", scene, "--sweeps", sweeps, "-o", data)
-    run("train", data, "--target", "column", "--features", "dlnZ,dphase", "-o", model)
+    run_rcskin("dataset", scene, "--sweeps", sweeps, "-o", data)
+    run_rcskin("train", data, "--target", "column", "--features", "dlnZ,dphase", "-o", model)
     return model
 
 
@@ -147,8 +271,8 @@ def row(what: str, figure: str) -> dict[str, str]:
 def main(run: Run) -> None:
     """Press, watch, besiege, end."""
     scene = run.sized("sheet-5x5", "strip-1x3")
-    with tempfile.TemporaryDirectory() as folder:
-        model = trained(scene, run.sized(TAUGHT, FEWEST), Path(folder))
+    with run.kept() as folder:
+        model = trained(scene, run.sized(TAUGHT, FEWEST), folder)
         with linked(scene, model) as pages:
             times = press_to_answer(pages, scene, run.sized(30, 2), run.results / "live_page.png")
             rows = left_out(pages, run.sized(20.0, 4.0))
@@ -163,7 +287,7 @@ def main(run: Run) -> None:
     rows.append(
         row("Ctrl-C to the end, session and meter", " and ".join(f"{s:.1f} s" for s in ends))
     )
-    publish(run.results, "live_page", f"{scene} on its pages, live", pd.DataFrame(rows))
+    run.publish("live_page", f"{scene} on its pages, live", rows)
 
 
 if __name__ == "__main__":

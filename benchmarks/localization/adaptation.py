@@ -15,19 +15,21 @@ from functools import cached_property
 import numpy as np
 import pandas as pd
 import xarray as xr
-from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.bench import Run, launch
 from rcskin.benchmarks.localization.training_spread import spread_by
-from rcskin.benchmarks.localization.twin_parts.reading import read_at_once
-from rcskin.benchmarks.localization.twin_parts.scenes import built
-from rcskin.benchmarks.localization.twin_parts.skin import Twin
-from rcskin.benchmarks.localization.twin_parts.training import (
+from rcskin.benchmarks.localization.twin_meters import read_at_once
+from rcskin.benchmarks.localization.twins import (
     CHANGE,
     RTOL,
     SEED,
+    TRIALS,
     WHOLE,
+    Trial,
+    Twin,
+    built,
+    every_pixel,
     simulated,
 )
-from rcskin.benchmarks.localization.twin_parts.trials import TRIALS, Trial, every_pixel
 from rcskin.localization.adaptation.class_adaptation import checked_classifier, fine_tuned
 from rcskin.localization.evaluation.evaluation import score
 from rcskin.localization.inputs.samples import Samples
@@ -41,7 +43,7 @@ from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import concatenate
 
 MOUNTED = 103
-"""Kind of random numbers, beside those of `twin_parts.skin`."""
+"""Kind of random numbers, beside those of `twins`."""
 MOVED = 0.02
 """Standard deviation of what foam and sheets change by from one mounting to the next."""
 TOUCHES, FEW_TOUCHES = (2, 5, 10), (2,)
@@ -162,7 +164,7 @@ def main(run: Run) -> None:
     wide = found.assign(cell=cells)["cell"].unstack("touches")
     order = list(dict.fromkeys(row["touches"] for row in table))
     title = "Accuracy on another mounting (%) by touches that adapted; mean of skins (worst)"
-    publish(run.results, "adaptation", title, wide[order].reset_index())
+    run.publish("adaptation", title, wide[order].reset_index())
 
 
 if __name__ == "__main__":

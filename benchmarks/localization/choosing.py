@@ -13,13 +13,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
-from rcskin.benchmarks.bench import Run, launch, publish
-from rcskin.benchmarks.localization.twin_parts.hands import TALK, TURN
-from rcskin.benchmarks.localization.twin_parts.training import CHANGE
-from rcskin.hardware.virtual.hioki import HiokiSettings
+from rcskin.benchmarks.bench import Run, launch
+from rcskin.benchmarks.localization.twin_meters import TALK, TURN
+from rcskin.benchmarks.localization.twins import CHANGE
+from rcskin.hardware.virtual.hioki.meter_state import conditions
+from rcskin.hardware.virtual.measurement import Settings
 from rcskin.localization.filtering.adaptive import AdaptivePolicy
 from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train
@@ -64,7 +64,7 @@ class Way:
 
 def reading_seconds(frequencies: tuple[float, ...]) -> NDArray[np.float64]:
     """That the virtual meter takes for a reading at each frequency, (frequency,)."""
-    found = [HiokiSettings(frequency=f).in_range(RANGE, 0j).seconds for f in frequencies]
+    found = [conditions(Settings(frequency=f), RANGE, 0j).seconds for f in frequencies]
     return np.array(found) + TALK
 
 
@@ -137,7 +137,7 @@ def main(run: Run) -> int:
         first, *others = (np.median(way.seconds) for way in ways.values())
         slower |= max(others) > first
     title = "Readings chosen one at a time, two interfaces and a switch, simulated touches"
-    publish(run.results, "choosing", title, pd.DataFrame(rows))
+    run.publish("choosing", title, rows)
     return int(slower)
 
 

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 from numpy.typing import NDArray
-from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.bench import Run, launch
 from rcskin.localization.inputs.samples import Samples, samples_of
 from rcskin.localization.learners.classifiers import reference
 from rcskin.simulator.sweeps import build, impedance
@@ -95,7 +95,7 @@ def main(run: Run) -> int:
     """Ask both, publish; 1 where the reference that is in use tells."""
     sessions = run.sized(SESSIONS, FEW_SESSIONS)
     table = pd.DataFrame([each for rests in RESTS for each in row(rests, sessions)])
-    publish(run.results, "class_zero", "Touches without effect that are found", table)
+    run.publish("class_zero", "Touches without effect that are found", table)
     return int((table["tells"] == "yes")[table["reference"] != "by its own label"].any())
 
 

@@ -10,7 +10,6 @@ Run: python benchmarks/localization/design.py [--quick] [--sides N,N] [--wires N
 
 from __future__ import annotations
 
-import argparse
 import itertools
 from collections.abc import Iterator
 from functools import partial
@@ -20,7 +19,7 @@ import numpy as np
 import pandas as pd
 from joblib import Parallel, delayed
 from matplotlib.axes import Axes
-from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.bench import FOUND_OPTION, PROCESSES_OPTION, Run, launch
 from rcskin.simulator.bounds.bayes import CommonDraws
 from rcskin.simulator.bounds.likelihood import Likelihood
 from rcskin.simulator.chart_style import COLOURS, chart
@@ -214,24 +213,14 @@ def main(run: Run) -> None:
     sides, wires = asked.sides or run.sized(PIXELS, (2,)), asked.wires or run.sized(WIRES, (2,))
     work = (delayed(kept)(asked.found, *each, draws) for each in itertools.product(sides, wires))
     table = pd.concat(Parallel(n_jobs=asked.processes)(work), ignore_index=True)
-    publish(run.results, "design", "Upper bound on the accuracy of pixels, skin known", table)
+    run.publish("design", "Upper bound on the accuracy of pixels, skin known", table)
     title = f"The most pixels found {ENOUGH:g} % of the time at most"
-    publish(run.results, "design_pixels", title, most_pixels(table))
+    run.publish("design_pixels", title, most_pixels(table))
     title = f"Upper bound on the accuracy of pixels, by pairs of wires; {1e-3 * USUAL:g} kohm/sq"
-    publish(run.results, "design_sides", title, by_sides(table))
+    run.publish("design_sides", title, by_sides(table))
     others = pd.DataFrame(PUBLISHED, columns=["skin", "reached", "published"])
-    publish(run.results, "design_published", "Published results, measured on real skins", others)
+    run.publish("design_published", "Published results, measured on real skins", others)
     draw(table, run.results / "design.png")
-
-
-def options() -> argparse.ArgumentParser:
-    """Of the command line."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--sides", type=_numbers, help="Pixels along a side, N,N,...")
-    parser.add_argument("--wires", type=_numbers, help="2, 4, 6 or 8, N,N,...")
-    parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--found", type=Path, help="Folder that keeps what was computed.")
-    return parser
 
 
 def _numbers(text: str) -> tuple[int, ...]:
@@ -239,4 +228,12 @@ def _numbers(text: str) -> tuple[int, ...]:
 
 
 if __name__ == "__main__":
-    launch(main, options())
+    launch(
+        main,
+        PROCESSES_OPTION
+        | FOUND_OPTION
+        | {
+            "--sides": {"type": _numbers, "help": "Pixels along a side, N,N,..."},
+            "--wires": {"type": _numbers, "help": "2, 4, 6 or 8, N,N,..."},
+        },
+    )

@@ -12,19 +12,15 @@ Run: python benchmarks/localization/design_goals.py [--searches FOLDER] [--only 
 
 from __future__ import annotations
 
-import argparse
 import json
-import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import pandas as pd
-from rcskin.benchmarks.bench import Run, launch, publish
-from rcskin.benchmarks.localization.design_parts.goals import USUAL
-from rcskin.benchmarks.localization.design_parts.searching import searched
-from rcskin.benchmarks.localization.twin_parts.scenes import believed
-from rcskin.benchmarks.localization.twin_parts.trials import DOUBLE, ONE, SINGLE, TWO
+from rcskin.benchmarks.bench import SEARCHES_OPTION, Run, launch
+from rcskin.benchmarks.localization.designs import USUAL, searched
+from rcskin.benchmarks.localization.twins import DOUBLE, ONE, SINGLE, TWO, believed
 from rcskin.simulator.design.report.design_charts import scale_of
 from rcskin.simulator.scene.design_goals import Design, Target
 from rcskin.simulator.scene.scene import Scene
@@ -118,19 +114,12 @@ def main(run: Run) -> None:
     """Search for all, or for those that are asked for, and publish."""
     goals = [each for each in run.sized(GOALS, FEW) if (run.asked.only or "") in each.name]
     usual = run.sized(USUAL, QUICK)
-    with tempfile.TemporaryDirectory() as scratch:
-        folder = run.asked.searches or Path(scratch)
+    with run.kept(run.asked.searches) as folder:
         table = pd.DataFrame([row(goal, folder, usual) for goal in goals])
-    publish(run.results, "design_goals", "Best skins that could be designed for each goal", table)
-
-
-def options() -> argparse.ArgumentParser:
-    """Of the command line."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--searches", type=Path, help="Folder of designs, shared with others.")
-    parser.add_argument("--only", default="", help="Goals whose name holds this.")
-    return parser
+    run.publish("design_goals", "Best skins that could be designed for each goal", table)
 
 
 if __name__ == "__main__":
-    launch(main, options())
+    launch(
+        main, SEARCHES_OPTION | {"--only": {"default": "", "help": "Goals whose name holds this."}}
+    )

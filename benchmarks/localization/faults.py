@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import xarray as xr
-from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.bench import Run, launch
 from rcskin.localization.evaluation.result import evaluated
 from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train
@@ -120,7 +120,7 @@ def main(run: Run) -> None:
     table = pd.concat(tables, ignore_index=True)
     check(table)
     title = "Faults in service: columns of skins that have one, in % of the sweeps"
-    publish(run.results, "faults", title, table)
+    run.publish("faults", title, table)
     draw(table, run.results / "faults.png")
 
 

@@ -13,24 +13,25 @@ Run: python benchmarks/localization/filtering.py [--quick] [--skins N] [--touche
 
 from __future__ import annotations
 
-import argparse
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from joblib import Parallel, delayed
-from rcskin.benchmarks.bench import Run, launch, publish
-from rcskin.benchmarks.localization.twin_parts.hands import Stage, Touch, visits
-from rcskin.benchmarks.localization.twin_parts.replaying import Replay, Told
-from rcskin.benchmarks.localization.twin_parts.scenes import believed, built
-from rcskin.benchmarks.localization.twin_parts.skin import Twin
-from rcskin.benchmarks.localization.twin_parts.training import (
+from rcskin.benchmarks.bench import PROCESSES_OPTION, SKINS_OPTION, Run, launch
+from rcskin.benchmarks.localization.twin_meters import Replay, Stage, Told, Touch, visits
+from rcskin.benchmarks.localization.twins import (
+    ONE,
     RTOL,
     SEED,
+    SINGLE,
+    TWO,
+    Twin,
+    believed,
+    built,
     simulated,
 )
-from rcskin.benchmarks.localization.twin_parts.trials import ONE, SINGLE, TWO
 from rcskin.hardware.live.live_baseline import LiveBaseline
 from rcskin.hardware.live.live_localizer import LiveLocalizer
 from rcskin.hardware.live.live_meter import LiveMeter
@@ -245,19 +246,17 @@ def asked(run: Run, question: Question) -> None:
     rows = [row for found in Parallel(n_jobs=run.asked.processes)(work) for row in found]
     if not all(np.isfinite(row["waits"]).any() for row in rows):
         raise AssertionError("a way to answer finds no touch at all")
-    publish(run.results, question.table, question.title, table(rows))
-
-
-def options() -> argparse.ArgumentParser:
-    """Of the command line."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--skins", type=int)
-    parser.add_argument("--touches", type=int, default=TOUCHES)
-    parser.add_argument("--rest", type=float, default=REST)
-    parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--only", choices=tuple(QUESTIONS))
-    return parser
+    run.publish(question.table, question.title, table(rows))
 
 
 if __name__ == "__main__":
-    launch(main, options())
+    launch(
+        main,
+        SKINS_OPTION
+        | PROCESSES_OPTION
+        | {
+            "--touches": {"type": int, "default": TOUCHES},
+            "--rest": {"type": float, "default": REST},
+            "--only": {"choices": tuple(QUESTIONS)},
+        },
+    )

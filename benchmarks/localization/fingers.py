@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.bench import Run, launch
 from rcskin.simulator.bounds.bayes import bayes
 from rcskin.simulator.bounds.touch_readings import Hypothesis, TouchReadings, hypotheses, kinds
 from rcskin.simulator.chart_style import COLOURS, chart
@@ -90,8 +90,7 @@ def main(run: Run) -> None:
     """All capacitances."""
     table = pd.DataFrame(rows(around("sheet-5x5", run.sized(5, 2)), "column", run))
     title = "Upper bound on the accuracy of columns by a finger's capacitance and the press"
-    publish(
-        run.results,
+    run.publish(
         "fingers",
         title,
         table.round({name: 1 for name in table.columns[2:]}).astype(object).fillna("-"),

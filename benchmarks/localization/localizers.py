@@ -8,20 +8,18 @@ Run: python benchmarks/localization/localizers.py [--quick] [FOLDER]    data set
 
 from __future__ import annotations
 
-import argparse
-import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pandas as pd
 import xarray as xr
-from matplotlib.figure import Figure
-from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.bench import Run, launch
 from rcskin.localization.evaluation.evaluation import RIGHT_OF_ALL, ClassScore, score
 from rcskin.localization.inputs.baselines import read_first
 from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inversion.estimators import MODEL_BASED, chosen
 from rcskin.localization.trust.fitting import learn_classes, learn_positions
+from rcskin.simulator.chart_style import COLOURS, chart
 from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.scene.scene import Scene
@@ -32,7 +30,6 @@ RTOL = 1e-3
 """Of the simulated sweeps; the meter's noise is three times that."""
 HELD_BACK, REST_EVERY = 0.25, 10
 FEW = {"scene": "sheet-5x5", "sweeps": 320, "session": 80}
-COLOURS = {"paper": "#E69F00", "rest": "#0072B2"}
 
 
 @dataclass(frozen=True)
@@ -183,45 +180,37 @@ def compared(case: Case, sweeps: xr.Dataset) -> list[dict]:
     return rows
 
 
-def draw(table: pd.DataFrame) -> Figure:
+def draw(table: pd.DataFrame, path: Path) -> None:
     """A panel for each case: a bar for each localizer."""
     cases = list(dict.fromkeys(table["case"]))
-    figure = Figure(figsize=(9, 9), layout="constrained")
     heights = [int((table["case"] == case).sum()) + 1 for case in cases]
-    for axes, case in zip(
-        figure.subplots(len(cases), 1, height_ratios=heights), cases, strict=True
-    ):
-        of = table[table["case"] == case][::-1]
-        names = of["localizer"] + [" (Rs, Cp)" if f == "Rs, Cp" else "" for f in of["features"]]
-        paper = of["features"] == "Rs, Cp"
-        colours = [COLOURS["paper" if each else "rest"] for each in paper]
-        bars = axes.barh(names, of["value"], color=colours)
-        millimetres = case.startswith("position")
-        axes.bar_label(bars, fmt="%.1f mm" if millimetres else "%.1f %%", padding=3)
-        axes.set_xlim(0, 1.25 * of["value"].max() if millimetres else 110)
-        axes.set_xlabel("Median error (mm)" if millimetres else "Found (%)")
-        axes.set_title(case, loc="left")
-        axes.spines[["top", "right"]].set_visible(False)
-    return figure
+    with chart(path, 9, 9) as figure:
+        panels = figure.subplots(len(cases), 1, height_ratios=heights)
+        for axes, case in zip(panels, cases, strict=True):
+            of = table[table["case"] == case][::-1]
+            paper = of["features"] == "Rs, Cp"
+            names = of["localizer"] + paper.map({True: " (Rs, Cp)", False: ""})
+            bars = axes.barh(names, of["value"], color=[COLOURS[4 if k else 0] for k in paper])
+            millimetres = case.startswith("position")
+            axes.bar_label(bars, fmt="%.1f mm" if millimetres else "%.1f %%", padding=3)
+            axes.set_xlim(0, 1.25 * of["value"].max() if millimetres else 110)
+            axes.set_xlabel("Median error (mm)" if millimetres else "Found (%)")
+            axes.set_title(case, loc="left")
 
 
 def main(run: Run) -> None:
     """Compare, and publish."""
     cases = run.sized(CASES, few_cases())
-    with tempfile.TemporaryDirectory() as made:
-        folder = run.asked.data or Path(made)
+    with run.kept(run.asked.data) as folder:
         given = [(case, sweeps_of(case, cases, folder)) for case in cases]
         table = pd.DataFrame([row for each in given for row in compared(*each)])
-    publish(
-        run.results,
+    run.publish(
         "localizers",
         "Localizers on simulated skins never seen in training",
         table.drop(columns="value"),
     )
-    draw(table).savefig(run.results / "localizers.png", dpi=150)
+    draw(table, run.results / "localizers.png")
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser()
-    parser.add_argument("data", nargs="?", type=Path, metavar="FOLDER")
-    launch(main, parser)
+    launch(main, {"data": {"nargs": "?", "type": Path, "metavar": "FOLDER"}})

@@ -18,8 +18,8 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from rcskin.benchmarks.bench import Run, launch, publish
-from rcskin.benchmarks.localization.twin_parts.training import simulated
+from rcskin.benchmarks.bench import Run, launch
+from rcskin.benchmarks.localization.twins import simulated
 from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inversion.estimators import chosen
 from rcskin.simulator.chart_style import COLOURS, LINE_STYLES, chart, logarithmic_axis
@@ -191,7 +191,7 @@ def main(run: Run) -> int:
             print(*rows[-1].values(), flush=True)
     table = pd.DataFrame(rows)
     title = "A multisine reader beside the meter: touches found by the time of a sweep"
-    publish(run.results, "multisine", title, table)
+    run.publish("multisine", title, table)
     draw(table, run.results / "multisine.png")
     return int(worse_with_more_frames(table))
 

@@ -16,12 +16,20 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import xarray as xr
-from rcskin.benchmarks.bench import Run, launch, publish
-from rcskin.benchmarks.localization.twin_parts.reading import read_at_once
-from rcskin.benchmarks.localization.twin_parts.scenes import SKINS, SWEEPS_PER_SESSION, built
-from rcskin.benchmarks.localization.twin_parts.skin import Twin
-from rcskin.benchmarks.localization.twin_parts.training import CHANGE, RTOL, SEED, WHOLE, simulated
-from rcskin.benchmarks.localization.twin_parts.trials import TRIALS
+from rcskin.benchmarks.bench import Run, launch
+from rcskin.benchmarks.localization.twin_meters import read_at_once
+from rcskin.benchmarks.localization.twins import (
+    CHANGE,
+    RTOL,
+    SEED,
+    SKINS,
+    SWEEPS_PER_SESSION,
+    TRIALS,
+    WHOLE,
+    Twin,
+    built,
+    simulated,
+)
 from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inversion.estimators import chosen
 from rcskin.simulator.chart_style import COLOURS, LINE_STYLES, chart
@@ -31,10 +39,6 @@ from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import concatenate
 
-PREDICTION = (
-    "Skins that vary less than the twins leave most twins outside of what was learned; too wide a "
-    "spread costs little with skins in plenty, and more with few: they lie farther apart then."
-)
 TRIAL = TRIALS[2]
 SPREADS, FEW_SPREADS = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0), (0.5, 1.0)
 NUMBERS, FEW_NUMBERS = (10, 30, 100, 330), (4, 10)
@@ -108,14 +112,14 @@ def summary(table: pd.DataFrame) -> pd.DataFrame:
     return (100 * found.fillna(0.0)).round(1).reset_index()
 
 
-def tell(table: pd.DataFrame, count: int, folder: Path) -> None:
+def tell(table: pd.DataFrame, count: int, run: Run) -> None:
     """A row for each number of skins, a column for each spread of training; and the curves."""
     cells = [f"{m} ± {s} ({low:.0f})" for m, s, low in table[["mean", "sem", "min"]].to_numpy()]
     by = ["features", "spread of twins", "skins"]
     wide = table.assign(cell=cells).pivot(index=by, columns="spread of training", values="cell")
     title = f"Columns of {count} simulated skins found, %, by the spread of training (worst skin)"
-    publish(folder, "training_spread", title, wide.rename(columns=str).reset_index())
-    draw(table, folder / "training_spread.png")
+    run.publish("training_spread", title, wide.rename(columns=str).reset_index())
+    draw(table, run.results / "training_spread.png")
 
 
 def draw(table: pd.DataFrame, path: Path) -> None:
@@ -155,7 +159,7 @@ def main(run: Run) -> None:
     rows = [
         row for spread in run.sized(SPREADS, FEW_SPREADS) for row in scores(asked, spread, numbers)
     ]
-    tell(summary(pd.DataFrame(rows)), count, run.results)
+    tell(summary(pd.DataFrame(rows)), count, run)
 
 
 if __name__ == "__main__":

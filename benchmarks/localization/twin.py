@@ -11,8 +11,8 @@ Run: python benchmarks/localization/twin.py [--quick] [--skins N] [--only TRIAL]
 
 from __future__ import annotations
 
-import argparse
 import itertools
+import math
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -21,25 +21,148 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 from joblib import Parallel, delayed
-from rcskin.benchmarks.bench import Run, launch, publish
-from rcskin.benchmarks.localization.twin_parts.calibrated import calibrated
-from rcskin.benchmarks.localization.twin_parts.chart import draw
-from rcskin.benchmarks.localization.twin_parts.recording import recorded
-from rcskin.benchmarks.localization.twin_parts.scenes import built
-from rcskin.benchmarks.localization.twin_parts.skin import Twin
-from rcskin.benchmarks.localization.twin_parts.training import (
+from matplotlib.axes import Axes
+from numpy.typing import NDArray
+from rcskin.benchmarks.bench import PROCESSES_OPTION, SKINS_OPTION, Run, launch
+from rcskin.benchmarks.localization.twin_meters import recorded
+from rcskin.benchmarks.localization.twins import (
     RTOL,
     SEED,
+    TRIALS,
+    Trial,
+    Twin,
+    built,
+    few_trials,
+    localized,
+    quantile,
+    simulated,
     trained,
 )
-from rcskin.benchmarks.localization.twin_parts.trials import TRIALS, Trial, few_trials, quantile
+from rcskin.localization.inputs.samples import samples_of
+from rcskin.localization.inversion.estimators import estimators
+from rcskin.localization.learners.registry import Estimator
 from rcskin.localization.model.localizer_model import Model
+from rcskin.simulator.calibration.fitting.fit_options import Options
+from rcskin.simulator.calibration.run import calibrate
+from rcskin.simulator.chart_style import COLOURS, chart
 from rcskin.simulator.dataset.skin_model import reduced
 from rcskin.simulator.models.reduced.reduced_model import Reduced
+from rcskin.simulator.scene.randomisation import Lognormal, Normal
+from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import scene_text
+from rcskin.simulator.sweeps import ToleranceError
 
-SKINS, CALIBRATED, PROCESSES = 20, 10, 2
-"""Twins, those of them that are calibrated too, and processes."""
+CALIBRATED_TO, TRAINING = 0.03, 4000
+"""Spread of training around a calibrated skin, and simulated sweeps of it."""
+
+
+def calibrated(
+    trial: Trial, models: dict[str, Model], believed: Reduced, sweeps: xr.Dataset
+) -> tuple[dict[str, Model], xr.Dataset]:
+    """The localizers anew, and the sweeps that they are asked about: those that calibrate are not
+    asked about again."""
+    known = _known(trial, sweeps)
+    rest = np.flatnonzero(sweeps["press"].values == "none")
+    found = calibrate(trial.believed, sweeps.isel(sweep=np.union1d(rest, known)), Options())
+    examples = _examples(_narrowed(trial.believed, found.values), believed)
+    named = estimators()
+    taught = tuple(name for name in models if named[name].uses_sweeps)
+    again = localized(replace(trial, estimators=taught), examples)
+    moved = {
+        name: _moved(model, examples, named[name])
+        for name, model in models.items()
+        if name not in again
+    }
+    asked = sweeps.isel(sweep=np.setdiff1d(np.arange(sweeps.sizes["sweep"]), known))
+    return {name: (again | moved)[name] for name in models}, asked
+
+
+def _known(trial: Trial, sweeps: xr.Dataset) -> NDArray[np.int64]:
+    """Numbers of the touches that calibrate."""
+    touched = np.flatnonzero(sweeps["press"].values != "none")
+    return touched[:: touched.size // trial.touches][: trial.touches]
+
+
+def _moved(model: Model, examples: xr.Dataset, made: Estimator) -> Model:
+    """A model that no sweep teaches, about the skin of the examples.
+
+    Its sharpness stays, on which no answer depends that is scored here: to judge it anew takes
+    tables of a dozen skins.
+    """
+    samples = samples_of(examples, model.target, model.problem.quantities)
+    predictor = made.fit(samples.problem, samples.X, samples.y)
+    learned = replace(model.learned, predictor=predictor)
+    return replace(model, learned=learned, problem=samples.problem)
+
+
+def _examples(around: Scene, believed: Reduced) -> xr.Dataset:
+    """Sweeps of skins around a calibrated one, by a family of their own where they leave ours."""
+    try:
+        return simulated(around, believed, TRAINING)
+    except ToleranceError:
+        return simulated(around, reduced(around.parts, RTOL), TRAINING)
+
+
+def _narrowed(scene: Scene, values: dict[str, float]) -> Scene:
+    """Training around a skin of which the parameters are known, more or less."""
+    R, c = (math.exp(values[name]) for name in ("sheet_resistance", "capacitance"))
+    session = scene.dataset.session.model_copy(
+        update={
+            "sheet_resistance": Lognormal(median=R, spread=CALIBRATED_TO),
+            "capacitance": Normal(mean=c, deviation=CALIBRATED_TO * c),
+        }
+    )
+    return scene.model_copy(
+        update={"dataset": scene.dataset.model_copy(update={"session": session})}
+    )
+
+
+SPREAD = 0.18
+LEGEND = (
+    "dot: a twin, green: calibrated; bar: median; dashed: goal. "
+    "Columns by one interface, the others by two"
+)
+
+
+def draw(table: pd.DataFrame, path: Path) -> None:
+    """table: a row for each answer, as `twin.scores` gives them."""
+    shares, distances = table[table["unit"] == "right"], table[table["unit"] == "mm"]
+    with chart(path, 13, 5.6) as figure:
+        ratio = [max(1, _groups(shares)), max(1, _groups(distances))]
+        left, right = figure.subplots(1, 2, width_ratios=ratio)
+        _panel(left, shares.assign(score=100 * shares["score"], goal=100 * shares["goal"]))
+        _panel(right, distances)
+        left.set_ylabel("Right answers (%)")
+        left.set_title(LEGEND, loc="left", size=8)
+        right.set_ylabel("Median distance (mm)")
+        right.set_ylim(bottom=0)
+        figure.suptitle("Trained on simulation, evaluated on other simulated skins", size=11)
+
+
+def _groups(table: pd.DataFrame) -> int:
+    return len(table.groupby(["trial", "localizer", "calibrated with"]))
+
+
+def _panel(axes: Axes, table: pd.DataFrame) -> None:
+    names, random = [], np.random.default_rng(0)
+    for place, (name, group) in enumerate(
+        table.groupby(["trial", "localizer", "calibrated with"], sort=False)
+    ):
+        trial, localizer, touches = name
+        color = COLOURS[0] if touches == 0 else COLOURS[2]
+        scatter = place + random.uniform(-SPREAD, SPREAD, len(group))
+        axes.plot(scatter, group["score"], "o", ms=4, alpha=0.6, color=color, mew=0)
+        axes.hlines(group["score"].median(), place - 0.3, place + 0.3, color="black", lw=2)
+        axes.hlines(group["goal"].iloc[0], place - 0.4, place + 0.4, color=COLOURS[1], ls="--")
+        calibrated = f", {touches} touches" if touches else ""
+        of = trial.replace(", two interfaces", "")
+        names.append(f"{of}\n{localizer}{calibrated}")
+    axes.set_xticks(range(len(names)), names, rotation=90, ma="right", fontsize=8)
+    axes.set_axisbelow(True)
+
+
+SKINS, CALIBRATED = 20, 10
+"""Twins, and those of them that are calibrated too."""
 
 
 @dataclass(frozen=True)
@@ -137,17 +260,7 @@ def main(run: Run) -> None:
     trials = [t for t in trials if t.estimators and (not asked.only or asked.only in t.name)]
     for _, alike in itertools.groupby(trials, key=lambda trial: trial.name):
         table = experiment(tuple(alike), skins, asked.processes)
-        told(with_others(table, answers), run.results)
-
-
-def options() -> argparse.ArgumentParser:
-    """Of the command line."""
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--skins", type=int)
-    parser.add_argument("--only", help="Trials whose name holds this; the others stay as they are.")
-    parser.add_argument("--localizers", help="Only these of each trial, NAME,NAME.")
-    parser.add_argument("--processes", type=int, default=PROCESSES)
-    return parser
+        told(with_others(table, answers), run)
 
 
 def limited(trial: Trial, names: str | None) -> Trial:
@@ -157,12 +270,12 @@ def limited(trial: Trial, names: str | None) -> Trial:
     return replace(trial, estimators=tuple(n for n in trial.estimators if n in names.split(",")))
 
 
-def told(table: pd.DataFrame, folder: Path) -> None:
+def told(table: pd.DataFrame, run: Run) -> None:
     """Write all answers, their distributions, and the picture."""
     title = "Twin experiment: localizers trained on simulation alone"
-    publish(folder, "twin", title, summary(table))
-    table.to_csv(folder / "twin_skins.csv", index=False, lineterminator="\n")
-    draw(table, folder / "twin.png")
+    run.publish("twin", title, summary(table))
+    table.to_csv(run.results / "twin_skins.csv", index=False, lineterminator="\n")
+    draw(table, run.results / "twin.png")
 
 
 def with_others(table: pd.DataFrame, answers: Path) -> pd.DataFrame:
@@ -182,4 +295,12 @@ def with_others(table: pd.DataFrame, answers: Path) -> pd.DataFrame:
 
 
 if __name__ == "__main__":
-    launch(main, options())
+    launch(
+        main,
+        SKINS_OPTION
+        | PROCESSES_OPTION
+        | {
+            "--only": {"help": "Trials whose name holds this; the others stay as they are."},
+            "--localizers": {"help": "Only these of each trial, NAME,NAME."},
+        },
+    )

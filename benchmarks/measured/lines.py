@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import pandas as pd
-from rcskin.benchmarks.bench import HERE, Run, launch, publish
+from rcskin.benchmarks.bench import HERE, Run, launch
 from rcskin.simulator.calibration.fitting.fit_options import Options
 from rcskin.simulator.calibration.likelihood.student import FAR_OFF
 from rcskin.simulator.calibration.results.estimates import FittedQuantity
@@ -98,7 +98,7 @@ def main(run: Run) -> int:
     title = (
         "Measured RC lines: residuals of models, and fitted values (from, to) beside published ones"
     )
-    publish(run.results, NAME, title, pd.DataFrame(rows).fillna(""))
+    run.publish(NAME, title, pd.DataFrame(rows).fillna(""))
     draw(every, run.results / f"{NAME}.png")
     left = [np.median([each.rms(model) for each in every]) for model in NESTED]
     return int(left != sorted(left, reverse=True))

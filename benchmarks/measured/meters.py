@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.bench import Run, launch
 from rcskin.simulator.limits import bayes_accuracy, position_bound
 from rcskin.simulator.scene.meter import meter_names
 from rcskin.simulator.scene.scene import Scene
@@ -98,10 +98,10 @@ def _position(scene: Scene, readout: Any, places: int | None, rests: int) -> str
 def main(run: Run) -> int:
     """Publish both; 1 where a table of spreads does not give its own numbers."""
     spreads = board()
-    publish(run.results, "meter_noise", "Spreads of |Z| of a hand meter, and noise, %", spreads)
+    run.publish("meter_noise", "Spreads of |Z| of a hand meter, and noise, %", spreads)
     draws, places = run.sized((2000, None), (100, 3))
     table = pd.DataFrame(limits(draws, places)).sort_values("what", kind="stable")
-    publish(run.results, "meter_limits", "Limits of the paper's sheets by meter", table)
+    run.publish("meter_limits", "Limits of the paper's sheets by meter", table)
     return int((spreads["spread"] != spreads["measured"]).any())
 
 

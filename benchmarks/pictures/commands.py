@@ -16,13 +16,11 @@ import shutil
 import signal
 import struct
 import subprocess
-import tempfile
 import termios
 from collections.abc import Generator
 from pathlib import Path
 
-from rcskin.benchmarks.bench import Run, launch
-from rcskin.benchmarks.live.live_interfaces import rcskin_command, served
+from rcskin.benchmarks.bench import Run, launch, rcskin_command, served
 from rcskin.hardware.control_client import send_request
 from rich.console import Console
 from rich.text import Text
@@ -114,8 +112,7 @@ def main(run: Run) -> None:
     """All of them."""
     study = run.sized(STUDY, FEW_POINTS)
     drawn = run.sized(DRAWN, {})
-    with tempfile.TemporaryDirectory() as scratch:
-        folder = Path(scratch)
+    with run.kept() as folder:
         draw_terminal(terminal(trained(folder)), run.results / "live.svg")
         for command, files in {study: {n: n for n in ("study.csv", "study.png")}, **drawn}.items():
             draw(command, files, folder, run.results)

@@ -8,7 +8,6 @@ Run: python benchmarks/pictures/gallery.py [--quick] [PICTURE ...]
 
 from __future__ import annotations
 
-import argparse
 import os
 import shlex
 import shutil
@@ -368,6 +367,4 @@ def main(run: Run) -> None:
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser()
-    parser.add_argument("pictures", nargs="*", metavar="PICTURE")
-    launch(main, parser)
+    launch(main, {"pictures": {"nargs": "*", "metavar": "PICTURE"}})

@@ -13,9 +13,8 @@ from pathlib import Path
 from shutil import which
 
 import numpy as np
-import pandas as pd
 from PIL import Image
-from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.bench import Run, launch
 from rcskin.simulator.models.mechanics.force_depths import pressed_by_factors
 from rcskin.simulator.page.document import document
 from rcskin.simulator.page.packed import page_data, reduced_for_page
@@ -149,7 +148,7 @@ def main(run: Run) -> None:
         version = browser.version
         browser.close()
     title = f"A skin pressed on its page, in Chromium {version}"
-    publish(run.results, "page", title, pd.DataFrame(rows))
+    run.publish("page", title, rows)
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from rcskin.benchmarks.rivals.cells import Cells, Fields
+from rcskin.benchmarks.rivals.bilinear import Cells, Fields
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.scene import Scene
 

@@ -9,23 +9,222 @@ Run: python benchmarks/scale/cluster.py [--quick]
 
 from __future__ import annotations
 
+import asyncio
+import multiprocessing
+import os
+import random
 import shutil
+import signal
 import tempfile
 import time
+from collections.abc import Callable, Coroutine, Iterator
+from contextlib import contextmanager
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from rcskin.benchmarks.bench import Run, launch, publish
-from rcskin.benchmarks.scale.cluster_parts.crowd import Busy, busy
-from rcskin.benchmarks.scale.cluster_parts.hostile import Trouble, made
+import psutil
+from rcskin.benchmarks.bench import Run, launch
 from rcskin.benchmarks.scale.dataset import MEGABYTE, SCENE, digest
 from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.generation import generate
-from rcskin.simulator.dataset.workers import MAX_TASK_BLOCKS
+from rcskin.simulator.dataset.skin_model import REDUCED
+from rcskin.simulator.dataset.work_block import WorkFolder
+from rcskin.simulator.dataset.workers import MAX_TASK_BLOCKS, WorkerError, cluster
 from rcskin.simulator.scene.scene_files import load_scene
 from scipy.optimize import nnls
+
+Begun = Callable[..., Coroutine[object, object, None]]
+NOWHERE = WorkFolder(Path(), "", REDUCED.load)
+SECONDS_TO_BEGIN = 60
+WARMING = 2
+"""Tasks of each worker that are not counted."""
+
+
+class Busy(NamedTuple):
+    """By so many workers: tasks, finished in `clock` s.
+
+    scheduler, client: s of the processor that they took.
+    """
+
+    workers: int
+    tasks: int
+    clock: float
+    scheduler: float
+    client: float
+
+
+class Sleep(NamedTuple):
+    """What a sleeping worker does with a block."""
+
+    seconds: float
+
+    def __call__(self, workshop: WorkFolder, block: int) -> int:
+        """The block's number, later."""
+        time.sleep(self.seconds)
+        return block
+
+
+def busy(workers: int, seconds: float, tasks_each: int) -> Busy:
+    """Let so many workers sleep through tasks of so many seconds, some each."""
+    with _scheduler() as (address, scheduler), _crowd(address, workers):
+        blocks, client = range(workers * tasks_each), psutil.Process()
+        warm = range(WARMING * workers)
+        for _ in cluster(NOWHERE, warm, address, Sleep(min(seconds, 0.1))):
+            pass
+        before = (time.perf_counter(), _used(scheduler), _used(client))
+        done = sum(1 for _ in cluster(NOWHERE, blocks, address, Sleep(seconds)))
+        after = (time.perf_counter(), _used(scheduler), _used(client))
+    if done != len(blocks):
+        raise RuntimeError(f"{done} of {len(blocks)} blocks came back")
+    return Busy(workers, done, *(late - early for early, late in zip(before, after, strict=True)))
+
+
+def _used(process: psutil.Process) -> float:
+    times = process.cpu_times()
+    return times.user + times.system
+
+
+@contextmanager
+def _scheduler() -> Iterator[tuple[str, psutil.Process]]:
+    with _begun(_schedule) as (process, address):
+        yield address, psutil.Process(process.pid)
+
+
+@contextmanager
+def _crowd(address: str, workers: int) -> Iterator[None]:
+    with _begun(_work, address, workers):
+        yield
+
+
+@contextmanager
+def _begun(work: Begun, *given: object) -> Iterator[tuple[BaseProcess, str]]:
+    """A process that does this, once it has said that it is ready, and what it said."""
+    context = multiprocessing.get_context("spawn")
+    here, there = context.Pipe()
+    process = context.Process(target=_run, args=(work, there, *given), daemon=True)
+    process.start()
+    try:
+        if not here.poll(SECONDS_TO_BEGIN):
+            raise RuntimeError(f"{work} did not begin within {SECONDS_TO_BEGIN} s")
+        yield process, here.recv()
+    finally:
+        process.kill()
+        process.join()
+
+
+def _run(work: Begun, said: Connection, *given: object) -> None:
+    import dask
+
+    dask.config.set({"logging.distributed": "error"})
+    asyncio.run(work(said, *given))
+
+
+async def _schedule(said: Connection) -> None:
+    from distributed import Scheduler
+
+    async with Scheduler(port=0, dashboard=False, host="127.0.0.1") as scheduler:
+        said.send(scheduler.address)
+        await scheduler.finished()
+
+
+async def _work(said: Connection, address: str, workers: int) -> None:
+    from distributed import Worker
+
+    crowd = [Worker(address, nthreads=1, dashboard=False, memory_limit=0) for _ in range(workers)]
+    await asyncio.gather(*crowd)
+    said.send("ready")
+    await asyncio.gather(*(worker.finished() for worker in crowd))
+
+
+SLOW_DISK = """
+import time
+from rcskin.simulator.dataset import chunks, store
+
+prompt = chunks.put
+
+def late(*chunk):
+    prompt(*chunk)
+    time.sleep({seconds})
+
+store.put = late
+"""
+
+
+class Trouble(NamedTuple):
+    """kills: workers to kill, evenly over the work. late: s that every chunk is written late."""
+
+    kills: int = 0
+    late: float = 0.0
+
+
+class Made(NamedTuple):
+    """A data set: in `clock` s, with so many workers killed, by so many calls of the command."""
+
+    clock: float
+    killed: int
+    calls: int
+
+
+class Killer:
+    """Kills a worker of a cluster, drawn at random, after every so many sweeps."""
+
+    def __init__(self, cluster: Any, plan: DatasetPlan, kills: int) -> None:
+        """kills: in all of the plan."""
+        self._cluster, self._chance = cluster, random.Random(1)
+        self._at = [plan.sweeps * (k + 1) / (kills + 1) for k in range(kills)]
+        self.killed = 0
+
+    def progress(self, work: str, done: float | None = None, total: float = 1.0, /) -> None:
+        """Called after every block that is finished, with the sweeps that are done."""
+        while self.killed < len(self._at) and (done or 0) >= self._at[self.killed]:
+            alive = [worker.pid for worker in self._cluster.workers.values() if worker.pid]
+            self.killed += 1
+            if alive:
+                os.kill(self._chance.choice(alive), signal.SIGKILL)
+
+
+def made(plan: DatasetPlan, output: Path, workers: int, trouble: Trouble) -> Made:
+    """Make the data set in trouble, and go on as a user would where the command gives up."""
+    with _cluster(workers, trouble.late) as cluster:
+        killer = Killer(cluster, plan, trouble.kills)
+        start, calls = time.perf_counter(), 1
+        while True:
+            try:
+                address = cluster.scheduler_address
+                generate(plan, output, scheduler=address, progress=killer.progress)
+                return Made(time.perf_counter() - start, killer.killed, calls)
+            except WorkerError:
+                calls += 1
+
+
+@contextmanager
+def _cluster(workers: int, late: float) -> Iterator[Any]:
+    import dask
+    from distributed import LocalCluster
+
+    with tempfile.TemporaryDirectory() as folder:
+        slow = Path(folder) / "slow_disk.py"
+        slow.write_text(SLOW_DISK.format(seconds=late), encoding="utf-8")
+        settings = {
+            "distributed.worker.preload": [str(slow)] if late else [],
+            "distributed.logging.distributed": "error",
+        }
+        with (
+            dask.config.set(settings),
+            LocalCluster(
+                n_workers=workers,
+                threads_per_worker=1,
+                processes=True,
+                dashboard_address=None,
+                silence_logs="ERROR",
+            ) as cluster,
+        ):
+            yield cluster
+
 
 BILLION = 10**9
 CROWDS, FEW_CROWDS = (10, 30, 100), (5,)
@@ -157,25 +356,24 @@ def main(run: Run) -> None:
     """Measure, check and publish."""
     scene, sweeps = load_scene(SCENE), run.sized(SWEEPS, FEW_SWEEPS)
     sizes, troubles = run.sized((2**17, 2**15), (2**14, 2**14)), run.sized(TROUBLES, FEW_TROUBLES)
-    with tempfile.TemporaryDirectory() as scratch:
-        folder = Path(scratch)
+    with run.kept() as folder:
         one = alone(DatasetPlan(scene.parts, sweeps, 1, RTOL, sizes[0]), folder)
         table = in_trouble(DatasetPlan(scene.parts, sweeps, 2, RTOL, sizes[1]), folder, troubles)
-    publish(run.results, "cluster_trouble", "A data set by two workers of a cluster", table)
+    run.publish("cluster_trouble", "A data set by two workers of a cluster", table)
     found = [
         Crowd(blocks, busy(workers, blocks * one.seconds, run.sized(TASKS_EACH, FEW_TASKS)))
         for workers in run.sized(CROWDS, FEW_CROWDS)
         for blocks in (1, MAX_TASK_BLOCKS)
     ]
     rows = pd.DataFrame([told_of_crowd(each, one) for each in found])
-    publish(run.results, "cluster_crowd", "Scheduling of workers that only wait", rows)
+    run.publish("cluster_crowd", "Scheduling of workers that only wait", rows)
     scheduler = scheduling(found)
     rows = pd.DataFrame([needed(workers, one, scheduler) for workers in WORKERS])
     title = (
         f"A billion sweeps of {SCENE}: {one.bytes / one.sweeps:.0f} bytes and "
         f"{1e6 / one.rate:.0f} µs a sweep, {1e3 * scheduler.task:.2f} ms of the scheduler a task"
     )
-    publish(run.results, "cluster", title, rows)
+    run.publish("cluster", title, rows)
 
 
 if __name__ == "__main__":

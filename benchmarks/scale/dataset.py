@@ -12,12 +12,9 @@ timed.
 
 from __future__ import annotations
 
-import argparse
 import os
 import shutil
 import subprocess
-import sys
-import tempfile
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -25,9 +22,8 @@ from contextlib import contextmanager
 from hashlib import sha256
 from pathlib import Path
 
-import pandas as pd
 import psutil
-from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.bench import Run, launch, rcskin_command
 
 SCENE = "sheet-5x5"
 SWEEPS, FEW_SWEEPS = 1_000_000, 500
@@ -37,9 +33,9 @@ MEGABYTE = 2**20
 
 def measured(sweeps: int, options: list[str], output: Path) -> dict[str, float]:
     """One run from start to end: seconds until the model is trained, in all, and peak memory."""
-    command = ["dataset", SCENE, "--sweeps", str(sweeps), "-o", str(output), *options]
+    words = rcskin_command("dataset", SCENE, "--sweeps", sweeps, "-o", output, *options)
     start, trained, peak = time.perf_counter(), 0.0, 0
-    run = subprocess.Popen([sys.executable, "-m", "rcskin", *command], stdout=subprocess.DEVNULL)
+    run = subprocess.Popen(words, stdout=subprocess.DEVNULL)
     plan = output.with_name(f".{output.name}.unfinished") / "plan.json"
     while run.poll() is None:
         if not trained and plan.exists():
@@ -47,7 +43,7 @@ def measured(sweeps: int, options: list[str], output: Path) -> dict[str, float]:
         peak = max(peak, memory() if trained else 0)
         time.sleep(0.5 if trained else 0.05)
     if run.returncode != 0:
-        raise RuntimeError(f"{' '.join(command)} ended with code {run.returncode}")
+        raise RuntimeError(f"{' '.join(words)} ended with code {run.returncode}")
     return {"start": trained, "all": time.perf_counter() - start, "peak": peak / MEGABYTE}
 
 
@@ -146,14 +142,12 @@ def main(run: Run) -> None:
     """Measure, check and publish."""
     sweeps = run.asked.sweeps or run.sized(SWEEPS, FEW_SWEEPS)
     counts = run.sized(PROCESSES, PROCESSES[1:])
-    with tempfile.TemporaryDirectory() as folder:
-        keep_bytecode(Path(folder))
-        table = pd.DataFrame(list(rows(sweeps, counts, Path(folder))))
+    with run.kept() as folder:
+        keep_bytecode(folder)
+        table = list(rows(sweeps, counts, folder))
     title = f"Data sets of {SCENE} with readout noise: the same bytes each time"
-    publish(run.results, "dataset", title, table)
+    run.publish("dataset", title, table)
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser()
-    parser.add_argument("sweeps", nargs="?", type=int, metavar="SWEEPS")
-    launch(main, parser)
+    launch(main, {"sweeps": {"nargs": "?", "type": int, "metavar": "SWEEPS"}})

@@ -8,19 +8,15 @@ Run: OMP_NUM_THREADS=1 python benchmarks/speed/answers.py [--quick] [--only TITL
 
 from __future__ import annotations
 
-import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pandas as pd
-from rcskin.benchmarks.bench import Run, launch, publish
-from rcskin.benchmarks.speed.answers_parts.depths import DEPTHS
-from rcskin.benchmarks.speed.answers_parts.limits import LIMITS
-from rcskin.benchmarks.speed.answers_parts.localizers import LOCALIZERS
-from rcskin.benchmarks.speed.answers_parts.outlines import OUTLINES
-from rcskin.benchmarks.speed.answers_parts.question import Question
-from rcskin.benchmarks.speed.answers_parts.touches import TOUCHES
-from rcskin.benchmarks.speed.work_precision_chart import curve, looks_of
+from rcskin.benchmarks.bench import Run, launch
+from rcskin.benchmarks.speed.answered_places import LIMITS, LOCALIZERS
+from rcskin.benchmarks.speed.answered_presses import DEPTHS, OUTLINES, TOUCHES
+from rcskin.benchmarks.speed.questions import Question
+from rcskin.benchmarks.speed.work_precision import curve, looks_of
 from rcskin.simulator.chart_style import chart, logarithmic_axis
 
 if TYPE_CHECKING:
@@ -75,12 +71,10 @@ def main(run: Run) -> None:
     asked = [q for name, q in QUESTIONS.items() if run.asked.only in (None, name)]
     tables = [question.measured(run) for question in asked]
     whole = pd.concat([rows_of(*each) for each in zip(asked, tables, strict=True)])
-    publish(run.results, "answers", "Error and time of answers", whole)
+    run.publish("answers", "Error and time of answers", whole)
     draw(run.results / "answers.png", asked, tables)
     print("\n".join(question.pick for question in asked))
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--only", choices=tuple(QUESTIONS), help="one question")
-    launch(main, parser)
+    launch(main, {"--only": {"choices": tuple(QUESTIONS), "help": "one question"}})

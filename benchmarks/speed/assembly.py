@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from rcskin.benchmarks.bench import Run, best_time, launch, publish
+from rcskin.benchmarks.bench import Run, best_time, launch
 from rcskin.simulator.chart_style import COLOURS, chart
 from rcskin.simulator.fem.assembly import (
     Pattern,
@@ -82,7 +82,7 @@ def main(run: Run) -> None:
     """Measure, publish and draw."""
     cases = run.sized(CASES, CASES[::4])
     table = pd.DataFrame([measure(order, cells) for order, cells in cases])
-    publish(run.results, "assembly", "Time to assemble M(c) anew on the 5x5 sheet", table)
+    run.publish("assembly", "Time to assemble M(c) anew on the 5x5 sheet", table)
     with chart(run.results / "assembly.png", 6, 3.6) as figure:
         axes = figure.subplots()
         ways = ("scikit-fem (ms)", "numpy twin (ms)", "numba (ms)")

@@ -17,9 +17,8 @@ from itertools import cycle, repeat
 from typing import Any
 
 import numpy as np
-import pandas as pd
 import rcskin
-from rcskin.benchmarks.bench import Run, launch, publish
+from rcskin.benchmarks.bench import Run, launch
 
 STEPS, RUNS = 20, 40
 STRIP, SETTLED = "strip-1x4", 500
@@ -179,7 +178,7 @@ def main(run: Run) -> None:
     if find_spec("mujoco"):
         rows += of_engine(runs)
     title = "Mounted skins: processor time of a reading"
-    publish(run.results, "sensor", title, pd.DataFrame(rows))
+    run.publish("sensor", title, rows)
 
 
 if __name__ == "__main__":

@@ -13,8 +13,8 @@ import time
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from rcskin.benchmarks.bench import Run, best_time, launch, publish
-from rcskin.benchmarks.speed.skins_scenes import SIDE, mapped, scene_of
+from rcskin.benchmarks.bench import Run, best_time, launch
+from rcskin.benchmarks.speed.skins import SIDE, mapped, scene_of
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.reduced.cases import Case, pixel_touches
 from rcskin.simulator.models.reduced.greedy import reduce
@@ -23,10 +23,6 @@ from rcskin.simulator.models.reduced.reduced_skin import KRYLOV_SHARE
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.scene.scene import Scene
 
-PREDICTION = (
-    "The basis knows nothing of the mesh, so a press costs what it costs on a plain skin of as "
-    "many vectors; where presses change the sheets, each one turns a small dense system anew."
-)
 FREQUENCIES = np.geomspace(1e3, 2e5, 20)
 
 
@@ -107,7 +103,6 @@ def _checked(reduced: Reduced, cases: list[Case]) -> tuple[float, float]:
 
 def main(run: Run) -> None:
     """Measure, print, write the table."""
-    print(PREDICTION)
     rtol, pixels, presses = run.sized(1e-4, 1e-3), run.sized(6, 2), run.sized(100, 4)
     frequencies = run.sized(FREQUENCIES, FREQUENCIES[::9])
     every = scenes()
@@ -116,8 +111,7 @@ def main(run: Run) -> None:
     for name in names:
         rows.append(_row(name, _resized(every[name], pixels, frequencies), rtol, presses))
         print(rows[-1], flush=True)
-    publish(
-        run.results,
+    run.publish(
         "skins_reduced",
         "Reduced models of non-uniform skins",
         pd.DataFrame(rows),

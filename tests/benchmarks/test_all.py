@@ -90,7 +90,7 @@ def test_a_quick_pass_goes_on_and_keeps_nothing_among_the_results(monkeypatch, t
     """Each script is run as often as its quick passes differ."""
     different = dict.fromkeys((each.name, each.quick) for each in every.IN_ORDER)
     scripts = sorted(name for name, _ in different)
-    assert scripts.count("localization/twin_design") == 4
+    assert scripts.count("localization/twin_design") == 5
     code, ran = run(monkeypatch, tmp_path, {"speed/skins": 1}, "--quick")
     assert (code, sorted(ran)) == (1, scripts)
     assert run(monkeypatch, tmp_path, {}, "--quick") == (0, ["speed/skins"])
@@ -138,14 +138,14 @@ def test_what_reports_results_of_others_waits_for_all_of_them():
 def test_others_of_a_design_go_on_from_what_its_twins_were_asked_with():
     kept = {(each.name, *each.options): (each.kept, each.shared) for each in every.IN_ORDER}
     asked = ("localization/twin_design", "--target", "pixel")
-    assert kept[("localization/twin_design_others",)] == kept[asked]
+    assert kept[(*asked, "--others")] == kept[asked]
     assert None not in kept[asked]
 
 
 def test_designs_of_twins_are_searched_once():
     """All goals of `twin_design` but the first ask `rcskin design` for what `design_goals` does."""
     from rcskin.benchmarks.localization import design_goals
-    from rcskin.benchmarks.localization.design_parts.goals import GOALS
+    from rcskin.benchmarks.localization.designs import GOALS
 
     shown = {(goal.scene, goal.options + design_goals.USUAL) for goal in design_goals.GOALS}
     apart = [name for name, goal in GOALS.items() if (goal.trial.believed, goal.asked) not in shown]

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pandas as pd
-from rcskin.benchmarks.localization.foreign_parts.report import summary, table
+from rcskin.benchmarks.localization.foreign_twin import summary, table
 
 
 def answers(scores):

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.benchmarks.measured.knit import gains
-from rcskin.benchmarks.measured.knit_parts.ladders import KEYS, Ladder
+from rcskin.benchmarks.measured.knit import KEYS, Ladder, gains
 from rcskin.simulator.scene.scene_files import load_scene
 
 FEW = load_scene("knit-36").with_({"sweep.frequencies": [2e3, 1e4, 25750.0]})

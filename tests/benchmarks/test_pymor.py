@@ -30,9 +30,10 @@ def pressed(sheet, count, seed):
 
 
 @pytest.mark.parametrize("turn", [2 * np.pi, 2j * np.pi])
-def test_basis_of_pymor(rival, sheet, turn):
+def test_basis_of_pymor(sheet, turn):
     """Its error on unseen presses falls with what the field is asked, for real s and imaginary."""
-    pymor_basis = rival("pymor_basis")
+    from rcskin.benchmarks.rivals import pymor_basis
+
     skin, frequencies = sheet.skin(None), sheet.scene.frequencies
     matrices = pymor_basis.Matrices.of_family(sheet.family)
     seen = [skin.map_of(case.cells, case.rises).ravel() for case in pressed(sheet, 12, seed=1)]

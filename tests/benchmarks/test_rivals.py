@@ -5,6 +5,9 @@ import shutil
 
 import numpy as np
 import pytest
+from rcskin.benchmarks.rivals import bilinear, finite_elements, lines, ngspice_grid, rational_fit
+from rcskin.benchmarks.rivals.bilinear import Cells
+from rcskin.benchmarks.rivals.finite_elements import Elements
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.sweeps import parallel_capacitance
@@ -15,10 +18,10 @@ ENDS = {"top-left": {}, "bottom-right": {}}
 U = np.array([0.1, 1.0, 10.0])
 needs_ngspice = pytest.mark.skipif(shutil.which("ngspice") is None, reason="needs ngspice")
 ON_CELLS = [
-    "naive_flux",
-    "admittance_then_inverse",
-    "deviation_form",
-    pytest.param("ngspice_grid", marks=needs_ngspice),
+    bilinear.by_slope,
+    bilinear.by_current,
+    bilinear.by_deviation,
+    pytest.param(ngspice_grid.impedance, marks=needs_ngspice),
 ]
 
 
@@ -54,25 +57,24 @@ def slope(error_at, coarse, fine):
     return math.log(error_at(coarse) / error_at(fine)) / math.log(fine / coarse)
 
 
-@pytest.mark.parametrize("name", ON_CELLS)
-def test_on_cells_that_conform(rival, line, name):
+@pytest.mark.parametrize("impedance", ON_CELLS)
+def test_on_cells_that_conform(line, impedance):
     """First order for the slope at the foil, second for the others."""
     scene, press, truth = line
-    Cells, impedance = rival("cells").Cells, rival(name).impedance
 
     def error_at(cells):
         Z = impedance(scene, press, scene.frequencies, Cells(COLUMNS * cells, 2))
         return error(scene, Z, truth)
 
-    expected = 1 if name == "naive_flux" else 2
+    expected = 1 if impedance is bilinear.by_slope else 2
     assert slope(error_at, 8, 16) == pytest.approx(expected, abs=0.3)
-    assert error_at(16) < (0.2 if name == "naive_flux" else 2e-3)
+    assert error_at(16) < (0.2 if impedance is bilinear.by_slope else 2e-3)
 
 
-def test_on_cells_across_pixel_edges(rival, line):
+def test_on_cells_across_pixel_edges(line):
     """Second order is lost: nearly as many cells as conform are much worse."""
     scene, press, truth = line
-    Cells, impedance = rival("cells").Cells, rival("deviation_form").impedance
+    impedance = bilinear.by_deviation
     askew, conforming = (
         error(scene, impedance(scene, press, scene.frequencies, Cells(cells, 1)), truth)
         for cells in (127, 128)
@@ -80,46 +82,46 @@ def test_on_cells_across_pixel_edges(rival, line):
     assert 10 * conforming < askew < 0.02
 
 
-@pytest.mark.parametrize("name", ON_CELLS)
-def test_fed_from_opposite_ends(rival, make_scene, name):
+@pytest.mark.parametrize("impedance", ON_CELLS)
+def test_fed_from_opposite_ends(make_scene, impedance):
     """Two fields, against Z = R1 R2/R (1 + 2/(q sinh q)) + (R1² + R2²)/R coth(q)/q, q² = s R C."""
     R1, R2 = 20e3, 80e3
     scene = at(make_scene, U, ENDS, length=0.1, width=0.1, top=R1, bottom=R2)
     q = np.sqrt(1j * U)
     truth = R1 * R2 / (R1 + R2) * (1 + 2 / (q * np.sinh(q)))
     truth = truth + (R1**2 + R2**2) / (R1 + R2) / (q * np.tanh(q))
-    cells = rival("cells").Cells(100, 1)
-    Z = rival(name).impedance(scene, Press(), scene.frequencies, cells)
-    assert error(scene, Z, truth) < (0.1 if name == "naive_flux" else 5e-4)
+    cells = Cells(100, 1)
+    Z = impedance(scene, Press(), scene.frequencies, cells)
+    assert error(scene, Z, truth) < (0.1 if impedance is bilinear.by_slope else 5e-4)
 
 
-def test_low_frequency(rival, make_scene):
+def test_low_frequency(make_scene):
     """The deviation form keeps Rs at u = 1e-9, in single precision too; a current does not."""
     scene = at(make_scene, [1e-9], columns=COLUMNS)
-    press, cells = parse_press(PRESS, 2.0), rival("cells").Cells(40, 1)
+    press, cells = parse_press(PRESS, 2.0), Cells(40, 1)
     truth = Line(scene.parts.skin, scene.parts.setup).impedance(press, scene.frequencies)[0]
 
-    def error_of(name):
-        return error(scene, rival(name).impedance(scene, press, scene.frequencies, cells), truth)
+    def error_of(impedance, *number):
+        return error(scene, impedance(scene, press, scene.frequencies, cells, *number), truth)
 
-    assert error_of("deviation_form") < 1e-3
-    assert error_of("single_precision") < 1e-3
-    assert error_of("admittance_then_inverse") > 0.1
+    assert error_of(bilinear.by_deviation) < 1e-3
+    assert error_of(bilinear.by_deviation, np.complex64) < 1e-3
+    assert error_of(bilinear.by_current) > 0.1
 
 
-def test_single_precision_is_that(rival, line):
+def test_single_precision_is_that(line):
     scene, press, _ = line
-    given = scene, press, scene.frequencies, rival("cells").Cells(40, 1)
+    given = scene, press, scene.frequencies, Cells(40, 1)
     single, double = (
-        rival(name).impedance(*given) for name in ("single_precision", "deviation_form")
+        bilinear.by_deviation(*given, number) for number in (np.complex64, np.complex128)
     )
     assert single.dtype == np.complex64
     assert 1e-9 < error(scene, single, double) < 1e-3
 
 
-def test_ladder(rival, line):
+def test_ladder(line):
     scene, press, truth = line
-    impedance = rival("lumped_ladder").impedance
+    impedance = lines.ladder
 
     def error_at(sections):
         return error(scene, impedance(scene, press, scene.frequencies, sections), truth)
@@ -128,7 +130,7 @@ def test_ladder(rival, line):
     assert error_at(400) < 1e-4
 
 
-def test_ladder_from_every_edge(rival, make_scene):
+def test_ladder_from_every_edge(make_scene):
     """Pixels are counted from the left and bottom edge, sections from the fed one."""
     for edge, pressed in (("left", "1,2:3"), ("right", "1,3:3"), ("bottom", "2,1:3")):
         upright = edge == "bottom"
@@ -141,52 +143,52 @@ def test_ladder_from_every_edge(rival, make_scene):
         )
         press = parse_press(pressed, 2.0)
         truth = Line(scene.parts.skin, scene.parts.setup).impedance(press, scene.frequencies)[0]
-        Z = rival("lumped_ladder").impedance(scene, press, scene.frequencies, 400)
+        Z = lines.ladder(scene, press, scene.frequencies, 400)
         assert error(scene, Z, truth) < 1e-3
 
 
-def test_a_ladder_is_not_fed_from_two_ends(rival, make_scene):
+def test_a_ladder_is_not_fed_from_two_ends(make_scene):
     scene = make_scene(ENDS)
     with pytest.raises(ValueError, match="same edge"):
-        rival("lumped_ladder").impedance(scene, Press(), scene.frequencies, 10)
+        lines.ladder(scene, Press(), scene.frequencies, 10)
 
 
-def test_packaged_lines(rival, line):
+def test_packaged_lines(line):
     pytest.importorskip("skrf")
     scene, press, truth = line
-    Z = rival("packaged_line").impedance(scene, press, scene.frequencies)
+    Z = lines.cascade(scene, press, scene.frequencies)
     assert error(scene, Z, truth) < 1e-10
 
 
 @pytest.mark.parametrize("order", [1, 2, 3, 4])
-def test_finite_element_script(rival, line, order):
+def test_finite_element_script(line, order):
     """The current that the foil's unknowns draw converges at twice the order."""
     scene, press, truth = line
-    script = rival("scikit_fem_script")
 
     def error_at(cells):
-        elements = script.Elements(order, cells)
-        return error(scene, script.impedance(scene, press, scene.frequencies, elements), truth)
+        elements = Elements(order, cells)
+        return error(
+            scene, finite_elements.script(scene, press, scene.frequencies, elements), truth
+        )
 
     coarse = {1: 8, 2: 4, 3: 2, 4: 1}[order]
     assert slope(error_at, coarse, 2 * coarse) == pytest.approx(2 * order, abs=1)
     assert error_at(2 * coarse) < 2e-3
 
 
-def test_over_resolved_reference(rival, line):
+def test_over_resolved_reference(line):
     scene, press, truth = line
-    Elements = rival("scikit_fem_script").Elements
-    Z = rival("over_resolved").impedance(scene, press, scene.frequencies, Elements(8, 2))
+    Z = finite_elements.over_resolved(scene, press, scene.frequencies, Elements(8, 2))
     assert error(scene, Z, truth) < 1e-11
 
 
 @pytest.mark.slow
-def test_over_resolved_reference_at_the_end_of_a_foil(rival, make_scene):
+def test_over_resolved_reference_at_the_end_of_a_foil(make_scene):
     """Two orders agree, numbers of layers agree better, and the graded cells matter."""
     span = {"span": (0.25, 0.75)}
     feed = {"top-left": span, "bottom-left": span}
     scene = at(make_scene, U, feed, rows=2, columns=2)
-    Elements, impedance = rival("scikit_fem_script").Elements, rival("over_resolved").impedance
+    impedance = finite_elements.over_resolved
     press = parse_press("1,1:2", 2.0)
     fine, other, fewer, plain = (
         impedance(scene, press, scene.frequencies, Elements(*settings))
@@ -198,35 +200,33 @@ def test_over_resolved_reference_at_the_end_of_a_foil(rival, make_scene):
 
 
 @pytest.mark.parametrize("fit", ["aaa", "polynomials"])
-def test_fits_of_exact_samples(rival, line, fit):
+def test_fits_of_exact_samples(line, fit):
     scene, press, truth = line
-    fits = rival("rational_fit")
-    Z = fits.impedance(scene, press, scene.frequencies, getattr(fits, fit))
+    Z = rational_fit.impedance(scene, press, scene.frequencies, getattr(rational_fit, fit))
     assert error(scene, Z, truth) < 1e-6
 
 
-def test_fits_of_readings_lose_rs_and_the_poles(rival, make_scene):
+def test_fits_of_readings_lose_rs_and_the_poles(make_scene):
     """Six digits of |Z| and phase do not determine Rs far below the knee."""
     scene = at(make_scene, [1e-8])
-    fits = rival("rational_fit")
     given = scene, Press(), scene.frequencies
     truth = Line(scene.parts.skin, scene.parts.setup).impedance(Press(), scene.frequencies)[0]
-    assert error(scene, fits.impedance(*given), truth) < 1e-6
-    assert error(scene, fits.impedance(*given, digits=6), truth) > 1e-2
-    assert fits.aaa(*fits.sampled(*given, digits=6)).poles_off_axis > 0
+    assert error(scene, rational_fit.impedance(*given), truth) < 1e-6
+    assert error(scene, rational_fit.impedance(*given, digits=6), truth) > 1e-2
+    assert rational_fit.aaa(*rational_fit.sampled(*given, digits=6)).poles_off_axis > 0
 
 
-def test_poles_of_a_passive_function(rival):
+def test_poles_of_a_passive_function():
     """1/(s + 1) + 2/(s + 30) + 1/s has its poles on s <= 0; with a pole pair aside it has not."""
-    fits, f = rival("rational_fit"), np.geomspace(0.01, 100, 40)
+    f = np.geomspace(0.01, 100, 40)
     s = 2j * np.pi * f
     passive = 1 / (s + 1) + 2 / (s + 30) + 1 / s
-    assert fits.polynomials(f, passive, degree=3).poles_off_axis == 0
+    assert rational_fit.polynomials(f, passive, degree=3).poles_off_axis == 0
     resonant = passive + 1 / (s**2 + s + 25)
-    assert fits.polynomials(f, resonant, degree=5).poles_off_axis == 2
+    assert rational_fit.polynomials(f, resonant, degree=5).poles_off_axis == 2
 
 
-def test_triangles_of_one_size_on_a_square(rival, make_scene):
+def test_triangles_of_one_size_on_a_square(make_scene):
     """Order 1 falls by h², as the reference is smooth along a line."""
     from skfem import MeshTri
 
@@ -239,7 +239,7 @@ def test_triangles_of_one_size_on_a_square(rival, make_scene):
     square = MeshTri().scaled((skin.length, skin.width))
 
     def error_at(halved):
-        Z = rival("scikit_fem_triangles").impedance(
+        Z = finite_elements.on_triangles(
             square.refined(halved),
             1,
             lambda x: x[0] < 1e-9,
@@ -253,7 +253,7 @@ def test_triangles_of_one_size_on_a_square(rival, make_scene):
     assert math.log2(error_at(3) / error_at(4)) > 1.7
 
 
-def test_membrane_on_a_grid_falls_off_as_the_exponential(rival):
+def test_membrane_on_a_grid_falls_off_as_the_exponential():
     """Beside a held strip of linear foam w = depth exp(-x / sqrt(T d / E))."""
     from rcskin.simulator.scene.scene_files import load_scene
 
@@ -262,7 +262,7 @@ def test_membrane_on_a_grid_falls_off_as_the_exponential(rival):
     scene = load_scene("foam").with_(
         {"skin.foam.mechanics": foam, "pixels.rows": 1, "press.depth": depth}
     )
-    w = rival("membrane_grid").deflection(scene, (1, 1), 64)[0]
+    w = finite_elements.deflection(scene, (1, 1), 64)[0]
     length = math.sqrt(tension * scene.skin.foam.thickness / modulus)
     cell = scene.skin.length / len(w)
     beside = w[64:72]

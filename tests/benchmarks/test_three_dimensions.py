@@ -2,20 +2,17 @@
 
 import numpy as np
 import pytest
-from rcskin.benchmarks.accuracy.three_dimensions_parts.blocks import block_of
-from rcskin.benchmarks.accuracy.three_dimensions_parts.checks import local_rise
-from rcskin.benchmarks.accuracy.three_dimensions_parts.layers import EPS0, body
-from rcskin.benchmarks.accuracy.three_dimensions_parts.lines import Grid
-from rcskin.benchmarks.accuracy.three_dimensions_parts.sheets import Axis, Sheet
-from rcskin.benchmarks.accuracy.three_dimensions_parts.skin import ForeignSkin
-from rcskin.benchmarks.accuracy.three_dimensions_parts.solved import Solved
-from rcskin.benchmarks.accuracy.three_dimensions_parts.statics import (
+from rcskin.benchmarks.accuracy.foreign_skin import ForeignSkin, Patch, step_excess
+from rcskin.benchmarks.accuracy.static_elements import EPS0, Axis, Grid, Sheet, body
+from rcskin.benchmarks.accuracy.static_solve import (
     Block,
+    Solved,
     Static,
+    block_of,
     cross_section,
     plates,
 )
-from rcskin.benchmarks.accuracy.three_dimensions_parts.touching import Patch, step_excess
+from rcskin.benchmarks.accuracy.three_dimensions_checks import local_rise
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.scene.scene_files import load_scene

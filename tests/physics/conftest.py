@@ -1,6 +1,4 @@
-"""What laws are checked with: dimensionless frequency, a plain solution, the verification."""
-
-import importlib
+"""What laws are checked with: dimensionless frequency, a plain solution."""
 
 import numpy as np
 import pytest
@@ -14,14 +12,6 @@ from scipy.sparse import csr_matrix, eye_array, kron
 from scipy.sparse.linalg import spsolve
 from skfem import BilinearForm, LinearForm
 from skfem.assembly import Basis, FacetBasis
-
-
-@pytest.fixture(scope="session")
-def part():
-    """A function from a name to that part of the verification, a script beside the packages."""
-    return lambda name: importlib.import_module(
-        f"rcskin.benchmarks.accuracy.verification_parts.{name}"
-    )
 
 
 @pytest.fixture(scope="session")

@@ -5,7 +5,7 @@ import json
 from contextlib import asynccontextmanager
 
 import pytest
-from rcskin.benchmarks.live.page_parts import hostile
+from rcskin.benchmarks.live import hostile_clients as hostile
 from rcskin.hardware.page.page_document import PageDocument
 from rcskin.hardware.page.page_server import LatestState, PageServer, state_json
 from rcskin.simulator.sweeps import InputError

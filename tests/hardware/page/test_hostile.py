@@ -1,7 +1,7 @@
 """A served page under hostile clients and fuzzed messages: it stays up, the skin untouched."""
 
 import numpy as np
-from rcskin.benchmarks.live.page_parts import hostile
+from rcskin.benchmarks.live import hostile_clients as hostile
 
 CLIENTS, MESSAGES = 150, 400
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.benchmarks.localization.several_parts.best import KnownSkin, log_ratio
+from rcskin.benchmarks.localization.several_touches import KnownSkin, log_ratio
 from rcskin.localization.model.localizer_file import load, save
 from rcskin.localization.model.training import train
 from rcskin.simulator.measure.readout import read_out

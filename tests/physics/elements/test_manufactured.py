@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from rcskin.benchmarks.accuracy import known_problems
 from rcskin.simulator.fem.assembly import (
     element_pairs,
     fill,
@@ -17,42 +18,32 @@ ORDERS = (1, 2, 3, *(pytest.param(order, marks=pytest.mark.slow) for order in (4
 EXPECTED = {"L2": lambda p: p + 1, "H1": lambda p: p, "current": lambda p: 2 * p}
 
 
-@pytest.fixture(scope="module")
-def chosen(part):
-    return part("chosen")
-
-
-@pytest.fixture(scope="module")
-def manufactured(part):
-    return part("manufactured")
-
-
 @pytest.mark.parametrize("order", ORDERS)
 @pytest.mark.parametrize("mesh", ["squares", "with rings", "bent"])
 @pytest.mark.parametrize("fields", ["one field", "two fields"])
-def test_orders_of_convergence(chosen, manufactured, fields, mesh, order):
-    slopes = manufactured.observed_orders(chosen.PROBLEMS[fields], mesh, order)
+def test_orders_of_convergence(fields, mesh, order):
+    slopes = known_problems.observed_orders(known_problems.PROBLEMS[fields], mesh, order)
     for quantity, theory in EXPECTED.items():
         assert slopes[quantity] > 0.9 * theory(order), quantity
 
 
 @pytest.mark.parametrize("fields", ["one field", "two fields", "two fields, tensors"])
-def test_the_source_is_that_of_the_chosen_potentials(chosen, fields):
+def test_the_source_is_that_of_the_chosen_potentials(fields):
     """-div(S grad u) + s c (...) by differences of normal currents across a small square."""
-    problem = chosen.PROBLEMS[fields]
+    problem = known_problems.PROBLEMS[fields]
     middle, h = np.array([[0.3], [0.6]]), 1e-4
     for field in range(len(problem.potentials)):
         out = 0.0
         for normal in np.array([[1, 0], [-1, 0], [0, 1], [0, -1]])[:, :, None]:
             out += problem.normal_current(field, middle + h * normal, normal) / (2 * h)
         across = problem.coupling[field] @ [u.value(middle) for u in problem.potentials]
-        expected = problem.s * chosen.capacitance(middle) * across - out
+        expected = problem.s * known_problems.capacitance(middle) * across - out
         np.testing.assert_allclose(problem.source(field, middle), expected, rtol=1e-6)
 
 
 @pytest.mark.parametrize("order", [1, 2, 3, 5, 8])
-def test_constant_coefficients_give_the_matrices_of_cells_of_one_shape(manufactured, order):
-    cells, element = manufactured.with_rings(2), quadrilateral(order)
+def test_constant_coefficients_give_the_matrices_of_cells_of_one_shape(order):
+    cells, element = known_problems.with_rings(2), quadrilateral(order)
     dofs = Dofs(MeshQuad(cells.p, cells.t), element)
     pattern, slots = pattern_of_pairs(*element_pairs(dofs.element_dofs), size=dofs.N)
     K, M, K_of_groups, M_of_groups = np.zeros((4, len(pattern.indices)))

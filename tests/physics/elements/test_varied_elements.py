@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from rcskin.benchmarks.accuracy import known_problems
 from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.fem.galerkin import Galerkin
 from rcskin.simulator.mesh.quadrilaterals import Resolution, pixel_mesh
@@ -36,18 +37,18 @@ MAPS = {
     [("one field, tensor", *case) for case in CASES]
     + [("two fields, tensors", *case) for case in CASES if case[1] in (1, 3)],
 )
-def test_orders_of_convergence(part, fields, mesh, order):
-    problem = part("chosen").PROBLEMS[fields]
-    slopes = part("manufactured").observed_orders(problem, mesh, order)
+def test_orders_of_convergence(fields, mesh, order):
+    problem = known_problems.PROBLEMS[fields]
+    slopes = known_problems.observed_orders(problem, mesh, order)
     for quantity, theory in EXPECTED.items():
         assert slopes[quantity] > 0.9 * theory(order), quantity
 
 
 @pytest.mark.parametrize("order", [1, 2, 3, 4])
 @pytest.mark.parametrize("fields", ["one field", "two fields"])
-def test_orders_of_numbers_on_triangles(part, fields, order):
-    problem = part("chosen").PROBLEMS[fields]
-    slopes = part("manufactured").observed_orders(problem, "triangles", order)
+def test_orders_of_numbers_on_triangles(fields, order):
+    problem = known_problems.PROBLEMS[fields]
+    slopes = known_problems.observed_orders(problem, "triangles", order)
     for quantity, theory in EXPECTED.items():
         assert slopes[quantity] > 0.9 * theory(order), quantity
 

@@ -1,1 +1,0 @@
-"""What `calibration_coverage.py` is made of."""

@@ -1,1 +1,0 @@
-"""What `stability.py` is made of; its cases serve `verification.py`, too."""

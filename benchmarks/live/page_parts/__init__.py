@@ -1,1 +1,0 @@
-"""What a served page has to bear."""

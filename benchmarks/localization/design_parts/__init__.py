@@ -1,1 +1,0 @@
-"""What `twin_design.py` and its siblings are made of."""

@@ -1,1 +1,0 @@
-"""What `foreign_twin.py` is made of."""

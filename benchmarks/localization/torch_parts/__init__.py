@@ -1,1 +1,0 @@
-"""Networks, a design and rates of `torch_training.py`."""

@@ -1,1 +1,0 @@
-"""What `twin.py` and `twin_limits.py` are made of."""

@@ -1,1 +1,0 @@
-"""What `answers.py` is made of."""
