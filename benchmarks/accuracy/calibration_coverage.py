@@ -25,8 +25,8 @@ from rcskin.hardware.meter.errors import FailedReadingError
 from rcskin.hardware.meter.hioki import CP_RS_X, STATUS_AND_VALUES
 from rcskin.hardware.meter.meter_reading import MeterReading, parse_reading
 from rcskin.hardware.record.operators import parse_step
-from rcskin.hardware.virtual.hioki import measurement_text
-from rcskin.hardware.virtual.measurement import MeasurementSetup, Settings
+from rcskin.hardware.virtual.hioki import HiokiSettings, measurement_text
+from rcskin.hardware.virtual.measurement import MeasurementSetup
 from rcskin.simulator.calibration.fitting.centered_model import Model, model_of
 from rcskin.simulator.calibration.fitting.fit import model_tolerance
 from rcskin.simulator.calibration.fitting.fit_options import Options
@@ -87,7 +87,7 @@ def _trace(bench: MeasurementSetup, scene: Scene, press: str) -> list[MeterReadi
     """A reading at each frequency, by way of what the meter would answer."""
     found = []
     for frequency in scene.frequencies:
-        settings = Settings(frequency=float(frequency), items=CP_RS_X, valid=STATUS_AND_VALUES)
+        settings = HiokiSettings(frequency=float(frequency), items=CP_RS_X, valid=STATUS_AND_VALUES)
         found.append(parse_reading(measurement_text(bench.measure(press, settings), settings)))
     return found
 

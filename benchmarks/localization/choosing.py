@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from rcskin.benchmarks.bench import Run, launch
 from rcskin.benchmarks.localization.twin_meters import TALK, TURN
 from rcskin.benchmarks.localization.twins import CHANGE
-from rcskin.hardware.virtual.hioki.meter_state import conditions
-from rcskin.hardware.virtual.measurement import Settings
+from rcskin.hardware.virtual.hioki import HiokiSettings
 from rcskin.localization.filtering.adaptive import AdaptivePolicy
 from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train
@@ -64,7 +63,7 @@ class Way:
 
 def reading_seconds(frequencies: tuple[float, ...]) -> NDArray[np.float64]:
     """That the virtual meter takes for a reading at each frequency, (frequency,)."""
-    found = [conditions(Settings(frequency=f), RANGE, 0j).seconds for f in frequencies]
+    found = [HiokiSettings(frequency=f).in_range(RANGE, 0j).seconds for f in frequencies]
     return np.array(found) + TALK
 
 
