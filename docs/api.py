@@ -55,7 +55,7 @@ rcskin.write(model, "columns.npz")""",
 print(answers.labels, answers.probability)""",
     "evaluate": """print(rcskin.evaluate(model, unseen).accuracy)""",
     "reduce": """reduced = rcskin.reduce(scene, rtol=1e-3)
-Z = reduced.impedance("1,2", np.array([1e3, 1e4]))  # ohm, shape (interface, frequency)""",
+Z = reduced.solve("1,2", np.array([1e3, 1e4])).Z  # ohm, shape (interface, frequency)""",
     "limits": """accuracy, standard_error = rcskin.limits(scene, "column", draws=100)""",
     "calibrate": """found = rcskin.calibrate(scene, recorded, fit=["capacitance"])
 print(found.values["capacitance"], found.intervals["capacitance"])""",

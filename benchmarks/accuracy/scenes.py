@@ -158,7 +158,7 @@ def varied(name: str, u: Iterable[float], changes: dict[str, Any]) -> Scene:
 def of_frequency(u: float) -> Case:
     """The strip with its middle pixel pressed, at one frequency."""
     scene, press = varied("strip-1x5", [u], {}), parse_press("1,3", FACTOR)
-    truth = Line(scene.parts.skin, scene.parts.setup).impedance(press, scene.frequencies)[0]
+    truth = Line(scene.parts.skin, scene.parts.setup).solve(press, scene.frequencies).Z[0]
     return Case(scene, press, truth, Cells(320, 1), Cells(317, 1), line=True)
 
 
@@ -197,7 +197,7 @@ def of_pixels(pixels: float) -> Case:
     columns = int(pixels)
     scene = varied("strip-1x5", AROUND_THE_KNEE, {"pixels": {"rows": 1, "columns": columns}})
     press = Press(tuple(Touch(1, column, FACTOR) for column in range(1, columns + 1, 2)))
-    truth = Line(scene.parts.skin, scene.parts.setup).impedance(press, scene.frequencies)[0]
+    truth = Line(scene.parts.skin, scene.parts.setup).solve(press, scene.frequencies).Z[0]
     cells = -(-320 // columns) * columns
     return Case(scene, press, truth, Cells(cells, 1), Cells(317, 1), line=True)
 

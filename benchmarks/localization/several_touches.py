@@ -53,7 +53,7 @@ class KnownSkin:
     def __init__(self, scene: Scene, rtol: float) -> None:
         self.factor = scene.dataset.press.factor_within(scene.skin.foam)
         self.pixels = scene.pixels.rows * scene.pixels.columns
-        self._skin = reduced(scene.parts, rtol).skin(None)
+        self._skin = reduced(scene.parts, rtol).at(None)
         self._at_rest = self.log_impedance(np.zeros((1, 0), dtype=np.int64), np.ones((1, 0)))
         noise = np.array([scene.readout.magnitude_noise, scene.readout.phase_noise])
         self._noise = noise * np.sqrt(1 + 1 / RECENT)

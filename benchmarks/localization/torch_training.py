@@ -255,7 +255,7 @@ CLOSE = 1e-3
 def rates(scene: Scene, presses: int, rtol: float, repetitions: int = REPETITIONS) -> list[dict]:
     """Sweeps a second, the fastest of some runs, after a check that the answers agree."""
     reduced, random = rcskin.reduce(scene, rtol), np.random.default_rng(0)
-    module, skin = rcskin.SkinModule(reduced), reduced.skin(None)
+    module, skin = rcskin.SkinModule(reduced), reduced.at(None)
     cells = random.integers(module.parts.foam, size=(presses, 1))
     rises = random.uniform(0.3, 2.0, (presses, 1))
     batch = PressBatch.even(cells, rises)

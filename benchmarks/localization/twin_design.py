@@ -83,7 +83,7 @@ class TwinsHand(RandomPresses):
             against_rest=against_rest,
         )
         self._twin, self.setup = twin, self.setup.behind(twin.drawn.leads)
-        self._own = twin.family.skin(twin.drawn.variation)
+        self._own = twin.family.at(twin.drawn.variation)
 
     def pressed(self, meant: Hypothesis, random: np.random.Generator, count: int) -> NDArray:
         """Whitened readings, without noise, of pixels pressed so many times; (press, number)."""

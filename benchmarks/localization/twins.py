@@ -186,7 +186,7 @@ class Twin:
         """The skin as it is at its event-th press."""
         c, R = self.drifted(event)
         own = self.drawn.variation
-        return self.family.skin(
+        return self.family.at(
             replace(own, top=own.top / R, bottom=own.bottom / R, capacitance=own.capacitance * c)
         )
 

@@ -98,7 +98,7 @@ class Asked:
         rises: NDArray[np.float64],
     ) -> Answer:
         """By a reduced model that was trained before, many at once; cells, rises: of the press."""
-        skin = reduced.skin(None)
+        skin = reduced.at(None)
         many = PressBatch.even(np.tile(cells, (BATCH, 1)), np.tile(rises, (BATCH, 1)))
         seconds = best_time(lambda: skin.sweeps(many)) / BATCH
         return Answer(way, setting, self.off(skin.sweeps(many)[0, 0]), seconds)

@@ -136,7 +136,7 @@ def prepared(skin: Skin, rtol: float = RTOL) -> Prepared:
 def compiled() -> None:
     """Kernels are compiled once for all skins."""
     scene = Skin("sheet-5x5", pixels=2).scene()
-    Presses.drawn(scene, 1, 0).solved(reduce(scene.parts, 1e-3).skin(None))
+    Presses.drawn(scene, 1, 0).solved(reduce(scene.parts, 1e-3).at(None))
 
 
 def worst(Z: Impedance, truth: Impedance) -> float:
@@ -236,7 +236,7 @@ def measured(target: Target) -> dict[str, str | float]:
 
 
 def _times(reduced: Reduced) -> dict[str, float]:
-    skin, interfaces = reduced.skin(None), len(reduced.circuit.excitations)
+    skin, interfaces = reduced.at(None), len(reduced.circuit.excitations)
     return {
         name: microseconds(skin, reduced.parts.scene, count) / interfaces
         for name, count in ((IN_A_BATCH, BATCH), ("a single call (µs per interface)", 1))
@@ -245,9 +245,9 @@ def _times(reduced: Reduced) -> dict[str, float]:
 
 def _errors(reduced: Reduced, count: int) -> dict[str, float]:
     """Of the presses with the largest certificates: against the full solver, and of the basis."""
-    skin = reduced.skin(None)
+    skin = reduced.at(None)
     presses, certified = Presses.drawn(reduced.parts.scene, CERTIFIED, seed=1).doubtful(skin, count)
-    left_out, bounds = against_exact(sharpened(reduced).skin(None), presses)
+    left_out, bounds = against_exact(sharpened(reduced).at(None), presses)
     ratio = bounds / left_out
     return {
         "true error": worst(presses.solved(skin), true_impedance(presses)),
@@ -274,7 +274,7 @@ def by_pixels(run: Run) -> pd.DataFrame:
 
 def _cost(pixels: int) -> dict[str, float]:
     model = prepared(Skin(SHEET, pixels))
-    reduced, skin = model.reduced, model.reduced.skin(None)
+    reduced, skin = model.reduced, model.reduced.at(None)
     presses = Presses.drawn(reduced.parts.scene, 4, seed=3)
     named, solver = presses.named(), Solver(reduced.parts, RTOL)
     truth = np.stack([solver.solve(press).Z for press in named])
@@ -299,7 +299,7 @@ def by_size(run: Run) -> pd.DataFrame:
     leading = turned(sharpened(reduced), Presses.drawn(reduced.parts.scene, 200, seed=4))
     presses = Presses.drawn(reduced.parts.scene, run.sized(30, 6), seed=5)
     sizes = sorted({*range(5, reduced.size, run.sized(5, 20)), reduced.size})
-    rows = [against_exact(truncated(leading, size).skin(None), presses) for size in sizes]
+    rows = [against_exact(truncated(leading, size).at(None), presses) for size in sizes]
     return pd.DataFrame(
         {
             "vectors": sizes,
@@ -311,7 +311,7 @@ def by_size(run: Run) -> pd.DataFrame:
 
 def turned(reduced: Reduced, presses: Presses) -> Reduced:
     """The same space, its vectors in the order of what they give to these presses."""
-    skin, terminals = reduced.skin(None), len(reduced.conductance)
+    skin, terminals = reduced.at(None), len(reduced.conductance)
     found = [u[terminals:] for press in presses for u, _ in skin.solved(*press, skin.s[::4])]
     parts = np.hstack([part for u in found for part in (u.real, u.imag)])
     principal, _, _ = np.linalg.svd(parts / np.linalg.norm(parts, axis=0), full_matrices=False)
@@ -367,7 +367,7 @@ def by_ways(run: Run) -> pd.DataFrame:
     reduced = prepared(Skin("sheet-5x5")).reduced
     presses = Presses.drawn(reduced.parts.scene, run.sized(PRESSES, FEW_PRESSES), seed=6)
     truth = true_impedance(presses)[:, 0]
-    skin = reduced.skin(None)
+    skin = reduced.at(None)
     exact = np.stack([unreduced(skin, *press)[0] for press in presses])
     rows = []
     for found in _ways(reduced, presses, run):
@@ -402,7 +402,7 @@ def _ways(reduced: Reduced, presses: Presses, run: Run) -> Iterator[Found]:
 
 
 def _reduced(reduced: Reduced, presses: Presses) -> Found:
-    skin = reduced.skin(None)
+    skin = reduced.at(None)
     return Found(
         "reduced model",
         f"{reduced.rtol:g}, {reduced.size} vectors",
@@ -447,7 +447,7 @@ def _pymor(setting: str, reduced: Reduced, presses: Presses, trained_by: int) ->
     matrices = pymor_basis.Matrices.of_family(reduced.family)
     basis = pymor_basis.Basis(matrices, training, GREEDY_RTOL)
     preparation = time.perf_counter() - start
-    maps = [reduced.skin(None).map_of(*press).ravel() for press in presses]
+    maps = [reduced.at(None).map_of(*press).ravel() for press in presses]
     Z = np.stack([basis.impedance(c, FREQUENCIES) for c in maps])
     again = best_time(lambda: [basis.impedance(c, FREQUENCIES) for c in maps], 3)
     told = f"{setting}, {basis.size} vectors"
@@ -461,5 +461,5 @@ def _training(reduced: Reduced, count: int) -> list[NDArray[np.float64]]:
         pixel_touches(reduced.parts.skin, reduced.parts.plan, FACTORS),
     )
     cases = [draw(random) for _ in range(MESH_DRAWS + count)][MESH_DRAWS:]
-    skin = reduced.skin(None)
+    skin = reduced.at(None)
     return [skin.map_of(case.cells, case.rises).ravel() for case in cases]

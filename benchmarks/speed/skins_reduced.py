@@ -69,7 +69,7 @@ def _row(name: str, scene: Scene, rtol: float, presses: int) -> dict[str, object
     draw, random = pixel_touches(scene.parts.skin, scene.parts.plan), np.random.default_rng(1)
     cases = [draw(random) for _ in range(presses)]
     batch = PressBatch.of((case.cells, case.rises) for case in cases)
-    skin = reduced.skin(None)
+    skin = reduced.at(None)
     spent = best_time(lambda: skin.sweeps(batch)) / presses
     off, told = _checked(reduced, cases)
     rows, columns = scene.pixels.shape
@@ -89,7 +89,7 @@ def _row(name: str, scene: Scene, rtol: float, presses: int) -> dict[str, object
 
 def _checked(reduced: Reduced, cases: list[Case]) -> tuple[float, float]:
     """The most that is left out of Rs or Cp, and the largest certificate."""
-    skin = reduced.skin(None)
+    skin = reduced.at(None)
     rounding, worst = KRYLOV_SHARE * reduced.rtol, (0.0, 0.0)
     for case in cases:
         Z = skin.sweep(case.cells, case.rises)

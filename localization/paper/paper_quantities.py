@@ -87,7 +87,7 @@ def low_frequency_resistances(skin: Skin, setup: Setup, pressing: Pressing) -> R
     """Rs in ohm of a line at 1 mHz: unpressed, then each pixel pressed; shape (1 + column,)."""
     line = Line(skin, setup)
     presses = [Press(), *_row_of_presses(skin, pressing, 1)]
-    return np.array([line.impedance(press, np.array([1e-3])).real.item() for press in presses])
+    return np.array([line.solve(press, np.array([1e-3])).Z.real.item() for press in presses])
 
 
 def row_contrast(parts: SceneParts) -> float:

@@ -253,7 +253,7 @@ class TouchReadings(Likelihood):
 
     def _solved(self, batch: PressBatch) -> Complex:
         """Z of presses of the model's cells, shape (press, interface, frequency)."""
-        return self._reduced.skin(None).sweeps(batch, self.parts.setup.frequency)
+        return self._reduced.at(None).sweeps(batch, self.parts.setup.frequency)
 
     def _rasterized(self, batch: PressBatch) -> PressBatch:
         """Touches around the middles of pixels, rasterized on cells."""

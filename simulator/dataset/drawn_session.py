@@ -180,7 +180,7 @@ def _answer(
     """Z in ohm of a session, and its audit. family: that of its skin."""
     assert family is not None
     random = stream(plan.seed, number, AUDIT)
-    return answer(family.skin(variation), presses, random, number, plan.rtol)
+    return answer(family.at(variation), presses, random, number, plan.rtol)
 
 
 def _measured(

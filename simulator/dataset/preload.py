@@ -18,7 +18,7 @@ READY = make_block
 
 def preload_kernels() -> None:
     """Loads what the first block would load."""
-    skin = reduce(load_scene(SCENE).parts, RTOL).skin(None)
+    skin = reduce(load_scene(SCENE).parts, RTOL).at(None)
     cell, rise = np.zeros(1, dtype=np.int64), np.ones(1)
     skin.sweep(cell, rise)
     skin.certificate(cell, rise)

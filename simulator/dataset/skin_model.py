@@ -66,7 +66,7 @@ class SkinFamily(Protocol):
         """Number of cosine modes of a sheet's conductance, including the mean."""
         ...
 
-    def skin(self, variation: Variation | None, /) -> SkinModel:
+    def at(self, variation: Variation | None, /) -> SkinModel:
         """One skin of the family."""
         ...
 
@@ -103,9 +103,9 @@ class OtherSheets:
         """See `SkinFamily`."""
         return self.trained.modes
 
-    def skin(self, variation: Variation | None, /) -> SkinModel:
+    def at(self, variation: Variation | None, /) -> SkinModel:
         """One skin; None only for the trained family's own sheets."""
-        return self.trained.skin(variation and variation.with_sheets(self.resistance))
+        return self.trained.at(variation and variation.with_sheets(self.resistance))
 
 
 def reduced(parts: SceneParts, rtol: float, resistances: tuple[float, ...] = (1.0,)) -> Reduced:
@@ -147,7 +147,7 @@ def _press(parts: SceneParts, random: np.random.Generator, grid: tuple[int, int]
 
 def nominal_skin(skin: Skin, family: SkinFamily) -> SkinModel:
     """The nominal skin of the scene in its family."""
-    return family.skin(replace(nominal(skin, family.modes), capacitance=np.ones(family.grid)))
+    return family.at(replace(nominal(skin, family.modes), capacitance=np.ones(family.grid)))
 
 
 def _divided(parts: SceneParts) -> SceneParts:

@@ -36,7 +36,7 @@ class SkinReadout:
 
     def __init__(self, reduced: Reduced, readings: Sequence[Interface], drawn: DrawnSkin) -> None:
         self.parts, self._readings, self._leads = reduced.parts, readings, drawn.leads
-        self.skin: ReducedSkin = reduced.skin(drawn.variation)
+        self.skin: ReducedSkin = reduced.at(drawn.variation)
 
     def reading(self, frequency: Real) -> Setup:
         """Its readings at these frequencies in Hz, behind its own leads."""

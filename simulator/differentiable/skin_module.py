@@ -268,7 +268,7 @@ class SkinModule(nn.Module):
         self._check_reach(values, self.frequency)
         found = []
         for press, row in enumerate(rises.detach().cpu().double().numpy()):
-            own = self.reduced.skin(skin.variation(self.reduced.grid, press))
+            own = self.reduced.at(skin.variation(self.reduced.grid, press))
             cells = np.flatnonzero(row)
             bound = float(own.certificate(cells, row[cells], self.scene.frequencies).max())
             found.append(bound + self.reduced.mesh_error)

@@ -124,7 +124,7 @@ class RandomPresses(Likelihood):
 
     @cached_property
     def _skin(self) -> ReducedSkin:
-        return self._reduced.skin(None)
+        return self._reduced.at(None)
 
     @cached_property
     def _reduced(self) -> Reduced:

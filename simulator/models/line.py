@@ -14,7 +14,7 @@ admittances with positive real part, so no digits are lost and nothing overflows
 from __future__ import annotations
 
 from collections.abc import Collection
-from functools import reduce
+from functools import cached_property, reduce
 from typing import NamedTuple
 
 import numpy as np
@@ -22,105 +22,129 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Complex, Real
 from ..fem.circuit import Circuit, one_field
+from ..fem.error_estimate import ROUNDING
+from ..method_cache import cached_method
 from ..press.capacitance import lines, tile_map
 from ..press.pixels import pixel_lines
 from ..press.press import Press
-from ..scene.contacts import Interface
+from ..scene.contacts import Contact, Interface
 from ..scene.frequency import laplace_variable
 from ..scene.parts import Setup, Skin
-from ..sweeps import InputError
-from .uniform import require_uniform
+from .model import DEFAULT_RTOL, GivenPress, UniformModel
+from .solution import Answer, ModelResult
 
 
-class Line:
-    """A scene that is a line; its impedance is exact to rounding."""
+class Line(UniformModel):
+    """The exact line: skins and presses that do not vary across it."""
+
+    name, seconds = "line", 1e-5
 
     def __init__(self, skin: Skin, setup: Setup) -> None:
-        """Raises InputError, with the reason, if the scene is no line."""
-        require_uniform(skin, "the line")
-        circuit = one_field(skin, setup)
+        self.skin, self.setup = skin, setup
+
+    def refuses(self, press: GivenPress) -> str | None:
+        """See `Domain`: also what is no line."""
+        refused = super().refuses(press) or self._no_line
+        if refused or press.uniform is None:
+            return refused
+        return self._varies(press.uniform)
+
+    def solve(
+        self, press: Press | GivenPress, frequency: Real, rtol: float = DEFAULT_RTOL
+    ) -> Answer:
+        """See `Model`; the answer is exact to rounding.
+
+        Source: chain matrices of the RC line, with paper Eqs 1-2.
+        """
+        given = self._given(press, rtol)
+        uniform, progress = self._uniform(given), self._progress(given, frequency, rtol)
+        Z = (self._between_two_ends if self.two_ended else self._open)(uniform, frequency)
+        progress.offer(ModelResult("exact line", 0, Z, np.full((2, *Z.shape), ROUNDING)))
+        return progress.answer()
+
+    @cached_property
+    def _no_line(self) -> str | None:
+        """Reason why the skin is no line; None if it is one."""
+        circuit = one_field(self.skin, self.setup)
         if circuit is None:
-            raise InputError(f"{skin.name} is no line: its sheets are not fed in pairs of foils")
-        contacts = circuit.contacts
+            return f"{self.skin.name} is no line: its sheets are not fed in pairs of foils"
         if not _at_ends(circuit):
-            raise InputError(
-                f"{skin.name} is no line: it is not fed along one whole edge, or two opposite ones"
+            return (
+                f"{self.skin.name} is no line: it is not fed along one whole edge, or two opposite "
+                "ones"
             )
-        self.skin, self._contact = skin, contacts[0]
-        self._circuit = circuit
-        along_x = self._contact.edge in ("left", "right")
-        self._length, self._width = (
-            (skin.length, skin.width) if along_x else (skin.width, skin.length)
-        )
+        return None
+
+    @cached_property
+    def _circuit(self) -> Circuit:
+        circuit = one_field(self.skin, self.setup)
+        assert circuit is not None
+        return circuit
 
     @property
     def two_ended(self) -> bool:
         """True if both ends have contacts."""
         return len(self._circuit.terminals) == 2
 
-    def impedance(self, press: Press, frequency: Real) -> Complex:
-        """Z in ohm, shape (interface, frequency); frequency in Hz.
+    @property
+    def _contact(self) -> Contact:
+        return self._circuit.contacts[0]
 
-        Raises InputError if the press varies across the line. Source: chain matrices of the
-        RC line, with paper Eqs 1-2.
-        """
-        if self.two_ended:
-            return self._between_two_ends(press, frequency)
+    @property
+    def _width(self) -> float:
+        along_x = self._contact.edge in ("left", "right")
+        return self.skin.width if along_x else self.skin.length
+
+    def _open(self, press: Press, frequency: Real) -> Complex:
+        """Z in ohm of a line that is fed at one end, shape (interface, frequency)."""
         c, segments = self.profile(press)
         s = laplace_variable(frequency, self.skin.foam.loss)
-        sheets = self.skin.both_sheets
+        sheets, width = self.skin.both_sheets, self._width
         Y = np.zeros(s.shape, dtype=complex)
-        for R, C in zip(
-            sheets * segments[::-1] / self._width, (c * segments)[::-1] * self._width, strict=True
-        ):
+        for R, C in zip(sheets * segments[::-1] / width, (c * segments)[::-1] * width, strict=True):
             T = tanh_ratio(s * R * C)
             Y = (Y + s * C * T) / (1 + Y * R * T)
-        contact = self._contact.resistance / self._width
+        contact = self._contact.resistance / width
         interfaces = len(self._circuit.excitations)
         return np.tile(contact + 1 / Y, (interfaces, 1)).astype(np.complex128)
 
     def _between_two_ends(self, press: Press, frequency: Real) -> Complex:
         """Z of interfaces that drive the first end, the second, or both tied together."""
-        ports = self.ports(press, frequency)
-        return np.stack([ports.to_earth(on.high, on.low) for on in self._circuit.excitations])
-
-    def ports(self, press: Press, frequency: Real) -> LinePorts:
-        """Network between the end of the first contact, the far end, and the low terminal.
-
-        frequency: Hz. Raises InputError if the press varies across the line.
-        """
         c, segments = self.profile(press)
-        s = laplace_variable(frequency, self.skin.foam.loss)
+        s, width = laplace_variable(frequency, self.skin.foam.loss), self._width
         sheets = self.skin.both_sheets
         line = [
             segment(R, C, s)
-            for R, C in zip(
-                sheets * segments / self._width, c * segments * self._width, strict=True
-            )
+            for R, C in zip(sheets * segments / width, c * segments * width, strict=True)
         ]
-        resistances = [
-            each.contacts[0].resistance / self._width for each in self._circuit.terminals
-        ]
-        films = [[film(R, s)] if R else [] for R in resistances]
-        return reduce(LinePorts.joined, [*films[0], *line, *(films[1] if films[1:] else [])])
+        resistances = [each.contacts[0].resistance / width for each in self._circuit.terminals]
+        near, far = ([film(R, s)] if R else [] for R in resistances)
+        ports = reduce(LinePorts.joined, [*near, *line, *far])
+        return np.stack([ports.to_earth(on.high, on.low) for on in self._circuit.excitations])
 
     def profile(self, press: Press) -> tuple[Real, Real]:
-        """c in F/m² and length in m of each segment from the fed edge on, shape (segment,).
+        """c in F/m² and length in m of each segment from the fed edge on, shape (segment,)."""
+        c, along = self._across(press)
+        from_feed = slice(None, None, 1 if self._contact.edge in ("left", "bottom") else -1)
+        c = c[0] * self.skin.foam.unpressed_capacitance_per_area
+        return c[from_feed], np.diff(along)[from_feed]
 
-        Raises InputError if the press varies across the line.
-        """
+    def _varies(self, press: Press) -> str | None:
+        """Reason why a press is not that of a line; None if it does not vary across."""
+        c, _ = self._across(press)
+        if (c == c[:1]).all():
+            return None
+        return f"press {press} varies across {self.skin.name}: it is no line"
+
+    @cached_method(1)
+    def _across(self, press: Press) -> tuple[Real, Real]:
+        """c over the unpressed c, shape (across, along), and the lines along the skin, m."""
         x, y = (
             np.sort([*pixel_lines(self.skin, axis), *of_touches])
             for axis, of_touches in enumerate(lines(self.skin, press))
         )
-        along, c = x, tile_map(self.skin, press, x, y)
-        if self._contact.edge in ("bottom", "top"):
-            along, c = y, c.T
-        if not (c == c[:1]).all():
-            raise InputError(f"press {press} varies across {self.skin.name}: it is no line")
-        c = c[0] * self.skin.foam.unpressed_capacitance_per_area
-        from_feed = slice(None, None, 1 if self._contact.edge in ("left", "bottom") else -1)
-        return c[from_feed], np.diff(along)[from_feed]
+        c = tile_map(self.skin, press, x, y)
+        return (c.T, y) if self._contact.edge in ("bottom", "top") else (c, x)
 
 
 def _at_ends(circuit: Circuit) -> bool:

@@ -19,6 +19,7 @@ from ..scene.frequency import laplace_variable, slopes_of_s
 from ..scene.parts import Setup, Skin
 from ..sweeps import InputError
 from .line import Line, tanh_ratio
+from .model import DEFAULT_RTOL, GivenPress
 from .parameters import all_values, by_sheets, loss_of, own_values, reading_of
 from .solution import Response, at_meter
 
@@ -34,6 +35,8 @@ class LineModel:
     def __init__(self, skin: Skin, setup: Setup) -> None:
         """Raises InputError, with the reason, if the scene is no line or has pixels across it."""
         line = Line(skin, setup)
+        if reason := line.refuses(GivenPress(skin, Press(), DEFAULT_RTOL)):
+            raise InputError(reason)
         if line.two_ended:
             raise InputError(f"{skin.name} has contacts at both ends: slopes need those at one")
         c, lengths = line.profile(Press())

@@ -11,13 +11,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Complex, Integer, Real
+from ..fem.error_estimate import ROUNDING, UNIFORM, relative_difference
 from ..fem.galerkin import Galerkin
 from ..fem.terminals import Excitation, allowed_potentials
+from ..method_cache import cached_method
 from ..press.press import Press
 from ..scene.frequency import laplace_variable
 from ..scene.parts import Skin
 from ..sweeps import InputError, parallel_capacitance
-from .sheet_model import SheetModel
+from .model import DEFAULT_RTOL, GivenPress, UniformModel
+from .sheet_model import SheetModel, UniformSheets
+from .solution import Answer, ModelResult
+
+GRIDS_KEPT = 256
+LUMPED = "one R and one C"
 
 
 @dataclass(frozen=True)
@@ -30,8 +37,8 @@ class Series:
     second: float
 
 
-class Lumped:
-    """A scene as one R and one C at each interface, with a bound on the truncation error."""
+class OneRC:
+    """One R and one C at each interface, of one mesh, with a bound on the truncation error."""
 
     def __init__(self, sheet: SheetModel, space: Galerkin | None = None) -> None:
         """space: space of the sheet that gives R and C, by default its finest one.
@@ -70,6 +77,53 @@ class Lumped:
                 press: [_series(moments, field, excitation) for excitation in excitations]
             }
         return self._series[press]
+
+
+class Lumped(UniformModel):
+    """One R and one C, of elements.
+
+    trial: True if it is tried only where it suffices for the unpressed skin.
+    """
+
+    name, seconds = "lumped", 2e-5
+
+    def __init__(self, sheets: UniformSheets, trial: bool = False) -> None:
+        self._sheets, self._trial = sheets, trial
+        self.skin, self.setup = sheets.skin, sheets.setup
+
+    def solve(
+        self, press: Press | GivenPress, frequency: Real, rtol: float = DEFAULT_RTOL
+    ) -> Answer:
+        """See `Model`."""
+        given, sheets = self._given(press, rtol), self._sheets
+        uniform, progress = self._uniform(given), self._progress(given, frequency, rtol)
+        unpressed = self._unpressed_error(tuple(frequency), rtol) if self._trial else 0.0
+        if unpressed > rtol:
+            progress.reject(
+                f"{LUMPED}: error of the unpressed skin is {unpressed:.1e} of Rs or Cp or more"
+            )
+            return progress.answer()
+        sheet = sheets.of(sheets.first(rtol), uniform, frequency[-1])
+        lumped, finer = OneRC(sheet, sheet.nested), OneRC(sheet)
+        Z = lumped.impedance(uniform, frequency)
+        resolved = UNIFORM * relative_difference(Z, finer.impedance(uniform, frequency))
+        error = resolved + lumped.truncation_error(uniform, frequency) + ROUNDING
+        progress.offer(ModelResult(LUMPED, sheet.nested.inner, Z, error))
+        return progress.answer()
+
+    @cached_method(GRIDS_KEPT)
+    def _unpressed_error(self, frequency: tuple[float, ...], rtol: float) -> float:
+        """Largest relative error of Rs and Cp by one R and one C for the unpressed skin.
+
+        If even the short line with the smallest error exceeds the tolerance, the skin is not
+        solved.
+        """
+        least = min_truncation_error(self.skin, frequency[-1])
+        if least > rtol:
+            return least
+        sheet = self._sheets.of(self._sheets.first(rtol), Press(), frequency[-1])
+        left_out = OneRC(sheet, sheet.nested).truncation_error(Press(), np.array(frequency))
+        return float(left_out.max())
 
 
 def min_truncation_error(skin: Skin, frequency: float) -> float:

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
-from ..press.press import Press
+from ..arrays import Real
+from ..press.press import Press, require_plain
 from ..press.touch import Place, place_of
 from ..progress import ProgressCallback, silent
-from ..scene.parts import Skin
+from ..scene.parts import Setup, Skin
 from ..sweeps import InputError
-from .solution import SolutionProgress
-from .uniform import equivalent_press
+from .solution import Answer, SolutionProgress
+from .uniform import equivalent_press, require_uniform
 
 if TYPE_CHECKING:
     from .mechanics.adaptive import DeflectionCache
@@ -21,6 +24,8 @@ if TYPE_CHECKING:
 FACTOR_SHARE, COARSEST_FACTOR = 30.0, 1e-2
 """Tolerance of the capacitance factor anywhere over the tolerance of Rs and Cp, and its maximum.
 The error is that large at corners only."""
+DEFAULT_RTOL = 1e-4
+"""Tolerance of Rs and Cp, relative."""
 MAX_CACHED_NODES = 100_000
 """Maximum count of membrane nodes in the cache, all places together."""
 
@@ -63,7 +68,8 @@ class GivenPress:
     """A press on a skin: as it is given, and as models take it.
 
     rtol: tolerance of Rs and Cp, or of gains. places: cache of pressed places. callback: see
-    `ProgressCallback`. What depends on a deformation raises PressError if none is possible.
+    `ProgressCallback`. on_error: called with the largest error of each result. What depends on a
+    deformation raises PressError if none is possible.
     """
 
     def __init__(
@@ -73,9 +79,10 @@ class GivenPress:
         rtol: float,
         places: PressCache | None = None,
         callback: ProgressCallback = silent,
+        on_error: Callable[[float], None] = lambda error: None,
     ) -> None:
-        self.skin, self.press, self.rtol = skin, press, rtol
-        self._places, self._callback = places or PressCache(), callback
+        self.skin, self.press, self.rtol, self.on_error = skin, press, rtol, on_error
+        self._places, self.callback = places or PressCache(), callback
 
     @property
     def sharp(self) -> Press:
@@ -108,7 +115,7 @@ class GivenPress:
 
         rtol, known = min(COARSEST_FACTOR, FACTOR_SHARE * self.rtol), self.place.deflections
         try:
-            found = deformation(self.skin, self.press, rtol, self._callback, known)
+            found = deformation(self.skin, self.press, rtol, self.callback, known)
         except InputError as error:
             raise PressError(str(error)) from error
         if found.sharp is None:
@@ -116,22 +123,70 @@ class GivenPress:
         return found.sharp, None
 
 
-class Model(ABC):
-    """One way to solve a skin: the presses it takes, and its results for them.
+class Domain(ABC):
+    """Presses that a model takes: of one that stands, or that is yet to be trained.
 
-    name: in messages, and by which users choose it.
+    name: in messages. seconds: typical time of one press at one frequency.
     """
 
     name: ClassVar[str]
+    seconds: ClassVar[float]
 
     @abstractmethod
-    def check(self, press: GivenPress) -> None:
-        """Raises InputError for a press that another kind of model is for."""
+    def refuses(self, press: GivenPress) -> str | None:
+        """Reason why a press, or the skin, is outside the domain; None within it."""
+
+    def cost(self, press: GivenPress, frequency: Real) -> float:
+        """Estimated time of a press at frequencies in Hz, s; infinite outside the domain."""
+        return math.inf if self.refuses(press) else self.seconds * len(frequency)
+
+
+class Model(Domain):
+    """One way to solve a skin.
+
+    skin, setup: what is solved, and its drives.
+    """
+
+    skin: Skin
+    setup: Setup
 
     @abstractmethod
-    def solve(self, press: GivenPress, progress: SolutionProgress) -> None:
-        """Offers results at frequencies that are left, until all have one or none is any better.
+    def solve(
+        self, press: Press | GivenPress, frequency: Real, rtol: float = DEFAULT_RTOL
+    ) -> Answer:
+        """Answer at those frequencies, in Hz, at which the model keeps the tolerance.
 
-        Raises InputError for what this model cannot represent, ToleranceError if it cannot keep the
-        tolerance; what it has offered until then remains.
+        rtol: largest relative error of Rs and Cp. Raises InputError for what the model cannot
+        represent.
         """
+
+    def _given(self, press: Press | GivenPress, rtol: float) -> GivenPress:
+        """The press as models take it."""
+        return press if isinstance(press, GivenPress) else GivenPress(self.skin, press, rtol)
+
+    def _progress(self, press: GivenPress, frequency: Real, rtol: float) -> SolutionProgress:
+        """No results yet, for a press at frequencies in Hz."""
+        return SolutionProgress(len(self.setup.solved), frequency, rtol, press.on_error)
+
+
+class UniformModel(Model):
+    """A model of uniform skins under presses by factors of pixels and rectangles."""
+
+    def refuses(self, press: GivenPress) -> str | None:
+        """See `Domain`: a skin or press that is not uniform."""
+        if press.uniform is not None:
+            return None
+        what = f"the model {self.name!r}"
+        try:
+            require_uniform(press.skin.electrical, what)
+            require_plain(press.press)
+        except InputError as reason:
+            return str(reason)
+        return f"press {press.press}: {what} cannot take a press that the foam's tension spreads"
+
+    def _uniform(self, press: GivenPress) -> Press:
+        """The press on `Skin.electrical`. Raises InputError outside the domain."""
+        if reason := self.refuses(press):
+            raise InputError(reason)
+        assert press.uniform is not None
+        return press.uniform

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import compress
 
 import numpy as np
 
@@ -26,6 +27,33 @@ class ModelResult:
     unknowns: int
     Z: Complex
     error: Real
+
+    def shortfall(self, frequency: Real, rtol: float) -> str:
+        """Reason why a result at frequencies in Hz does not keep a tolerance."""
+        error = self.error.max(axis=1)
+        Rs, Cp = (int(np.argmax(each)) for each in error)
+        return (
+            f"{self.model}: estimated error {error[0, Rs]:.1e} of Rs at {frequency[Rs]:.4g} Hz and "
+            f"{error[1, Cp]:.1e} of Cp at {frequency[Cp]:.4g} Hz, tolerance {rtol:g}"
+        )
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What one model answers of a press.
+
+    Z: ohm, shape (interface, frequency). error: estimated relative errors of Rs and Cp, shape (2,
+    interface, frequency), infinite where the model has no answer; None if it was not requested.
+    served: model and unknowns of the result at each frequency. rejected: results that did not keep
+    the tolerance, with reasons. stopped: what ended it before all frequencies had an answer, if
+    anything did.
+    """
+
+    Z: Complex
+    error: Real | None
+    served: tuple[tuple[str, int], ...]
+    rejected: tuple[str, ...] = ()
+    stopped: Exception | None = None
 
 
 @dataclass(frozen=True)
@@ -133,7 +161,7 @@ class SolutionProgress:
         self.rtol, self._all, self._on_error = rtol, frequency, on_error
         self._left = np.arange(len(frequency))
         self._Z = np.zeros((interfaces, len(frequency)), dtype=np.complex128)
-        self._error = np.zeros((2, interfaces, len(frequency)))
+        self._error = np.full((2, interfaces, len(frequency)), np.inf)
         self._served = [("", 0)] * len(frequency)
         self.rejected: list[str] = []
 
@@ -147,31 +175,42 @@ class SolutionProgress:
         """Remaining frequencies, Hz."""
         return self._all[self._left]
 
-    def offer(self, result: ModelResult, among: Mask | None = None) -> None:
-        """Accept a result at the remaining frequencies at which it keeps the tolerance.
-
-        among: mask of the remaining frequencies that the result covers; all for None.
-        """
-        left = np.ones(len(self._left), dtype=bool)
-        among = left if among is None else among
-        covered = self._left[among]
-        within = (result.error <= self.rtol) & np.isfinite(result.Z)
-        kept = within.all(axis=(0, 1))
-        taken = covered[kept]
-        self._Z[:, taken], self._error[:, :, taken] = result.Z[:, kept], result.error[:, :, kept]
-        for index in taken:
-            self._served[index] = result.model, result.unknowns
+    def offer(self, result: ModelResult) -> None:
+        """Accept a result at those of the remaining frequencies at which it keeps the tolerance."""
+        kept = self._accept(
+            result.Z, result.error, [(result.model, result.unknowns)] * len(self._left)
+        )
         if not kept.all():
-            self.reject(self._reason(result, self._all[covered]))
-        left[among] = ~kept
-        self._left = self._left[left]
+            self.reject(result.shortfall(self.frequency, self.rtol))
+        self._left = self._left[~kept]
         self._on_error(float(result.error.max()))
+
+    def take(self, answer: Answer) -> None:
+        """Accept a model's answer, with its errors, at the remaining frequencies."""
+        assert answer.error is not None
+        self.rejected += answer.rejected
+        self._left = self._left[~self._accept(answer.Z, answer.error, answer.served)]
+
+    def _accept(self, Z: Complex, error: Real, served: Sequence[tuple[str, int]]) -> Mask:
+        """Keep what is within the tolerance; returns a mask of the remaining frequencies."""
+        within: Mask = (error <= self.rtol) & np.isfinite(Z)
+        kept: Mask = np.asarray(within.all(axis=(0, 1)))
+        taken = self._left[kept]
+        self._Z[:, taken], self._error[:, :, taken] = Z[:, kept], error[:, :, kept]
+        for index, own in zip(taken, compress(served, kept), strict=True):
+            self._served[index] = own
+        return kept
 
     def reject(self, reason: str) -> None:
         """Record why a model was not used."""
         self.rejected.append(reason)
 
-    def answer(self) -> Solution:
+    def answer(self, stopped: Exception | None = None) -> Answer:
+        """Answer of the model whose results were accepted. stopped: what ended it, if anything."""
+        served, rejected = tuple(self._served), tuple(self.rejected)
+        return Answer(self._Z, self._error, served, rejected, stopped)
+
+    def solution(self) -> Solution:
         """Solution from the accepted results; all frequencies must have one."""
         Cp = reference_capacitance(self._Z, self._all)
         models, unknowns = zip(*self._served, strict=True)
@@ -185,14 +224,6 @@ class SolutionProgress:
             models=models,
             unknowns=unknowns,
             rejected=tuple(self.rejected),
-        )
-
-    def _reason(self, result: ModelResult, f: Real) -> str:
-        error = result.error.max(axis=1)
-        Rs, Cp = (int(np.argmax(each)) for each in error)
-        return (
-            f"{result.model}: estimated error {error[0, Rs]:.1e} of Rs at {f[Rs]:.4g} Hz and "
-            f"{error[1, Cp]:.1e} of Cp at {f[Cp]:.4g} Hz, tolerance {self.rtol:g}"
         )
 
 

@@ -72,7 +72,7 @@ def fields(
     frequency = np.array(sorted(frequencies), dtype=np.float64)
     excitation = setup.names.index(setup.checked_name(interface))
     given = GivenPress(skin, press, rtol, callback=progress)
-    discretised, Z = Elements(skin, setup, rtol).resolved(given, frequency, progress)
+    discretised, Z = Elements(skin, setup).resolved(given, frequency, rtol)
     sampler = Sampler(skin, discretised)
     loss, found = skin.foam.loss, []
     s, air = laplace_variable(frequency, loss).tolist(), air_factor(frequency, loss).tolist()

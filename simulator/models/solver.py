@@ -1,17 +1,17 @@
 """Choice of the cheapest model that keeps the tolerance of Rs and Cp, with the reasons.
 
-Models stand in a sequence: the exact line, one R and one C, elements for one field or for two, of
-growing order, and elements for all that is not uniform; a reduced model comes first if it is
-chosen. Each solves the frequencies at which it keeps the tolerance and leaves the others to the
-next one.
+Models are tried in the order of their cost: the exact line, one R and one C, elements for one
+field or for two, of growing order, and elements for all that is not uniform; a reduced model comes
+first if it is chosen. Each solves the frequencies at which it keeps the tolerance and leaves the
+others to the next one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cached_property
-from typing import Literal, get_args
+from functools import cache, cached_property
+from typing import Literal, NamedTuple, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,12 +20,11 @@ from ..arrays import Real
 from ..press.press import Press, check_fingers
 from ..scene.parts import SceneParts
 from ..sweeps import InputError, ToleranceError
-from .model import GivenPress, Model, PressCache, PressError
+from .model import DEFAULT_RTOL, Domain, GivenPress, Model, PressCache, PressError
 from .solution import Solution, SolutionProgress
 from .time_estimate import TimeEstimate
 
 ModelName = Literal["auto", "lumped", "line", "sheet", "reduced"]
-DEFAULT_RTOL = 1e-4
 STRICTER = 0.1
 
 
@@ -61,8 +60,7 @@ class Solver:
         self._places = PressCache()
 
     @cached_property
-    def _models(self) -> tuple[Model, ...]:
-        """Models by their cost, the cheapest first."""
+    def _candidates(self) -> tuple[Candidate, ...]:
         return REGISTRY[self.model](self)
 
     @cached_property
@@ -109,30 +107,30 @@ class Solver:
         if self._without_earth is not None and not press.fingers:
             return self._without_earth._of_skin(press, frequency)
         on_error = self._time_estimate.of(str(press))
-        progress = SolutionProgress(len(self.setup.solved), frequency, self.rtol, on_error)
-        given = GivenPress(self.skin, press, self.rtol, self._places)
-        failed, outside = None, None
-        for model in self._models:
-            try:
-                model.check(given)
-            except PressError:
-                raise
-            except InputError as reason:
-                outside = outside or reason.with_traceback(None)  # which refers to this frame
+        progress = SolutionProgress(len(self.setup.solved), frequency, self.rtol)
+        given = GivenPress(self.skin, press, self.rtol, self._places, on_error=on_error)
+        refused, failed = list[str](), None
+        for candidate in self._candidates:
+            domain, stopped = candidate.domain, None
+            if np.isinf(domain.cost(given, progress.frequency)):
+                refused.append(domain.refuses(given) or "")
+                progress.reject(f"{domain.name}: {refused[-1]}")
                 continue
-            failed = None
             try:
-                model.solve(given, progress)
+                answer = candidate.model().solve(given, progress.frequency, self.rtol)
             except PressError:
                 raise
             except (InputError, ToleranceError) as reason:
-                failed = reason.with_traceback(None)
-                progress.reject(f"{model.name}: {reason}")
+                stopped = reason.with_traceback(None)  # which refers to this frame
+            else:
+                progress.take(answer)
+                stopped = answer.stopped
             if progress.done:
-                return progress.answer()
-        if failed or not progress.rejected:
-            raise failed or outside or AssertionError("no model")
-        raise ToleranceError(progress.rejected[-1])
+                return progress.solution()
+            if stopped:
+                progress.reject(f"{domain.name}: {stopped}")
+            failed = stopped or ToleranceError(progress.rejected[-1])
+        raise failed or InputError(refused[0])
 
     def explain(self, press: Press, answer: Solution) -> str:
         """Text: the model of each frequency, its estimated error, and the rejected models."""
@@ -149,32 +147,61 @@ def checked_frequencies(frequency: ArrayLike) -> Real:
     return checked
 
 
-def _uniform(solver: Solver) -> tuple[Model, ...]:
+class Candidate(NamedTuple):
+    """A model, which may not be made before a press is in its domain."""
+
+    domain: Domain
+    model: Callable[[], Model]
+
+    @classmethod
+    def of(cls, model: Model) -> Candidate:
+        """A model that stands; it is its own domain."""
+        return cls(model, lambda: model)
+
+
+def _uniform(solver: Solver) -> tuple[Candidate, ...]:
     """Models of uniform skins that need no training."""
-    from .uniform_models import ExactLine, OneRC, UniformElements, UniformSheets
+    from .line import Line
+    from .lumped import Lumped
+    from .sheet_model import Sheet, UniformSheets
 
     given = solver.skin.electrical, solver.setup
-    sheets = UniformSheets(*given, solver.rtol)
-    return ExactLine(*given), OneRC(sheets, solver.model == "auto"), UniformElements(sheets)
+    sheets = UniformSheets(*given)
+    models = Line(*given), Lumped(sheets, solver.model == "auto"), Sheet(sheets)
+    return tuple(map(Candidate.of, models))
 
 
-def _elements(solver: Solver) -> Model:
+def _elements(solver: Solver) -> Candidate:
     from .heterogeneous.elements_model import Elements
 
-    return Elements(solver.skin, solver.setup, solver.rtol)
+    return Candidate.of(Elements(solver.skin, solver.setup))
 
 
-def _trained(solver: Solver) -> Model:
-    from .reduced.trained_model import TrainedModel
+def _trained(solver: Solver) -> tuple[Candidate, ...]:
+    """Reduced models of pixels, trained at first use."""
+    from .reduced.greedy import reduce
+    from .reduced.pixel_presses import PixelPresses, PressesByApplicator, PressesByFactor
+    from .reduced.touches import spreads
 
-    return TrainedModel(solver.parts, solver.rtol, solver.frequency)
+    def candidate(domain: PixelPresses, by_depth: bool | None = None) -> Candidate:
+        def trained() -> Model:
+            return reduce(*needed, domain.draw, frequency=frequency, by_depth=by_depth)
+
+        return Candidate(domain, cache(trained))
+
+    needed, frequency = (solver.parts, solver.rtol), solver.frequency
+    given = solver.skin, solver.parts.plan
+    by_factor = candidate(PressesByFactor(*given))
+    if not spreads(solver.skin):
+        return (by_factor,)
+    return candidate(PressesByApplicator(*given), by_depth=True), by_factor
 
 
-REGISTRY: dict[ModelName, Callable[[Solver], tuple[Model, ...]]] = {
+REGISTRY: dict[ModelName, Callable[[Solver], tuple[Candidate, ...]]] = {
     "auto": lambda solver: (*_uniform(solver), _elements(solver)),
     "line": lambda solver: _uniform(solver)[:1],
     "lumped": lambda solver: _uniform(solver)[1:2],
     "sheet": lambda solver: (_uniform(solver)[2], _elements(solver)),
-    "reduced": lambda solver: (_trained(solver), _uniform(solver)[2], _elements(solver)),
+    "reduced": lambda solver: (*_trained(solver), _uniform(solver)[2], _elements(solver)),
 }
 """Models of each name, the cheapest first."""

@@ -272,7 +272,7 @@ def page_data(parts: SceneParts, reduced: Reduced, points: int = POINTS) -> dict
     parts: as users press the skin; reduced: from `reduced_for_page`. points: approximate number of
     those at which the field is shown.
     """
-    skin, raster = reduced.skin(None), Raster.over(parts.skin, points)
+    skin, raster = reduced.at(None), Raster.over(parts.skin, points)
     picture = raster_fields(skin, raster)
     presses = own_presses(parts.skin, parts.plan.press)
     return {

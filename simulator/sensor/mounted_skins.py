@@ -142,7 +142,7 @@ class MountedSkins:
 
     @cached_property
     def _skins(self) -> list[ReducedSkin]:
-        return [self.family.skin(drawn.variation) for drawn in self._drawn]
+        return [self.family.at(drawn.variation) for drawn in self._drawn]
 
     @cached_property
     def _stack(self) -> SkinStack:

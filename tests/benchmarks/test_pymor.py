@@ -34,7 +34,7 @@ def test_basis_of_pymor(sheet, turn):
     """Its error on unseen presses falls with what the field is asked, for real s and imaginary."""
     from rcskin.benchmarks.rivals import pymor_basis
 
-    skin, frequencies = sheet.skin(None), sheet.scene.frequencies
+    skin, frequencies = sheet.at(None), sheet.scene.frequencies
     matrices = pymor_basis.Matrices.of_family(sheet.family)
     seen = [skin.map_of(case.cells, case.rises).ravel() for case in pressed(sheet, 12, seed=1)]
     training = [(turn * f, c) for c in seen for f in frequencies]

@@ -42,7 +42,7 @@ def line(make_scene):
     return (
         scene,
         press,
-        Line(scene.parts.skin, scene.parts.setup).impedance(press, scene.frequencies)[0],
+        Line(scene.parts.skin, scene.parts.setup).solve(press, scene.frequencies).Z[0],
     )
 
 
@@ -99,7 +99,7 @@ def test_low_frequency(make_scene):
     """The deviation form keeps Rs at u = 1e-9, in single precision too; a current does not."""
     scene = at(make_scene, [1e-9], columns=COLUMNS)
     press, cells = parse_press(PRESS, 2.0), Cells(40, 1)
-    truth = Line(scene.parts.skin, scene.parts.setup).impedance(press, scene.frequencies)[0]
+    truth = Line(scene.parts.skin, scene.parts.setup).solve(press, scene.frequencies).Z[0]
 
     def error_of(impedance, *number):
         return error(scene, impedance(scene, press, scene.frequencies, cells, *number), truth)
@@ -142,7 +142,7 @@ def test_ladder_from_every_edge(make_scene):
             columns=1 if upright else 4,
         )
         press = parse_press(pressed, 2.0)
-        truth = Line(scene.parts.skin, scene.parts.setup).impedance(press, scene.frequencies)[0]
+        truth = Line(scene.parts.skin, scene.parts.setup).solve(press, scene.frequencies).Z[0]
         Z = lines.ladder(scene, press, scene.frequencies, 400)
         assert error(scene, Z, truth) < 1e-3
 
@@ -210,7 +210,7 @@ def test_fits_of_readings_lose_rs_and_the_poles(make_scene):
     """Six digits of |Z| and phase do not determine Rs far below the knee."""
     scene = at(make_scene, [1e-8])
     given = scene, Press(), scene.frequencies
-    truth = Line(scene.parts.skin, scene.parts.setup).impedance(Press(), scene.frequencies)[0]
+    truth = Line(scene.parts.skin, scene.parts.setup).solve(Press(), scene.frequencies).Z[0]
     assert error(scene, rational_fit.impedance(*given), truth) < 1e-6
     assert error(scene, rational_fit.impedance(*given, digits=6), truth) > 1e-2
     assert rational_fit.aaa(*rational_fit.sampled(*given, digits=6)).poles_off_axis > 0
@@ -233,7 +233,7 @@ def test_triangles_of_one_size_on_a_square(make_scene):
     scene = at(make_scene, U)
     skin, truth = (
         scene.skin,
-        Line(scene.parts.skin, scene.parts.setup).impedance(Press(), scene.frequencies)[0],
+        Line(scene.parts.skin, scene.parts.setup).solve(Press(), scene.frequencies).Z[0],
     )
     c = skin.foam.unpressed_capacitance_per_area
     square = MeshTri().scaled((skin.length, skin.width))

@@ -50,7 +50,7 @@ study.plot("study.png")
 print(study, study.best[0], check(float(study.findings["accuracy"][0])))
 
 reduced = rcskin.reduce(strip, rtol=1e-3)
-Z = reduced.impedance("1,1", np.array([1e3, 2e3]))
+Z = reduced.solve("1,1", np.array([1e3, 2e3])).Z
 print(reduced, Z.shape, rcskin.__version__)
 
 contacts = rcskin.PointContacts([0.02, 0.05], [0.01, 0.02], force=[1.0, 2.0], radius=5e-3)

@@ -237,7 +237,7 @@ def test_what_exists_is_replaced_on_demand_only(scene, sweeps, tmp_path):
 def test_a_reduced_model_answers_as_the_sweep(scene):
     reduced = rcskin.reduce(scene, 1e-3)
     exact = rcskin.sweep(scene, "1,2:2", rtol=1e-3)
-    Z = reduced.impedance("1,2:2", scene.frequencies)
+    Z = reduced.solve("1,2:2", scene.frequencies).Z
     np.testing.assert_allclose(Z.real, exact["Rs"].values[0], rtol=2e-3)
     assert "3 x 3" in repr(reduced) and len(repr(reduced).splitlines()) == 3
     assert all(each in reduced._repr_html_() for each in ("Rs (", "Cp (", "3,3", "unpressed"))

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 from filelock import FileLock
+from rcskin.simulator.models.model import Model
 from rcskin.simulator.models.reduced.cases import pixel_touches
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.reduced.greedy import reduce
@@ -74,9 +75,16 @@ class Library:
         return Forward(scene.parts, train=self.reduce, **options)
 
 
+def impedance(model, press, frequency):
+    """Z in ohm by a model, or by one mesh."""
+    if isinstance(model, Model):
+        return model.solve(press, frequency).Z
+    return model.impedance(press, frequency)
+
+
 def answers(model):
     """Z of the unpressed skin and of a touch of its first pixel, and their certificates."""
-    own, first = model.skin(None), (np.zeros(1, dtype=np.int64), np.array([0.5]))
+    own, first = model.at(None), (np.zeros(1, dtype=np.int64), np.array([0.5]))
     presses = {"unpressed": NOTHING, "pressed": first}
     bounds = {f"bound {name}": own.certificate(*press) for name, press in presses.items()}
     return bounds | {name: own.sweep(*press) for name, press in presses.items()}

@@ -83,7 +83,7 @@ def drawn(model, count):
 
 @kinds()
 def test_the_full_solver_agrees_within_the_certificate(library, model, touches, name):
-    kind, scene, own = KINDS[name], library.scene(name), model.skin(None)
+    kind, scene, own = KINDS[name], library.scene(name), model.at(None)
     closely = 0.1 * kind.rtol
     solver = Solver(scene.parts, closely)
     for text, touched in zip(kind.presses, touches, strict=True):
@@ -110,7 +110,7 @@ def other_skin(model):
 
 @kinds(left_out=BY_DEPTH)
 def test_the_certificate_bounds_what_the_reduction_leaves_out(model, touches, name):
-    own, worst = model.skin(other_skin(model)), 0.0
+    own, worst = model.at(other_skin(model)), 0.0
     for cells, rises in [*touches, *drawn(model, 4)]:
         press = cells, np.where(cells < foam_parts(model.parts.skin), 5 * rises, rises)
         true = relative_difference(own.sweep(*press), own.exact(*press))
@@ -127,7 +127,7 @@ def test_training_bounds_what_the_reduction_leaves_out_as_the_certificate_does(
     """Without the basis turned for each skin. By depth a certificate also covers the foam's c."""
     by_depth, closely = name in BY_DEPTH, 1e-3 * KINDS[name].rtol
     for variation in [None] if by_depth else [None, other_skin(model)]:
-        own, cases = model.skin(variation), [Case(variation, *press) for press in touches]
+        own, cases = model.at(variation), [Case(variation, *press) for press in touches]
         found = largest_bounds(model, cases, model.frequency)
         expected = [own.certificate(case.cells, case.rises).max() for case in cases]
         if by_depth:
@@ -140,7 +140,7 @@ def test_training_bounds_what_the_reduction_leaves_out_as_the_certificate_does(
 def test_a_model_is_orthonormal_and_passive(model, touches, name):
     product = model.basis.T @ (model.family.space.K @ model.basis)
     np.testing.assert_allclose(product, np.eye(model.size), atol=1e-10)
-    own = model.skin(None)
+    own = model.at(None)
     assert (own.unpressed_mass.diagonal >= 0).all()
     more = drawn(model, 20) if name not in BY_DEPTH else []
     Z = own.sweeps(PressBatch.of([*touches, *more]))
@@ -160,7 +160,7 @@ def test_a_model_comes_back_from_its_file_whole(library, name):
 
 @kinds()
 def test_presses_have_equal_results_one_by_one_and_together(model, touches):
-    own = model.skin(None)
+    own = model.at(None)
     for touched, Z in zip(touches, own.sweeps(PressBatch.of(touches)), strict=True):
         np.testing.assert_allclose(own.sweep(*touched), Z, rtol=1e-9)
 
@@ -171,7 +171,7 @@ def test_a_network_has_the_readings_of_a_model_of_these(library, touches, name):
     trained = library.reduce(
         scene.parts, ROUGH, same_sheets=False, readings=chain(scene.parts.skin)
     )
-    own, batch = read(trained, scene.interfaces).skin(None), PressBatch.of(touches)
+    own, batch = read(trained, scene.interfaces).at(None), PressBatch.of(touches)
     network = NetworkSkin(own)
     Z = network.impedances(network.wiring(scene.interfaces), network.admittances(batch))
     np.testing.assert_allclose(Z, own.sweeps(batch), rtol=1e-6)

@@ -41,7 +41,7 @@ def test_the_certificate_holds_on_skins_that_it_was_not_trained_on(reduced):
     skin = Variation(
         np.array([1.2]), np.array([1.2]), np.ones(2), np.array([[0.7, 1.3, 1.0]]), Loss(0.02)
     )
-    own = reduced.skin(skin)
+    own = reduced.at(skin)
     for cells, rises in (([1], [2.8]), ([0, 2], [0.4, 2.2]), ([1, 2], [1.0, 2.0])):
         press = np.array(cells), np.array(rises)
         Z = own.sweep(*press)
@@ -86,9 +86,10 @@ def test_sweeps_by_depth_and_force_are_reduced_where_that_serves(scene):
         ("1,1:1N+1,2:1N", "a touch of given force is too near to another"),
         ("disc(0.045,0.015,0.01):1mm", "the model takes pixels by depth or force only"),
     ):
+        _, model = solver._candidates[0]
         given = GivenPress(scene.parts.skin, parse_press(text, DEEP), RTOL)
         with pytest.raises(InputError, match=reason):
-            solver._models[0].result(given, scene.frequencies)
+            model().solve(given, scene.frequencies, RTOL)
     answer = solver.solve(parse_press("disc(0.045,0.015,0.01):1mm", DEEP))
     assert answer.rejected[0].startswith("reduced: the model takes pixels")
 

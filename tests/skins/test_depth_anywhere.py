@@ -97,7 +97,7 @@ def covered(scene, count, *others):
     family = trained(scene.parts, RTOL)
     of_cells = rasterization_error(scene.parts, family, SEED, RTOL)
     of_deflections = lattice_error(scene.parts, family, SEED)
-    own = family.skin(None)
+    own = family.at(None)
     drawn = drawn_presses(scene.parts, np.random.default_rng(7), count, family.grid)
     solver = Solver(scene.parts, RTOL / 10)
     for touches, placed in ((drawn.touches, drawn.placed), *others):

@@ -55,7 +55,7 @@ def test_cosine_modes_of_the_sheets_are_maps_of_the_sheets(kinds):
     own = Variation(
         np.array([1.0, wave, 0, 0]), np.eye(1, 4).ravel(), np.ones(2), np.ones((2, 2)), Loss(0.0)
     )
-    Z = reduced.skin(own).sweep(*NOTHING)
+    Z = reduced.at(own).sweep(*NOTHING)
     truth = Solver(mapped.parts, 1e-4).solve(Press()).Z
     assert relative_difference(Z, truth).max() <= RTOL
 
@@ -102,7 +102,7 @@ def test_bodies_and_rims_of_other_sizes_need_no_other_basis(library):
     scene, values = library.scene("near a virtual earth"), {"body": 0.2, "rim": -0.3}
     variation = replace(nominal(scene.parts.skin), body=np.exp(0.2), rim=np.exp(-0.3))
     model = library.model("near a virtual earth")
-    own = model.skin(variation)
+    own = model.at(variation)
     truth = Solver(parts_with(scene.parts, values), CLOSELY).solve(Press()).Z
     estimated = own.certificate(*NOTHING).max() + model.mesh_error
     assert relative_difference(own.sweep(*NOTHING), truth).max() <= estimated + CLOSELY < 2 * RTOL
@@ -150,7 +150,7 @@ def test_slopes_where_the_foam_of_pixels_differs_are_differences(library):
     reduced, rises = library.forward(scene, rtol=0.1).reduced, np.array([0.5, 0.8])
     foam = nominal(reduced.parts.skin)
     foam.capacitance[:] = np.linspace(0.8, 1.2, 6).reshape(2, 3)
-    skin, cells = reduced.skin(foam), np.array([1, 4])
+    skin, cells = reduced.at(foam), np.array([1, 4])
     found = sensitivity(skin, cells, rises, skin.reduced.frequency)
     together = sensitivities(skin, cells[None], rises[None], skin.reduced.frequency)
     for k in range(2):
@@ -192,9 +192,7 @@ def test_random_skins_have_walls_of_their_own_foam(library):
     foam = type(foam)(**{**vars(foam), "beyond_pixels": 1.2})
     press = press_on(scene.parts.skin, scene.press, "1,1:2.2:rod+1,2:1.5:rod")
     truth = Solver(parts_with(scene.parts, {"capacitance": np.log(1.2)}), 2e-4).solve(press).Z
-    found = (
-        library.model("walls of groups").skin(foam).sweep(*touched_cells(scene.parts.skin, press))
-    )
+    found = library.model("walls of groups").at(foam).sweep(*touched_cells(scene.parts.skin, press))
     assert relative_difference(found, truth).max() <= 2e-3
 
 
@@ -225,10 +223,10 @@ def test_touches_beside_pixels_are_refused_in_one_line(library, name):
 def test_slopes_beside_bodies_are_differences_where_the_foam_loses_and_air_does_not(library):
     model, press = library.model("near a virtual earth"), (np.array([2, 6]), np.array([0.5, 3e-12]))
     lossy = replace(nominal(model.parts.skin), loss=Loss(tangent=0.03, exponent=0.97), body=1.2)
-    f, skin = model.frequency, model.skin(lossy)
+    f, skin = model.frequency, model.at(lossy)
     found = sensitivity(skin, *press, f)
     together = sensitivities(skin, *(each[None] for each in press), f)
-    ends = (model.skin(replace(lossy, body=1.2 + sign * STEP)).sweep(*press) for sign in (1, -1))
+    ends = (model.at(replace(lossy, body=1.2 + sign * STEP)).sweep(*press) for sign in (1, -1))
     up, down = (1 / Z for Z in ends)
     body = found.by_fixed[..., skin.parts.fixed.index("body")]
     assert body == pytest.approx((up - down) / (2 * STEP), rel=1e-5)

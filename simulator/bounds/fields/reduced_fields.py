@@ -186,4 +186,4 @@ def trained(
         circuit = two_fields(skin, driven.setup).read(chain(skin))
         family = unreduced(skin, driven.plan, circuit, MESH_RTOL, highest)
         reduced = GreedyBasis(driven, family, RTOL, 0.0, band).grow(draw, random, silent, most=1)
-    return ReducedFields(parts, read(reduced, parts.setup.interfaces).skin(None), cells)
+    return ReducedFields(parts, read(reduced, parts.setup.interfaces).at(None), cells)

@@ -12,11 +12,10 @@ from ...arrays import Complex, Real
 from ...fem.circuit import Circuit, one_field, two_fields
 from ...fem.system import check_grid_fits
 from ...press.press import Press
-from ...progress import ProgressCallback
 from ...scene.parts import Setup, Skin
-from ...sweeps import InputError, ToleranceError
-from ..model import GivenPress, Model, PressPlace
-from ..solution import SolutionProgress
+from ...sweeps import ToleranceError
+from ..model import DEFAULT_RTOL, GivenPress, Model, PressPlace
+from ..solution import Answer
 from ..time_estimate import RemainingTime
 from .coefficients import raised_by_deflection
 from .discretised import Discretised
@@ -89,51 +88,51 @@ class DeflectedTriangles:
 
 
 class Elements(Model):
-    """Elements for any skin and any press: quadrilaterals first where they are suitable.
+    """Elements for any skin and any press: quadrilaterals first where they are suitable."""
 
-    rtol: tolerance of Rs and Cp, or of gains.
-    """
+    name, seconds = "elements", 2e-3
 
-    name = "sheet"
-
-    def __init__(self, skin: Skin, setup: Setup, rtol: float) -> None:
-        self.skin, self.setup, self.rtol = skin, setup, rtol
+    def __init__(self, skin: Skin, setup: Setup) -> None:
+        self.skin, self.setup = skin, setup
         self._latest = WeakKeyDictionary[PressPlace, Triangles]()
 
-    def check(self, press: GivenPress) -> None:
-        """Raises InputError for uniform skins and presses, which elements on pixels solve."""
-        if press.uniform is not None:
-            raise InputError("skin and press are uniform")
+    def refuses(self, press: GivenPress) -> str | None:
+        """See `Domain`: uniform skins and presses, which elements on pixels solve."""
+        return None if press.uniform is None else "skin and press are uniform"
 
-    def solve(self, press: GivenPress, progress: SolutionProgress) -> None:
-        """Offers results on one mesh after the other; see `Model`."""
-        finer = self.meshes(press)
+    def solve(
+        self, press: Press | GivenPress, frequency: Real, rtol: float = DEFAULT_RTOL
+    ) -> Answer:
+        """See `Model`; it stops where the finest mesh does not keep the tolerance."""
+        given = self._given(press, rtol)
+        finer, progress = self.meshes(given, rtol), self._progress(given, frequency, rtol)
         while not progress.done:
             try:
                 discretised = finer.finer(progress.frequency)
             except ToleranceError as end:
                 reasons = ": ".join([str(end), *progress.rejected[-1:]])
-                raise ToleranceError(reasons, end.times) from end
-            progress.offer(discretised.result(progress.frequency, self.rtol))
+                return progress.answer(ToleranceError(reasons, end.times))
+            progress.offer(discretised.result(progress.frequency, rtol))
+        return progress.answer()
 
     def resolved(
-        self, press: GivenPress, frequency: Real, callback: ProgressCallback
+        self, press: GivenPress, frequency: Real, rtol: float
     ) -> tuple[Discretised, Complex]:
         """Mesh that keeps the tolerance at all frequencies in Hz, and Z on it in ohm.
 
-        Z has the shape (interface, frequency). Raises ToleranceError as `solve` does.
+        Z has the shape (interface, frequency). Raises ToleranceError if no mesh keeps it.
         """
-        finer, remaining = self.meshes(press), RemainingTime(self.rtol)
+        finer, remaining = self.meshes(press, rtol), RemainingTime(rtol)
         solving = f"solving, frequencies: {frequency.size}"
-        callback(solving)
+        press.callback(solving)
         while True:
             discretised = finer.finer(frequency)
-            result = discretised.result(frequency, self.rtol)
-            callback(solving, remaining.share(float(result.error.max())))
-            if result.error.max() <= self.rtol:
+            result = discretised.result(frequency, rtol)
+            press.callback(solving, remaining.share(float(result.error.max())))
+            if result.error.max() <= rtol:
                 return discretised, result.Z
 
-    def meshes(self, press: GivenPress) -> MeshSequence:
+    def meshes(self, press: GivenPress, rtol: float) -> MeshSequence:
         """Sequence of meshes for a press.
 
         Raises InputError for surroundings that elements cannot represent.
@@ -143,20 +142,24 @@ class Elements(Model):
         if pressed is not None:
             latest = self._latest.get(press.place)
             self._latest[press.place] = (
-                latest.for_other_depths(pressed) if latest else self._triangles(sharp, pressed)
+                latest.for_other_depths(pressed)
+                if latest
+                else self._triangles(sharp, rtol, pressed)
             )
-            return DeflectedTriangles(self._latest, press.place, pressed, self.rtol)
-        triangles = self._triangles(sharp)
+            return DeflectedTriangles(self._latest, press.place, pressed, rtol)
+        triangles = self._triangles(sharp, rtol)
         if self.skin.outline is not None or self.skin.mesh is not None:
             return triangles
         check_grid_fits(self.skin, self._circuit)
         if not sharp.boxes:
             return triangles
-        squares = Squares(self.skin, self._circuit, sharp, self.rtol)
+        squares = Squares(self.skin, self._circuit, sharp, rtol)
         return SquaresThenTriangles(squares, triangles)
 
-    def _triangles(self, press: Press, pressed: Deformation | None = None) -> Triangles:
-        return Triangles(self.skin, self._circuit, press, self.rtol, pressed)
+    def _triangles(
+        self, press: Press, rtol: float, pressed: Deformation | None = None
+    ) -> Triangles:
+        return Triangles(self.skin, self._circuit, press, rtol, pressed)
 
     @cached_property
     def _circuit(self) -> Circuit:

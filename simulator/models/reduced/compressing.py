@@ -36,8 +36,8 @@ def compressed(reduced: Reduced, cases: list[Case]) -> Reduced:
 
 def _skins(reduced: Reduced, cases: list[Case]) -> Iterator[ReducedSkin]:
     """Skin of each case; the scene's own skin is built once."""
-    own = reduced.skin(None)
-    return (own if c.variation is None else reduced.skin(c.variation) for c in cases)
+    own = reduced.at(None)
+    return (own if c.variation is None else reduced.at(c.variation) for c in cases)
 
 
 def _impedances(reduced: Reduced, cases: list[Case]) -> Complex:
@@ -55,7 +55,7 @@ def typical(reduced: Reduced) -> Real:
 
     It is 1 at terminals, and in the basis the largest norm of the unpressed skin's coefficients.
     """
-    skin = reduced.skin(None)
+    skin = reduced.at(None)
     none = np.zeros(0, dtype=np.int64)
     unpressed = np.hstack([u for u, _ in skin.solved(none, np.zeros(0), skin.s)])
     terminals = len(reduced.conductance)

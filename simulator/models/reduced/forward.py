@@ -296,7 +296,7 @@ class Forward:
         if self._kept is None or self._kept[0] != values:
             sizes = amplitudes(values, FOAM_MODES)[1:]
             model = self._foam_mode_terms.under(sizes) if _has_foam_modes(values) else self.reduced
-            self._kept = dict(values), model.skin(self._variation(values))
+            self._kept = dict(values), model.at(self._variation(values))
         return self._kept[1]
 
     def _s(self, values: Mapping[str, float]) -> Complex:

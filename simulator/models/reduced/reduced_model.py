@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
-from ...arrays import Complex, Real
+import numpy as np
+
+from ...arrays import Mask, Real
 from ...notebook_display import SmallChart, Tabular
 from ...press.batch import TouchedCells
 from ...press.press import Press, press_on
 from ...press.rasterized import needs_factors, touched_cells
-from ...scene.parts import SceneParts
+from ...scene.parts import SceneParts, Setup, Skin
+from ...sweeps import InputError
+from ..model import GivenPress, Model
 from ..parameters import Variation
+from ..solution import Answer, ModelResult
+from .pixel_presses import applied
 from .projection import Projection
-from .reduced_skin import ReducedSkin
+from .reduced_skin import KRYLOV_SHARE, ReducedSkin
 from .touches import spreads
 
 
@@ -27,22 +34,90 @@ def pressed_cells(parts: SceneParts, press: Press) -> TouchedCells:
 
 
 @dataclass(frozen=True, repr=False)
-class Reduced(Projection, Tabular):
+class Reduced(Projection, Tabular, Model):
     """Reduced model of a scene's family of skins and presses."""
 
-    def impedance(self, press: Press | str, frequency: Real) -> Complex:
-        """Z in ohm of the scene's own skin, shape (interface, frequency).
+    name, seconds = "reduced", 5e-6
 
-        frequency: frequencies, Hz, shape (frequency,). press: a press or its text. A touch that is
-        no whole pixel counts in each pixel by the area that it covers there. Raises InputError for
-        a text that is no press on the scene.
+    @property
+    def skin(self) -> Skin:
+        """The scene's own skin."""
+        return self.parts.skin
+
+    @property
+    def setup(self) -> Setup:
+        """Interfaces and frequencies of the scene."""
+        return self.parts.setup
+
+    def refuses(self, press: GivenPress) -> str | None:
+        """See `Domain`; the certificate says where the model is not accurate."""
+        return None
+
+    def solve(
+        self,
+        press: Press | GivenPress | str,
+        frequency: Real | None = None,
+        rtol: float | None = None,
+        certify: bool = True,
+    ) -> Answer:
+        """Answer for the scene's own skin, with its certified error, which includes the mesh.
+
+        press: a press or its text. A touch that is no whole pixel counts in each pixel by the area
+        that it covers there. frequency: Hz, by default those of the scene; the error is infinite
+        beyond those of the training. certify: False leaves the error out, which takes longer than
+        the answer. Raises InputError for a text that is no press on the scene.
         """
-        pressed = (
-            press_on(self.parts.skin, self.parts.plan.press, press)
-            if isinstance(press, str)
-            else press
-        )
-        return self.skin(None).sweep(*pressed_cells(self.parts, pressed), frequency)
+        f = self.setup.frequency if frequency is None else frequency
+        if isinstance(press, str):
+            press = press_on(self.skin, self.parts.plan.press, press)
+        rtol = self.rtol if rtol is None else rtol
+        touched, uncertainty = self._pressed(self._given(press, rtol))
+        within, (low, high) = self._trained_at(f), self.frequency[[0, -1]]
+        Z = np.empty((len(self._own.combination.weights), len(f)), dtype=np.complex128)
+        for some in filter(np.any, (within, ~within)):
+            Z[:, some] = self._own.sweep(*touched, f[some])
+        name = f"reduced to {self.size} vectors, {self.circuit.description}"
+        served = ((name, self.size),) * len(f)
+        if not certify:
+            return Answer(Z, None, served)
+        error = np.full((2, *Z.shape), np.inf)
+        rejected, stopped = [], None
+        if within.any():
+            bound = self._own.certificate(*touched, f[within]) + KRYLOV_SHARE * self.rtol
+            error[:, :, within] = bound + self.mesh_error + uncertainty
+            result = ModelResult(name, self.size, Z[:, within], error[:, :, within])
+            if (result.error > rtol).any():
+                rejected.append(result.shortfall(f[within], rtol))
+        if not within.all():
+            beyond = ", ".join(f"{each:g}" for each in f[~within])
+            stopped = InputError(
+                f"the model is trained for frequencies from {low:g} to {high:g} Hz, got {beyond}"
+            )
+        return Answer(Z, error, served, tuple(rejected), stopped)
+
+    def at(self, variation: Variation | None, pressed: Real | None = None) -> ReducedSkin:
+        """One skin of the family; the scene's own skin if `variation` is None.
+
+        pressed: see `ReducedSkin`. Raises InputError if the fields of the family cannot represent
+        the variation.
+        """
+        return ReducedSkin(self, variation, pressed)
+
+    @cached_property
+    def _own(self) -> ReducedSkin:
+        return self.at(None)
+
+    def _trained_at(self, frequency: Real) -> Mask:
+        """True for frequencies in Hz between those of the training."""
+        return (self.frequency[0] <= frequency) & (frequency <= self.frequency[-1])
+
+    def _pressed(self, press: GivenPress) -> tuple[TouchedCells, float]:
+        """Cells that a press touches, and relative uncertainty of their factors."""
+        spread = press.press.indented and spreads(self.skin)
+        if spread and self.touches.spread:
+            return applied(self, press)
+        known = press.press if spread else press.uniform or press.sharp
+        return pressed_cells(self.parts, known), 0.0
 
     def _table(self) -> tuple[str, list[tuple[str, ...]]]:
         rows, columns = self.grid
@@ -54,11 +129,3 @@ class Reduced(Projection, Tabular):
         from .curves_chart import curves_chart
 
         return curves_chart(self)
-
-    def skin(self, variation: Variation | None, pressed: Real | None = None) -> ReducedSkin:
-        """One skin of the family; the scene's own skin if `variation` is None.
-
-        pressed: see `ReducedSkin`. Raises InputError if the fields of the family cannot represent
-        the variation.
-        """
-        return ReducedSkin(self, variation, pressed)

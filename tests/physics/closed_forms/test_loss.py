@@ -7,9 +7,10 @@ from hypothesis import strategies as st
 from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.line import Line
-from rcskin.simulator.models.lumped import Lumped
+from rcskin.simulator.models.lumped import OneRC
 from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.press.press import Press
+from rcskin.tests.library.models import impedance
 
 FINE = Resolution(order=8, cells=3)
 
@@ -26,7 +27,7 @@ def test_the_coth_law_at_complex_s(make_scene, frequency_at, loss_tangent):
         Line(scene.parts.skin, scene.parts.setup),
         SheetModel(scene.parts.skin, one_field(scene.parts.skin, scene.parts.setup), FINE),
     ):
-        np.testing.assert_allclose(model.impedance(Press(), frequency)[0], expected, rtol=1e-12)
+        np.testing.assert_allclose(impedance(model, Press(), frequency)[0], expected, rtol=1e-12)
 
 
 @pytest.mark.parametrize("loss_tangent", [0.01, 0.3])
@@ -39,7 +40,7 @@ def test_low_frequency_resistance_is_the_loss(make_scene, frequency_at, loss_tan
     loss = loss_tangent / (1 + loss_tangent**2) / (2 * np.pi * frequency * C)
     for model in (
         Line(scene.parts.skin, scene.parts.setup),
-        Lumped(SheetModel(scene.parts.skin, two_fields(scene.parts.skin, scene.parts.setup), FINE)),
+        OneRC(SheetModel(scene.parts.skin, two_fields(scene.parts.skin, scene.parts.setup), FINE)),
     ):
-        Z = model.impedance(Press(), frequency)[0]
+        Z = impedance(model, Press(), frequency)[0]
         np.testing.assert_allclose(Z.real, loss + R / 3, rtol=1e-12)

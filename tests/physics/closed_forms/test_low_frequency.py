@@ -7,13 +7,14 @@ from hypothesis import strategies as st
 from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.line import Line
-from rcskin.simulator.models.lumped import Lumped
+from rcskin.simulator.models.lumped import OneRC
 from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.press.capacitance import capacitance_map
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Touch
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import parallel_capacitance
+from rcskin.tests.library.models import impedance
 
 MILLIHERTZ = np.array([1e-3])
 COARSE = Resolution(order=4)
@@ -34,7 +35,7 @@ def models(scene):
     return [
         Line(scene.parts.skin, scene.parts.setup),
         *(SheetModel(scene.parts.skin, circuit, COARSE) for circuit in (one, two)),
-        *(Lumped(SheetModel(scene.parts.skin, circuit, COARSE)) for circuit in (one, two)),
+        *(OneRC(SheetModel(scene.parts.skin, circuit, COARSE)) for circuit in (one, two)),
     ]
 
 
@@ -51,7 +52,7 @@ def test_Rs_of_a_line_tells_where_it_is_pressed(make_scene, random, data):
     sheets = skin.top.sheet_resistance + skin.bottom.sheet_resistance
     expected = Rs_at_zero(sheets * skin.length / skin.width / len(C), C)
     for model in models(scene):
-        Z = model.impedance(press, MILLIHERTZ)[0]
+        Z = impedance(model, press, MILLIHERTZ)[0]
         assert Z.real == pytest.approx(expected, rel=1e-9)
         assert parallel_capacitance(Z, MILLIHERTZ) == pytest.approx(C.sum(), rel=1e-12)
 
@@ -61,7 +62,7 @@ def test_five_pixels_of_the_strip():
     scene = load_scene("strip-1x5")
     presses = [Press(), *(Press((Touch(1, column, 2.0),)) for column in range(1, 6))]
     for model in models(scene):
-        Rs = [model.impedance(press, MILLIHERTZ)[0, 0].real / 1e6 for press in presses]
+        Rs = [impedance(model, press, MILLIHERTZ)[0, 0].real / 1e6 for press in presses]
         assert np.round(Rs, 4).tolist() == [1.6667, 1.2963, 1.5463, 1.7407, 1.8796, 1.9630]
 
 
@@ -73,8 +74,8 @@ def test_crossed_feed(make_scene, size):
     skin = scene.skin
     expected = skin.top.sheet_resistance * L / (3 * W) + skin.bottom.sheet_resistance * W / (3 * L)
     sheet = SheetModel(scene.parts.skin, two_fields(scene.parts.skin, scene.parts.setup), COARSE)
-    for model in (sheet, Lumped(sheet)):
-        Z = model.impedance(Press(), MILLIHERTZ)
+    for model in (sheet, OneRC(sheet)):
+        Z = impedance(model, Press(), MILLIHERTZ)
         assert Z.real == pytest.approx(expected, rel=1e-12)
 
 
@@ -89,7 +90,7 @@ def test_floating_foils_on_the_next_edge_lower_Rs(name, Rs):
         one_field(scene.parts.skin, scene.parts.setup),
         Resolution(order=4, layers=6),
     )
-    left = Lumped(sheet).series(Press())[0]
+    left = OneRC(sheet).series(Press())[0]
     assert round(left.R, -2) == Rs
 
 
@@ -103,5 +104,5 @@ def test_Cp_is_the_total_capacitance_on_any_skin(random, data):
         two_fields(scene.parts.skin, scene.parts.setup),
         Resolution(order=2),
     )
-    Cp = parallel_capacitance(sheet.impedance(press, MILLIHERTZ), MILLIHERTZ)
+    Cp = parallel_capacitance(impedance(sheet, press, MILLIHERTZ), MILLIHERTZ)
     assert Cp == pytest.approx(total, rel=1e-12)

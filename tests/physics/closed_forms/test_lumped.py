@@ -7,17 +7,18 @@ from hypothesis import strategies as st
 from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
 from rcskin.simulator.models.line import Line
-from rcskin.simulator.models.lumped import Lumped
+from rcskin.simulator.models.lumped import OneRC
 from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
+from rcskin.tests.library.models import impedance
 
 ROUNDING = 1e-9
 ON_LINES = Resolution(order=4)
 
 
 def assert_bounded(lumped, exact, press, frequency):
-    Z, true_Z = lumped.impedance(press, frequency), exact.impedance(press, frequency)
+    Z, true_Z = impedance(lumped, press, frequency), impedance(exact, press, frequency)
     Rs_bound, Cp_bound = lumped.bounds(press, frequency)
     Cp, true_Cp = (parallel_capacitance(each, frequency) for each in (Z, true_Z))
     assert (np.abs(Z.real - true_Z.real) <= Rs_bound + ROUNDING * true_Z.real).all()
@@ -30,7 +31,7 @@ def test_bounds_against_the_line(make_scene, random, frequency_at, data, loss_ta
     press = data.draw(random.presses(scene))
     frequency = frequency_at(scene, data.draw(random.logarithmic(1e-6, 1e4)))
     assert_bounded(
-        Lumped(
+        OneRC(
             SheetModel(
                 scene.parts.skin,
                 one_field(scene.parts.skin, scene.parts.setup),
@@ -51,17 +52,17 @@ def test_bounds_against_the_sheet_of_the_same_mesh(random, frequency_at, data):
     frequency = frequency_at(scene, data.draw(random.logarithmic(1e-6, 1e4)))
     circuit, resolution = two_fields(scene.parts.skin, scene.parts.setup), Resolution(order=3)
     sheet = SheetModel(scene.parts.skin, circuit, resolution)
-    assert_bounded(Lumped(sheet), sheet, press, frequency)
+    assert_bounded(OneRC(sheet), sheet, press, frequency)
 
 
 def test_bounds_are_sharp_at_low_frequency(make_scene, frequency_at):
     scene = make_scene()
-    lumped = Lumped(
+    lumped = OneRC(
         SheetModel(scene.parts.skin, one_field(scene.parts.skin, scene.parts.setup), ON_LINES)
     )
     frequency = frequency_at(scene, 1e-2)
     Z, true_Z = (
-        model.impedance(Press(), frequency)
+        impedance(model, Press(), frequency)
         for model in (lumped, Line(scene.parts.skin, scene.parts.setup))
     )
     Rs_bound, Cp_bound = lumped.bounds(Press(), frequency)
@@ -73,7 +74,7 @@ def test_bounds_are_sharp_at_low_frequency(make_scene, frequency_at):
 def test_a_resistor_is_no_capacitor(make_scene):
     scene = make_scene({"top-left": {}, "top-right": {}})
     with pytest.raises(InputError, match="both driven"):
-        Lumped(
+        OneRC(
             SheetModel(
                 scene.parts.skin,
                 two_fields(scene.parts.skin, scene.parts.setup),

@@ -105,7 +105,7 @@ def test_conductor_over_earth_is_a_sheet_over_a_perfect_conductor(yarn):
         two = Solver(uneven.parts, 1e-5).solve(press, yarn.frequencies[1:3]).Z
         np.testing.assert_allclose(
             two,
-            Line(short.parts.skin, short.parts.setup).impedance(press, yarn.frequencies[1:3]),
+            Line(short.parts.skin, short.parts.setup).solve(press, yarn.frequencies[1:3]).Z,
             1e-4,
         )
 

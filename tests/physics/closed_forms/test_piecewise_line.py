@@ -37,7 +37,7 @@ def test_line_is_the_product_of_its_segments(make_scene, random, frequency_at, d
             M = M @ chain(2j * np.pi * f, R, c * length * width / count)
         expected.append(M[0, 0] / M[1, 0])
     np.testing.assert_allclose(
-        Line(scene.parts.skin, scene.parts.setup).impedance(press, frequency)[0],
+        Line(scene.parts.skin, scene.parts.setup).solve(press, frequency).Z[0],
         expected,
         rtol=1e-12,
     )
@@ -48,10 +48,14 @@ def test_a_uniform_line_may_be_cut_anywhere(make_scene, frequency_at, data):
     """Segments with the same c act as one."""
     frequency = frequency_at(make_scene(), np.geomspace(1e-6, 1e6, 13))
     scene = make_scene()
-    whole = Line(scene.parts.skin, scene.parts.setup).impedance(Press(), frequency)
+    whole = Line(scene.parts.skin, scene.parts.setup).solve(Press(), frequency).Z
     made = make_scene(columns=data.draw(st.integers(2, 50)))
-    parts = Line(
-        made.parts.skin,
-        made.parts.setup,
-    ).impedance(Press(), frequency)
+    parts = (
+        Line(
+            made.parts.skin,
+            made.parts.setup,
+        )
+        .solve(Press(), frequency)
+        .Z
+    )
     np.testing.assert_allclose(parts.view(float), whole.view(float), rtol=1e-12)

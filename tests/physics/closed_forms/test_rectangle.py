@@ -25,7 +25,7 @@ def test_both_sheets_fed_along_one_edge_are_a_line(make_scene, frequency_at, edg
     column, row = "1,2:3+2,2:3", "2,1:3+2,2:3"
     press = parse_press(column if edge in ("left", "right") else row, 2.0)
     frequency = frequency_at(scene, U)
-    line = Line(scene.parts.skin, scene.parts.setup).impedance(press, frequency)[0]
+    line = Line(scene.parts.skin, scene.parts.setup).solve(press, frequency).Z[0]
     sheet = sheet_impedance(scene, press, frequency)
     np.testing.assert_allclose(sheet.view(float), line.view(float), rtol=1e-11)
 

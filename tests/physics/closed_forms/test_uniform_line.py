@@ -8,6 +8,7 @@ from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.sheet_model import SheetModel
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.sweeps import parallel_capacitance
+from rcskin.tests.library.models import impedance
 from scipy.optimize import brentq
 from scipy.special import bernoulli, factorial
 
@@ -33,7 +34,7 @@ def line(make_scene):
 
 
 def at(model, frequency_at, u):
-    return model.impedance(Press(), frequency_at(model, u))[0]
+    return impedance(model, Press(), frequency_at(model, u))[0]
 
 
 def relative_Cp(model, frequency_at, u):

@@ -31,7 +31,7 @@ def slope(scene, circuit, press, frequency, order, Z):
 def test_pressed_columns(make_scene, frequency_at, order):
     scene = make_scene(columns=2)
     press, frequency = parse_press("1,2:3", 2.0), frequency_at(scene, 100)
-    Z = Line(scene.parts.skin, scene.parts.setup).impedance(press, frequency)
+    Z = Line(scene.parts.skin, scene.parts.setup).solve(press, frequency).Z
     assert (
         slope(scene, one_field(scene.parts.skin, scene.parts.setup), press, frequency, order, Z)
         > 2 * order - 0.3

@@ -200,7 +200,7 @@ def test_no_digits_are_lost_far_above_cut_off(make_scene, frequency_at, resistan
         Resolution(order=12, cells=2, edge_cell=1e-3),
     )
     ((Z, _),) = sheet.sweep(Press(), frequency, 1e-11)
-    exact = Line(scene.parts.skin, scene.parts.setup).impedance(Press(), frequency)
+    exact = Line(scene.parts.skin, scene.parts.setup).solve(Press(), frequency).Z
     assert relative_difference(Z, exact).max() <= 1e-8
 
 

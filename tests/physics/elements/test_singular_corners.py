@@ -92,7 +92,8 @@ def test_squares_serve_a_directed_piezoresistive_sheet_to_five_digits(varied, of
     for rtol in (1e-2, 1e-3, 1e-4, 1e-5):
         answer = Solver(scene.parts, rtol).solve(press)
         told, true = np.stack(answer.relative_errors), off(answer.Z, known.Z)
-        assert "triangles" not in answer.model and len(answer.rejected) <= 1
+        rejected = [reason for reason in answer.rejected if "estimated error" in reason]
+        assert "triangles" not in answer.model and len(rejected) <= 1
         assert (true - known.error <= told).all()
         assert told.max() <= rtol
 

@@ -7,9 +7,8 @@ from hypothesis import strategies as st
 from rcskin.simulator.fem.circuit import one_field, two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution, singular_ends, tile_lines
 from rcskin.simulator.models.line import Line
-from rcskin.simulator.models.sheet_model import SheetModel
+from rcskin.simulator.models.sheet_model import Sheet, SheetModel, UniformSheets
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.models.uniform_models import UniformElements
 from rcskin.simulator.press.capacitance import lines, tile_map
 from rcskin.simulator.press.press import Press, parse_press
 from rcskin.simulator.press.touch import Rectangle
@@ -196,7 +195,7 @@ def test_rectangles_across_a_whole_line_are_answered_exactly(text):
 def test_a_rectangle_across_part_of_a_line_is_refused_by_it():
     scene = load_scene("strip-1x5")
     with pytest.raises(InputError, match="varies across strip-1x5"):
-        Line(scene.parts.skin, scene.parts.setup).impedance(
+        Line(scene.parts.skin, scene.parts.setup).solve(
             parse_press("rect(0.03,0.01,0.02,0.01)", 2.0), scene.frequencies
         )
 
@@ -213,8 +212,9 @@ def test_a_mesh_without_the_edges_is_refused(sheet):
 
 
 def test_forgotten_meshes_make_room(sheet):
-    solver = Solver(sheet.parts, 1e-2)
+    sheets = UniformSheets(sheet.parts.skin, sheet.parts.setup)
+    model = Sheet(sheets)
     for k in range(20):
-        solver.solve(parse_press(f"rect({0.03 + 0.001 * k},0.0405,0.01,0.02)", 2.0))
-    (elements,) = (each for each in solver._models if isinstance(each, UniformElements))
-    assert len(elements._sheets.kept) <= 16
+        press = parse_press(f"rect({0.03 + 0.001 * k},0.0405,0.01,0.02)", 2.0)
+        model.solve(press, sheet.frequencies, 1e-2)
+    assert len(sheets.kept) <= 16

@@ -52,7 +52,7 @@ def model(scene):
 
 @pytest.fixture(scope="module")
 def impedance(scene, model):
-    return read(model, scene.interfaces).skin(None).sweep(CELLS, RISES)
+    return read(model, scene.interfaces).at(None).sweep(CELLS, RISES)
 
 
 def relative_error(Z, truth, scene):
@@ -67,7 +67,7 @@ def test_any_reading_is_that_of_the_full_solver(scene, impedance):
 
 def test_the_certificate_bounds_every_reading(scene, model):
     """Error of the reduction alone, against the same mesh without reduction."""
-    skin = read(model, scene.interfaces).skin(None)
+    skin = read(model, scene.interfaces).at(None)
     bound = skin.certificate(CELLS, RISES)
     given = skin.weights, skin.loss, skin.map_of(CELLS, RISES), RTOL, model.frequency
     excitations = skin.reduced.circuit.excitations
@@ -78,20 +78,20 @@ def test_the_certificate_bounds_every_reading(scene, model):
 
 def test_sides_of_a_reading_are_exchangeable(scene, model, impedance):
     swapped = interfaces({name: (low, high) for name, (high, low) in READINGS.items()})
-    Z = read(model, swapped).skin(None).sweep(CELLS, RISES)
+    Z = read(model, swapped).at(None).sweep(CELLS, RISES)
     assert relative_error(Z, impedance, scene) <= RTOL * 0.05
 
 
 def test_a_reading_of_its_own_trained_model_is_the_same(scene, impedance):
     alone = scene.model_copy(update={"interfaces": scene.interfaces[2:3]})
-    Z = reduce(alone.parts, RTOL).skin(None).sweep(CELLS, RISES)
+    Z = reduce(alone.parts, RTOL).at(None).sweep(CELLS, RISES)
     assert relative_error(Z, impedance[2:3], scene) <= RTOL
 
 
 def test_every_pair_of_terminals_is_passive(scene, model):
     pairs = itertools.combinations(FOILS, 2)
     every = interfaces({f"{a} {b}": ([a], [b]) for a, b in pairs})
-    Z = read(model, every).skin(None).sweeps(ONE_PRESS)
+    Z = read(model, every).at(None).sweeps(ONE_PRESS)
     assert (Z.real > 0).all()
 
 
@@ -117,7 +117,7 @@ def test_a_reading_of_unknown_contacts_is_refused(model):
 
 def test_a_network_gives_all_readings_at_once(scene, model):
     """One, two and so many touches that the kernel solves in the basis."""
-    skin = read(model, scene.interfaces).skin(None)
+    skin = read(model, scene.interfaces).at(None)
     network = NetworkSkin(skin)
     cells, rises = np.array([0, 5, 1, 0, 1, 2, 3, 4, 5]), np.array([1.0, -0.4, 2.0, *[0.5] * 6])
     batch = PressBatch(cells, rises, np.array([0, 1, 3, 9, 9]))
@@ -127,7 +127,7 @@ def test_a_network_gives_all_readings_at_once(scene, model):
 
 def test_terminals_at_one_potential_are_in_parallel(scene, model):
     """Y of tied pairs is the sum over both terminals' currents, each at 1 V."""
-    network = NetworkSkin(model.skin(None))
+    network = NetworkSkin(model.at(None))
     Y = network.conductance + network.admittances(ONE_PRESS)[0]
     tops = [k for k, foil in enumerate(scene.contacts) if foil.electrode == "top"]
     tied = network.wiring(interfaces({"tied": READINGS["tied"]}))

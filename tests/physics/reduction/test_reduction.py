@@ -57,7 +57,7 @@ def test_the_certificate_bounds_what_the_reduction_leaves_out(families, name):
         factors=full.factors[:, :, kept],
         fixed=np.array([M[np.ix_(kept, kept)] for M in full.fixed]),
     )
-    own, frequency = reduced.skin(None), reduced.frequency
+    own, frequency = reduced.at(None), reduced.frequency
     ratios = []
     for case in drawn(full.parts, 6):
         Z = own.sweep(case.cells, case.rises)
@@ -109,7 +109,7 @@ def swept_readable(skin, batch, rtol):
 @pytest.mark.kernel
 def test_the_kernel_and_its_readable_twin_agree(families):
     for reduced in families.values():
-        given = reduced.skin(None), batch(drawn(reduced.parts, 4)), 1e-13
+        given = reduced.at(None), batch(drawn(reduced.parts, 4)), 1e-13
         np.testing.assert_allclose(swept(*given), swept_readable(*given), rtol=1e-11)
 
 
@@ -117,7 +117,7 @@ def test_the_kernel_and_its_readable_twin_agree(families):
 def test_single_precision_is_taken_where_the_tolerance_is_far_above_its_errors(families):
     rounding, every = SINGLE_RTOL / 3, np.arange(4)
     for reduced in families.values():
-        own, presses = reduced.skin(None), batch(drawn(reduced.parts, 4))
+        own, presses = reduced.at(None), batch(drawn(reduced.parts, 4))
         tight, loose = (own.alone._replace(rtol=np.array([rtol])) for rtol in (1e-6, 2e-5))
         assert tight.rounded() is tight
         loose = loose.rounded()._replace(rtol=tight.rtol)
@@ -134,7 +134,7 @@ def test_the_potentials_of_a_certificate_are_those_of_the_sweep(families, touche
     """Presses of few touches, and of so many that M is diagonalised."""
     cells, rises = np.arange(touches), np.linspace(0.4, 2.0, touches)
     for reduced in families.values():
-        own = reduced.skin(None)
+        own = reduced.at(None)
         found = swept(own, PressBatch.of([(cells, rises)]), 1e-13)
         factors = own.parts.pressed(cells, rises)[: len(reduced.factors)]
         M = np.einsum("k,krm,krn->mn", factors, reduced.factors, reduced.factors)
@@ -180,7 +180,7 @@ def test_skins_of_a_family(library, name, same_sheets):
     random = np.random.default_rng(3)
     for _ in range(4):
         case = draw(random)
-        own = reduced.skin(case.variation)
+        own = reduced.at(case.variation)
         exact, Z = own.exact(case.cells, case.rises), own.sweep(case.cells, case.rises)
         assert error(Z, exact, scene) <= own.certificate(case.cells, case.rises).max() + 1e-6
         assert error(Z, exact, scene) <= RTOL
@@ -206,7 +206,7 @@ def test_a_uniform_variation_is_the_scene_with_other_numbers(library, families, 
         np.array([top]), np.array([bottom]), np.full(2, films), np.full((2, 3), c), LOSSLESS
     )
     none = np.zeros(0, dtype=np.int64)
-    exact = reduced.skin(uniform).exact(none, np.zeros(0))
+    exact = reduced.at(uniform).exact(none, np.zeros(0))
     truth = Solver(other.parts, 1e-8).solve(Press()).Z
     assert error(exact, truth, scene) <= 2 * RTOL
 
@@ -215,12 +215,12 @@ def test_common_factors_of_resistance_and_capacitance_only_shift_frequencies(fam
     """Z(f; a R, b C) = a Z(a b f; R, C) holds in the basis to rounding."""
     reduced = families["films"]
     a, b, modes = 2.0, 3.0, np.ones(1)
-    scaled = reduced.skin(
+    scaled = reduced.at(
         Variation(modes / a, modes / a, np.full(2, 1 / a), np.full((2, 3), b), LOSSLESS)
     )
     shifted = replace(reduced, frequency=a * b * reduced.frequency)
     cases = drawn(reduced.parts, 3)
-    Z, Z_shifted = scaled.sweeps(batch(cases)), shifted.skin(None).sweeps(batch(cases))
+    Z, Z_shifted = scaled.sweeps(batch(cases)), shifted.at(None).sweeps(batch(cases))
     np.testing.assert_allclose(Z, a * Z_shifted, rtol=1e-6)
 
 
@@ -244,9 +244,9 @@ def test_the_face_of_every_model(families):
     skin = reduced.parts.skin
     width, height = skin.length / 3, skin.width / 2
     rectangle = Press((Rectangle(width / 2, 1.5 * height, width, height, 2.0),))
-    Z = reduced.impedance(pixel, frequency)
-    np.testing.assert_allclose(reduced.impedance(rectangle, frequency), Z, rtol=1e-12)
-    np.testing.assert_allclose(reduced.impedance(pixel, frequency[1:]), Z[:, 1:], rtol=1e-5)
+    Z = reduced.solve(pixel, frequency).Z
+    np.testing.assert_allclose(reduced.solve(rectangle, frequency).Z, Z, rtol=1e-12)
+    np.testing.assert_allclose(reduced.solve(pixel, frequency[1:]).Z, Z[:, 1:], rtol=1e-5)
 
 
 def test_sheets_that_vary_differently_need_two_fields(families):
@@ -254,7 +254,7 @@ def test_sheets_that_vary_differently_need_two_fields(families):
     own = nominal(reduced.parts.skin, 2)
     uneven = replace(own, top=np.array([1.0, 0.1]))
     with pytest.raises(InputError, match="need two fields"):
-        reduced.skin(uneven)
+        reduced.at(uneven)
 
 
 def test_a_file_of_something_else_is_refused(tmp_path):

@@ -152,8 +152,8 @@ def test_estimated_errors_bound_the_truth(around, solve, low, rtol):
 def discretised(scene, press, rtol):
     """First discretisation of a press."""
     skin, setup = scene.parts.skin, scene.parts.setup
-    elements = Elements(skin, setup, rtol)
-    return elements.meshes(GivenPress(skin, press, rtol)).finer(scene.frequencies)
+    elements = Elements(skin, setup)
+    return elements.meshes(GivenPress(skin, press, rtol), rtol).finer(scene.frequencies)
 
 
 def test_terms_are_symmetric_and_never_negative(around):
@@ -255,4 +255,4 @@ def test_data_sets_of_rods_are_of_one_excitation(around, drawn):
     scene = around({"thickness": True}, {"thickness": 4e-3}, rows=1, columns=2).with_(drawn)
     model = reduced(scene.parts, 0.1)
     assert len(model.circuit.excitations) == (2 if drawn else 1)
-    assert model.skin(None).parts.fingers == (2 if drawn else 0)
+    assert model.at(None).parts.fingers == (2 if drawn else 0)

@@ -24,7 +24,7 @@ def test_foils_with_a_width(make_scene, frequencies):
     shorter = make_scene(PAIR, length=0.1 - 0.013, frequencies=frequencies)
     s = 2j * np.pi * scene.frequencies
     Y = (
-        1 / Line(shorter.parts.skin, shorter.parts.setup).impedance(Press(), scene.frequencies)
+        1 / Line(shorter.parts.skin, shorter.parts.setup).solve(Press(), scene.frequencies).Z
         + s * 5e-9 * 0.013 * 0.08
     )
     answer = Solver(scene.parts, 1e-6).solve(Press())

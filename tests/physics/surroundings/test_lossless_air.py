@@ -43,7 +43,7 @@ def by_solver(model):
 
 
 def by_network(scene):
-    network = NetworkSkin(trained(scene.parts, RTOL).skin(None))
+    network = NetworkSkin(trained(scene.parts, RTOL).at(None))
     wiring = network.wiring(scene.interfaces)
     return network.impedances(wiring, network.admittances(PressBatch.of([NOTHING])))[0]
 

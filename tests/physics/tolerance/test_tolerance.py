@@ -160,7 +160,7 @@ def test_thin_layers_at_high_frequency(make_scene, frequency_at, u, rtol):
     answer = Solver(scene.parts, rtol, "sheet").solve(Press())
     assert_kept(
         answer,
-        Line(scene.parts.skin, scene.parts.setup).impedance(Press(), scene.frequencies),
+        Line(scene.parts.skin, scene.parts.setup).solve(Press(), scene.frequencies).Z,
         scene.frequencies,
         rtol,
     )
@@ -179,9 +179,7 @@ def resistance_across_a_gap(make_scene, sheets, gap, rtol):
 def test_foils_a_small_gap_apart(make_scene, sheets):
     """The gap conducts like ln(1/gap), so 1/(Rs - Rs of the whole foil) grows linearly with it."""
     scene = make_scene()
-    whole = (
-        Line(scene.parts.skin, scene.parts.setup).impedance(Press(), np.array([1.0])).real.item()
-    )
+    whole = Line(scene.parts.skin, scene.parts.setup).solve(Press(), np.array([1.0])).Z.real.item()
     wide, narrow = (
         1 / (resistance_across_a_gap(make_scene, sheets, gap, 1e-4) - whole) for gap in (1e-3, 1e-4)
     )

@@ -41,7 +41,7 @@ def model(scene):
 def read_by(model, scene, count=None, variation=None):
     """The likelihood of a skin that is read through so many of a scene's interfaces."""
     some = scene.interfaces[:count]
-    skin, meter = read(model, some).skin(variation), scene.parts.meter
+    skin, meter = read(model, some).at(variation), scene.parts.meter
     return Likelihood(
         scene.parts.skin, skin.sweeps, Setup(some, scene.frequencies, scene.leads), meter
     )

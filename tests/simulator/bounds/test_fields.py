@@ -66,7 +66,7 @@ def test_an_edge_that_moves_on_a_strip_is_that_of_the_exact_line(noisy):
     )
 
     def impedance(x, y, rise):
-        return line.impedance(Press((Rectangle(x, 0.01, 0.02, 0.02, 1 + rise),)), scene.frequencies)
+        return line.solve(Press((Rectangle(x, 0.01, 0.02, 0.02, 1 + rise),)), scene.frequencies).Z
 
     found = answered(FullFields(scene.parts, 1e4), place, touch, scene.frequencies)
     expected = differences(impedance, place, touch)
@@ -135,7 +135,7 @@ def test_a_reduced_model_of_all_terminals_agrees_near_earth():
     directions["finger"][1, 0, 1] = 1.0
     of_foam = {"foam": pressed * np.array([1.0, 0.0])[:, None, None]}
     asked = pressed, directions, np.array([1e3, 1e5]), of_foam
-    found = ReducedFields(scene.parts, model.skin(None), 1).respond(*asked)
+    found = ReducedFields(scene.parts, model.at(None), 1).respond(*asked)
     expected = FullFields(scene.parts, 1e5, 1).respond(*asked)
     np.testing.assert_allclose(found.Z, expected.Z, rtol=1e-3)
     assert found.by_parameter.keys() == expected.by_parameter.keys()

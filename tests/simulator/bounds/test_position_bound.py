@@ -115,7 +115,7 @@ def test_maximum_likelihood_on_the_exact_line_reaches_the_bound(noisy):
 
     def read(values):
         press = Press((Rectangle(values[0], 0.01, touch.width, 0.02, 1 + values[1]),))
-        return model.whitened(observed(line.impedance(press, scene.frequencies)))
+        return model.whitened(observed(line.solve(press, scene.frequencies).Z))
 
     random, truth = np.random.default_rng(3), read((x, touch.rise))
 

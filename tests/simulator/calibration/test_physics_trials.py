@@ -47,7 +47,7 @@ def test_a_leaking_line_conducts_at_low_frequency(leaking):
     R = sheet.both_sheets * sheet.length / sheet.width
     G = LEAK * foam.unpressed_capacitance_per_area * sheet.length * sheet.width
     q = np.sqrt(R * G)
-    Z = Line(leaking.parts.skin, leaking.parts.setup).impedance(Press(), np.array([1e-3]))[0, 0]
+    Z = Line(leaking.parts.skin, leaking.parts.setup).solve(Press(), np.array([1e-3])).Z[0, 0]
     assert Z == pytest.approx(R / q / np.tanh(q), rel=1e-4)
 
 

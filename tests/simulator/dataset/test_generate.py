@@ -67,7 +67,7 @@ def test_without_any_variation_it_is_the_model_to_the_digits_displayed(make, toy
     plan = alike(toy.small_plan(), 100, Readout())
     sweeps = read(make("out", plan))
     (session,) = drawn_sessions(plan, toy.ToyFamily(plan.parts), [0])
-    model = toy.ToyFamily(plan.parts).skin(session.skin.variation)
+    model = toy.ToyFamily(plan.parts).at(session.skin.variation)
     Z = model.sweeps(session.presses.batch)
     np.testing.assert_allclose(sweeps["Rs"][:10], displayed(Z.real, 6), rtol=1e-7)
     np.testing.assert_allclose(sweeps["X"][:10], displayed(Z.imag, 6), rtol=1e-7)

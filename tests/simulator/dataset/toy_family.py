@@ -67,7 +67,7 @@ class ToyFamily:
     def grid(self):
         return self.parts.skin.pixels.rows * self.fine, self.parts.skin.pixels.columns * self.fine
 
-    def skin(self, variation):
+    def at(self, variation):
         time.sleep(self.delay)
         while not self._taken():
             time.sleep(0.005)

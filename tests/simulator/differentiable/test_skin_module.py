@@ -218,7 +218,7 @@ def test_a_drawn_skin_is_the_one_of_the_data_set(make_scene):
         "loss_tangent": skin.loss.tangent,
     }
     rises = module.rises(["1,2:1.7"])
-    own = module.reduced.skin(skin)
+    own = module.reduced.at(skin)
     truth = own.solved(np.array([1]), np.array([0.7]), own.s)[0][1]
     inside = slice(2, -2)
     Z = module(rises, given, torch.tensor(own.reduced.frequency[inside]))

@@ -102,7 +102,7 @@ def _change(scene, family, seed):
 def _observed(scene, family, seed):
     """At rest, and what a touch changes."""
     skin = drawn_skin(scene.parts, seed, 0, (2, 2), len(HALF_WAVES))
-    Z = family.skin(skin.variation).sweeps(PressBatch.of([NOTHING, TOUCH]), scene.frequencies)
+    Z = family.at(skin.variation).sweeps(PressBatch.of([NOTHING, TOUCH]), scene.frequencies)
     seen = observed(skin.leads.at_meter(Z, scene.frequencies))
     return seen[0], seen[1] - seen[0]
 

@@ -190,7 +190,7 @@ def test_errors_are_those_of_what_is_taken(against_rest):
 def own_skin(own):
     return reduced_for(
         own.parts, RTOL, pixel_touches(own.parts.skin, own.parts.plan, (0.5, 3.0))
-    ).skin(None)
+    ).at(None)
 
 
 @pytest.mark.parametrize("against_rest", [0, 3])

@@ -17,7 +17,7 @@ BETWEEN = Interface(name="a", high=("top",), low=("bottom",))
 def answered(Z, error=ERROR):
     progress = SolutionProgress(1, FREQUENCY, 1e-4)
     progress.offer(ModelResult("a rung", 1, np.array([Z]), np.full((2, 1, 3), error)))
-    return progress.answer()
+    return progress.solution()
 
 
 @pytest.mark.parametrize("reactance", [0.0, -1e-12, -1e-9])

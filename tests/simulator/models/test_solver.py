@@ -85,7 +85,7 @@ def test_sweeps_carry_what_made_them():
     assert parse_scene(sweeps.attrs["scene"], "attribute") == scene
     np.testing.assert_array_equal(
         sweeps["Rs"][0],
-        Line(scene.parts.skin, scene.parts.setup).impedance(Press(), scene.frequencies).real,
+        Line(scene.parts.skin, scene.parts.setup).solve(Press(), scene.frequencies).Z.real,
     )
 
 

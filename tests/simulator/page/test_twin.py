@@ -73,7 +73,7 @@ def by_python(paged, press, cast):
         beyond_pixels=foam,
     )
     s = laplace_variable(scene.frequencies, variation.loss) * common * scale
-    skin = reduced.skin(variation).under(cells, rises)
+    skin = reduced.at(variation).under(cells, rises)
     followed = skin.parts.followed(PressBatch.of([(cells, rises)]))
     if skin.parts.walls.count:
         own = followed.where(followed.cells < skin.parts.kind[3].start).one(0)
@@ -221,7 +221,7 @@ def test_fields_and_fingers_of_a_skin_with_surroundings_are_those_of_the_solver(
     assert press.touches[0].finger == pytest.approx(finger, rel=1e-12)
     assert found["fingers"] == [pytest.approx(finger, rel=1e-5)]
     assert np.abs(Z / Solver(scene.parts, 1e-4).solve(press).Z - 1).max() < 1e-2
-    skin = earthed.reduced.skin(None)
+    skin = earthed.reduced.at(None)
     s = laplace_variable(scene.frequencies[2:], skin.loss)
     drives = skin.solved(*touched_cells(scene.parts.skin, press), s)
     own = np.linalg.solve(skin.turn, sum(u[:, 0] for u, _ in drives))
@@ -247,7 +247,7 @@ def test_the_switch_is_on_the_page_of_a_skin_that_fingers_touch(earthed):
 
 
 def test_at_rest_and_low_frequency_the_sheets_are_1_v_apart(glove):
-    skin = glove.reduced.skin(None)
+    skin = glove.reduced.at(None)
     none = np.empty(0, dtype=np.int64), np.empty(0)
     ((u, _),) = skin.solved(*none, np.array([1e-2j]))
     at_points = raster_fields(skin, Raster.over(glove.scene.parts.skin, 200)).potential

@@ -88,7 +88,7 @@ def test_skins_in_one_pass_are_those_of_the_family_one_by_one(rtol, rounding):
     for skin, press in enumerate(presses):
         drawn = drawn_skin(parts, 1, skin, own._family.grid, own._family.modes)
         cells = own._press(press).batch.one(0)
-        Z = own._family.skin(drawn.variation).sweep(*cells)
+        Z = own._family.at(drawn.variation).sweep(*cells)
         exact = parts.setup.behind(drawn.leads).at_meter(Z)
         np.testing.assert_allclose(found.Rs[skin] + 1j * found.X[skin], exact, rtol=rounding)
 
