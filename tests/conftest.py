@@ -249,7 +249,7 @@ def undrawn(monkeypatch):
 @pytest.fixture
 def linear_intervals(monkeypatch):
     """Intervals of calibrations are linear, not of profiles, which take half of the time."""
-    linear = "rcskin.simulator.calibration.likelihood.distributions.Profile.linear"
+    linear = "rcskin.simulator.calibration.distributions.Profile.linear"
     monkeypatch.setattr(linear, lambda *given: True)
 
 

@@ -27,11 +27,11 @@ from rcskin.hardware.meter.meter_reading import MeterReading, parse_reading
 from rcskin.hardware.record.operators import parse_step
 from rcskin.hardware.virtual.hioki import HiokiSettings, measurement_text
 from rcskin.hardware.virtual.measurement import MeasurementSetup
-from rcskin.simulator.calibration.fitting.centered_model import Model, model_of
-from rcskin.simulator.calibration.fitting.fit import model_tolerance
-from rcskin.simulator.calibration.fitting.fit_options import Options
-from rcskin.simulator.calibration.fitting.measurements import measurements_of
-from rcskin.simulator.calibration.fitting.prior import Kind, Prior, priors
+from rcskin.simulator.calibration.fit import model_tolerance
+from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.measurements import measurements_of
+from rcskin.simulator.calibration.prior import Kind, Prior, priors
+from rcskin.simulator.calibration.problem import Model, model_of
 from rcskin.simulator.calibration.results.sheet_intervals import sheets
 from rcskin.simulator.calibration.run import Calibration, calibrate
 from rcskin.simulator.measure.readout import read_out

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 from rcskin.benchmarks.bench import Run, launch
-from rcskin.simulator.calibration.fitting.fit_options import Options
+from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.run import Calibration, calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate

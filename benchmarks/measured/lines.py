@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 from rcskin.benchmarks.bench import HERE, Run, launch
-from rcskin.simulator.calibration.fitting.fit_options import Options
-from rcskin.simulator.calibration.likelihood.student import FAR_OFF
+from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.results.estimates import FittedQuantity
 from rcskin.simulator.calibration.run import Calibration, calibrate
+from rcskin.simulator.calibration.student import FAR_OFF
 from rcskin.simulator.chart_style import COLOURS, chart
 from rcskin.simulator.scene.frequency import REFERENCE
 from rcskin.simulator.scene.scene import Scene

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ...simulator.bounds.touch_readings import Target
-    from ...simulator.calibration.fitting.prior import Kind
+    from ...simulator.calibration.prior import Kind
     from ...simulator.calibration.run import Calibration
     from ...simulator.limits.limit import Limit
     from ...simulator.scene.randomisation import AnyDistribution
@@ -133,8 +133,8 @@ def calibrate(
     accepts sweeps of another skin. Raises InputError if sweeps and scene do not match,
     ToleranceError if no model reaches the tolerance.
     """
-    from ...simulator.calibration.fitting.fit_options import Options
-    from ...simulator.calibration.fitting.prior import checked_kind
+    from ...simulator.calibration.fit_options import Options
+    from ...simulator.calibration.prior import checked_kind
     from ...simulator.calibration.run import calibrate as calibrated
     from ...simulator.scene.scene_files import scene_text
     from ...simulator.sweeps.same_skin import check_same_skin

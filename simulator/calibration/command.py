@@ -109,8 +109,8 @@ def calibrate(
     from ..scene.scene_files import scene_text
     from ..sweeps import checked_folder, read_joined
     from ..sweeps.same_skin import check_same_skin
-    from .fitting.fit_options import Options
-    from .fitting.prior import checked_kind
+    from .fit_options import Options
+    from .prior import checked_kind
     from .results.explanations import explanations
     from .results.report import WRITTEN, correlations, table, write_remarks, write_report
     from .run import calibrate as calibrated

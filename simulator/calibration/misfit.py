@@ -15,14 +15,13 @@ from ..models.parameters import EFFECTS, own_values
 from ..progress import ProgressCallback, silent
 from ..scene.parts import SceneParts
 from ..sweeps import InputError, ToleranceError
-from .fitting.centered_model import CenteredModel, Model, checked_model, model_of
-from .fitting.fit import EXPLAINED, Fit, best_fit, model_tolerance, solve_from
-from .fitting.fit_options import FitSpec, Options, candidates
-from .fitting.measurements import measurements_of
-from .fitting.prior import Prior, effect_prior, noise_of, priors
-from .fitting.problem import LeastSquaresProblem, difference
+from .fit import EXPLAINED, Fit, best_fit, model_tolerance, solve_from
+from .fit_options import FitSpec, Options, candidates
+from .measurements import measurements_of
+from .prior import Prior, effect_prior, noise_of, priors
+from .problem import CenteredModel, LeastSquaresProblem, Model, checked_model, difference, model_of
 from .results.estimates import change_text
-from .trials.surroundings_trials import Trials, addable_effects, effect_text
+from .surroundings_trials import Trials, addable_effects, effect_text
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from ..arrays import Real
-from .fitting.fit import Fit
+from .fit import Fit
 
 FEWEST = 12
 """Fewest frequencies of an interface at which the correlation is estimated."""

@@ -20,23 +20,15 @@ from ..progress import ProgressCallback, silent
 from ..scene.parts import Plan, Setup, Skin
 from ..scene.scene import Scene
 from ..sweeps import InputError
-from .fitting.centered_model import CenteredModel, Model, centered_model, checked_model, model_of
-from .fitting.fit import Fit, best_fit, certificate_limit, fitted_parts, model_tolerance
-from .fitting.fit_options import FitSpec, Options, candidates
-from .fitting.initial_values import capacitance_offset
-from .fitting.measurements import Measurements, measurements_of
-from .fitting.prior import (
-    Noise,
-    Prior,
-    display_step,
-    noise_of,
-    priors,
-    sessions_vary_smoothly,
-    with_noise,
-)
-from .likelihood.distributions import Distributions
-from .likelihood.student import FAR_OFF, StudentT, fitted_tail, likeliest
+from .connections import Connection, Measure, try_connections
+from .distributions import Distributions
+from .fit import Fit, best_fit, capacitance_offset, certificate_limit, fitted_parts, model_tolerance
+from .fit_options import FitSpec, Options, candidates
+from .measurements import Measurements, measurements_of
 from .misfit import IdealComparison, compare_with_ideal
+from .physics_trials import misfit_trials
+from .prior import Noise, Prior, display_step, noise_of, priors, sessions_vary_smoothly, with_noise
+from .problem import CenteredModel, Model, centered_model, checked_model, model_of
 from .results.estimates import (
     HEADER,
     FittedQuantity,
@@ -47,9 +39,8 @@ from .results.estimates import (
 )
 from .results.identifiability import Information, information, with_all_unknown
 from .results.sheet_intervals import MISMATCH
-from .trials.connections import Connection, Measure, try_connections
-from .trials.physics_trials import misfit_trials
-from .trials.surroundings_trials import with_effects
+from .student import FAR_OFF, StudentT, fitted_tail, likeliest
+from .surroundings_trials import with_effects
 
 if TYPE_CHECKING:
     import xarray as xr

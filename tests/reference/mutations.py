@@ -40,7 +40,7 @@ MUTATIONS = [  # file, the line's text, the fault
         "(distance + spread) / 2",
         "(distance - spread) / 2",
     ),
-    ("simulator/calibration/fitting/problem.py", "vstack([slopes", "vstack([2 * slopes"),
+    ("simulator/calibration/problem.py", "vstack([slopes", "vstack([2 * slopes"),
     ("simulator/models/cosine_modes.py", "np.array([1.0,", "np.array([1.1,"),
 ]
 

@@ -13,9 +13,9 @@ from ...models.parameters import COSINE_MODES, FACTORS, TABLE, effects_of, own_v
 from ...progress import ProgressCallback, silent, tracked
 from ...scene.parts import Setup, Skin
 from ...surroundings.rim import rim_densities
-from ..fitting.fit import Fit
-from ..likelihood.distributions import Distributions
-from ..likelihood.profile_distribution import CONFIDENCE, cut_normal
+from ..distributions import Distributions
+from ..fit import Fit
+from ..profile_distribution import CONFIDENCE, cut_normal
 from .identifiability import Information
 from .sheet_intervals import (
     COMMON,

@@ -11,7 +11,7 @@ from ...models.parameters import SOURCE
 from .sheet_intervals import MISMATCH
 
 if TYPE_CHECKING:
-    from ..fitting.fit_options import FitSpec
+    from ..fit_options import FitSpec
     from ..run import Calibration
     from .identifiability import Information
 

@@ -13,9 +13,9 @@ from functools import cached_property
 import numpy as np
 
 from ...arrays import Mask, Real
-from ..fitting.fit import Fit
-from ..fitting.prior import Noise, Prior
-from ..fitting.problem import LeastSquaresProblem
+from ..fit import Fit
+from ..prior import Noise, Prior
+from ..problem import LeastSquaresProblem
 from ..residual_correlation import readings_per_independent_one
 
 IDENTIFIED_SHARE = 0.25

@@ -11,8 +11,8 @@ from ...arrays import Real
 from ...chart_style import COLOURS, UNPRESSED_COLOUR, chart, frequency_axis
 from ...notebook_display import CLOSE_LEGEND, SmallChart
 from ...sweeps import parallel_capacitance
-from ..fitting.fit import Fit
-from ..fitting.measurements import SessionSweep
+from ..fit import Fit
+from ..measurements import SessionSweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

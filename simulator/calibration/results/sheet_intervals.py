@@ -17,8 +17,8 @@ from ...arrays import Real
 from ...models.heterogeneous.elements_model import single_field
 from ...models.parameters import BOTTOM_MODES, TOP_MODES
 from ...scene.parts import Setup, Skin
-from ..fitting.fit import Fit
-from ..likelihood.profile_distribution import CONFIDENCE, Interval, ProfileDistribution
+from ..fit import Fit
+from ..profile_distribution import CONFIDENCE, Interval, ProfileDistribution
 from .identifiability import Information
 
 TOP, BOTTOM, SUM, RATIO = "top sheet", "bottom sheet", "both in series", "top over bottom"

@@ -60,7 +60,7 @@ def models_made_once():
         return replace(known[key], parts=parts)
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("rcskin.simulator.calibration.fitting.centered_model.reduced_for", train)
+        patch.setattr("rcskin.simulator.calibration.problem.reduced_for", train)
         yield
 
 
@@ -68,7 +68,7 @@ def models_made_once():
 def nothing_tried(request, monkeypatch):
     """What surrounds a skin is tried in the tests of that alone: its training takes seconds."""
     if request.module.__name__.rpartition(".")[2] != "test_surroundings":
-        for module in ("trials.surroundings_trials", "misfit"):
+        for module in ("surroundings_trials", "misfit"):
             name = f"rcskin.simulator.calibration.{module}.addable_effects"
             monkeypatch.setattr(name, lambda scene: [])
 

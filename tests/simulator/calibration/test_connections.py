@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.fitting.fit_options import Options
+from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.results.explanations import explanations
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.simulate import simulate

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.fitting.fit_options import Options
+from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.residual_correlation import integrated_correlation
 from rcskin.simulator.calibration.results.explanations import explanations
 from rcskin.simulator.calibration.results.identifiability import MIN_INDEPENDENT

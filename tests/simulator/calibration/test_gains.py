@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.fitting.fit_options import Options
-from rcskin.simulator.calibration.fitting.measurements import measurements_of
+from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.results.explanations import explanations
 from rcskin.simulator.calibration.results.residual_chart import residuals
 from rcskin.simulator.calibration.run import calibrate

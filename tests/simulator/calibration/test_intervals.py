@@ -4,10 +4,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.fitting.fit_options import Options
-from rcskin.simulator.calibration.fitting.prior import Prior
-from rcskin.simulator.calibration.likelihood.distributions import Profile, ProfiledQuantity
-from rcskin.simulator.calibration.likelihood.profile_distribution import (
+from rcskin.simulator.calibration.distributions import Profile, ProfiledQuantity
+from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.prior import Prior
+from rcskin.simulator.calibration.profile_distribution import (
     NORMAL,
     ProfileDistribution,
     cut_normal,

@@ -4,12 +4,11 @@ import json
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.fitting.centered_model import centered_model
-from rcskin.simulator.calibration.fitting.fit import solve_from
-from rcskin.simulator.calibration.fitting.fit_options import FitSpec, Options
-from rcskin.simulator.calibration.fitting.measurements import measurements_of
-from rcskin.simulator.calibration.fitting.prior import priors
-from rcskin.simulator.calibration.fitting.problem import LeastSquaresProblem
+from rcskin.simulator.calibration.fit import solve_from
+from rcskin.simulator.calibration.fit_options import FitSpec, Options
+from rcskin.simulator.calibration.measurements import measurements_of
+from rcskin.simulator.calibration.prior import priors
+from rcskin.simulator.calibration.problem import LeastSquaresProblem, centered_model
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.models.parameters import own_values

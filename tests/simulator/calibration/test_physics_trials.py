@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.fitting.fit_options import Options
+from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.press.press import Press

@@ -5,8 +5,8 @@ import math
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.fitting.fit_options import Options
-from rcskin.simulator.calibration.fitting.measurements import measurements_of
+from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.specimen import MeterSessionErrors
 from rcskin.simulator.scene.scene_files import load_scene

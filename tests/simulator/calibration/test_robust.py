@@ -4,14 +4,9 @@ import json
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.fitting.fit_options import Options
-from rcskin.simulator.calibration.likelihood.student import (
-    ResidualBlock,
-    StudentT,
-    fitted_tail,
-    likeliest,
-)
+from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.run import calibrate
+from rcskin.simulator.calibration.student import ResidualBlock, StudentT, fitted_tail, likeliest
 from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.sweeps import write
 from rcskin.simulator.sweeps.schema import DIMENSIONS, impedance

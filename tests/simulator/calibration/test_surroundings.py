@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.fitting.centered_model import model_of
-from rcskin.simulator.calibration.fitting.fit_options import Options
-from rcskin.simulator.calibration.fitting.measurements import measurements_of
+from rcskin.simulator.calibration import surroundings_trials
+from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.misfit import gap_by_parameter
+from rcskin.simulator.calibration.problem import model_of
 from rcskin.simulator.calibration.run import calibrate
-from rcskin.simulator.calibration.trials import surroundings_trials
-from rcskin.simulator.calibration.trials.surroundings_trials import largest_changes, with_effects
+from rcskin.simulator.calibration.surroundings_trials import largest_changes, with_effects
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.parameters import EFFECTS
@@ -49,7 +49,7 @@ def model(scene):
     known = found.reduced
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
-            "rcskin.simulator.calibration.fitting.centered_model.reduced_for",
+            "rcskin.simulator.calibration.problem.reduced_for",
             lambda parts, *given, **more: replace(known, parts=parts),
         )
         yield found

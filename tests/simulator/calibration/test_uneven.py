@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.fitting.fit import fitted_parts
-from rcskin.simulator.calibration.fitting.fit_options import Options
+from rcskin.simulator.calibration.fit import fitted_parts
+from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.measure.readout import read_out

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rcskin.benchmarks.accuracy.uneven_calibration import crossed
-from rcskin.simulator.calibration.fitting.fit_options import Options
+from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate

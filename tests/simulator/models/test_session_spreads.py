@@ -5,8 +5,8 @@ import pytest
 from rcskin.simulator.bounds.fields import FullFields
 from rcskin.simulator.bounds.likelihood import error_model
 from rcskin.simulator.bounds.position_bound import SkinUnknowns
-from rcskin.simulator.calibration.fitting.measurements import measurements_of
-from rcskin.simulator.calibration.fitting.prior import priors
+from rcskin.simulator.calibration.measurements import measurements_of
+from rcskin.simulator.calibration.prior import priors
 from rcskin.simulator.inversion.unknown_skin import UnknownSkin
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.measure.skins import drawn_skin

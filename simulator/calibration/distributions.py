@@ -11,13 +11,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.optimize import least_squares
 
-from ...arrays import Real
-from ...fem.factors import one_blas_thread
-from ...scene.parts import Setup, Skin
-from ..fitting.fit import INSIDE, Fit
-from ..results.identifiability import Information
-from ..results.sheet_intervals import COMMON, MISMATCH, RATIO, SUM, Product, depend_on_ratio, sheets
+from ..arrays import Real
+from ..fem.factors import one_blas_thread
+from ..scene.parts import Setup, Skin
+from .fit import INSIDE, Fit
 from .profile_distribution import Interval, ProfileDistribution
+from .results.identifiability import Information
+from .results.sheet_intervals import COMMON, MISMATCH, RATIO, SUM, Product, depend_on_ratio, sheets
 
 Gradient = Callable[[Real], tuple[float, Real]]
 STEP, MAX_STEPS, MAX_SOLVER_STEPS = 0.8, 14, 60

@@ -13,20 +13,18 @@ from typing import Literal
 
 import numpy as np
 
-from ...arrays import Complex, Integer, Real
-from ...models.line import tanh_ratio
-from ...models.line_slopes import LineModel, tanh_ratio_slope
-from ...models.parameters import loss_of
-from ...models.solution import Response
-from ...progress import ProgressCallback, silent
-from ...scene.frequency import LOSSLESS, Loss, laplace_variable
-from ...sweeps.units import prefixed
-from ..fitting.centered_model import CenteredModel
-from ..fitting.fit import EXPLAINED, Fit, solve_from
-from ..fitting.prior import Noise, Prior, effect_prior
-from ..fitting.problem import LeastSquaresProblem
-from ..residual_correlation import neighbour_correlation
-from .linear_step import LinearSteps
+from ..arrays import Complex, Integer, Real
+from ..models.line import tanh_ratio
+from ..models.line_slopes import LineModel, tanh_ratio_slope
+from ..models.parameters import loss_of
+from ..models.solution import Response
+from ..progress import ProgressCallback, silent
+from ..scene.frequency import LOSSLESS, Loss, laplace_variable
+from ..sweeps.units import prefixed
+from .fit import EXPLAINED, Fit, LinearSteps, solve_from
+from .prior import Noise, Prior, effect_prior
+from .problem import CenteredModel, LeastSquaresProblem
+from .residual_correlation import neighbour_correlation
 from .surroundings_trials import trial_remarks
 
 RESISTANCE, CAPACITANCE = "element_resistance", "element_capacitance"

@@ -9,23 +9,21 @@ from types import MappingProxyType
 
 import numpy as np
 
-from ...arrays import Complex, Real
-from ...models.parameters import EFFECTS, NEEDED, READER, effects_of, parts_with
-from ...models.solver import Solver
-from ...press.press import Press
-from ...progress import ProgressCallback, silent, tracked
-from ...scene.extent import perimeter, surface
-from ...scene.foam import VACUUM_PERMITTIVITY
-from ...scene.parts import SceneParts, Setup, Skin
-from ...scene.surroundings import Body, Rim, Surroundings
-from ...surroundings.rim import rim_densities
-from ...sweeps import InputError, ToleranceError
-from ..fitting.centered_model import FAR, CenteredModel, centered_model
-from ..fitting.fit import EXPLAINED, Fit, certificate_limit, fitted_parts, solve_from
-from ..fitting.fit_options import FitSpec
-from ..fitting.prior import FINGER, Prior, effect_prior
-from ..fitting.problem import LeastSquaresProblem
-from .linear_step import LinearSteps, Step
+from ..arrays import Complex, Real
+from ..models.parameters import EFFECTS, NEEDED, READER, effects_of, parts_with
+from ..models.solver import Solver
+from ..press.press import Press
+from ..progress import ProgressCallback, silent, tracked
+from ..scene.extent import perimeter, surface
+from ..scene.foam import VACUUM_PERMITTIVITY
+from ..scene.parts import SceneParts, Setup, Skin
+from ..scene.surroundings import Body, Rim, Surroundings
+from ..surroundings.rim import rim_densities
+from ..sweeps import InputError, ToleranceError
+from .fit import EXPLAINED, Fit, LinearSteps, Step, certificate_limit, fitted_parts, solve_from
+from .fit_options import FitSpec
+from .prior import FINGER, Prior, effect_prior
+from .problem import FAR, CenteredModel, LeastSquaresProblem, centered_model
 
 BODY = 8e-3
 """m: initial distance of an unknown body from the untouched sheet. A factor of 30 on its

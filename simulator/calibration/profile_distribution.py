@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
-from ...arrays import Real
+from ..arrays import Real
 
 Interval = tuple[float, float]
 

@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from ...arrays import Complex, Integer, Real
+from ..arrays import Complex, Integer, Real
 
 SERIES_BELOW = 1e-6
 """q over nu below which functions of it are taken from their series."""

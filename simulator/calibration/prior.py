@@ -9,8 +9,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from ...models.cosine_modes import NO_MODES, FittedModes
-from ...models.parameters import (
+from ..models.cosine_modes import NO_MODES, FittedModes
+from ..models.parameters import (
     COSINE_MODES,
     FOAM_MODES,
     READER,
@@ -22,10 +22,10 @@ from ...models.parameters import (
     reader_values,
     smallest_load_capacitance,
 )
-from ...models.session_spreads import SessionSpread, session_spreads
-from ...scene.meter import Readout
-from ...scene.parts import Plan, Setup
-from ...sweeps import InputError
+from ..models.session_spreads import SessionSpread, session_spreads
+from ..scene.meter import Readout
+from ..scene.parts import Plan, Setup
+from ..sweeps import InputError
 from .measurements import Measurements
 
 Kind = Literal["wide", "session"]

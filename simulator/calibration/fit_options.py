@@ -10,16 +10,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import Real
-from ...measure.readout import ErrorModel
-from ...models.heterogeneous.elements_model import single_field
-from ...models.parameters import TABLE
-from ...press.press import pressed_factor
-from ...scene.meter import Readout
-from ...sweeps import InputError
-from ..likelihood.student import StudentT
+from ..arrays import Real
+from ..measure.readout import ErrorModel
+from ..models.heterogeneous.elements_model import single_field
+from ..models.parameters import TABLE
+from ..press.press import pressed_factor
+from ..scene.meter import Readout
+from ..sweeps import InputError
 from .measurements import Measurements, SessionSweep
 from .prior import Kind, Prior
+from .student import StudentT
 
 OTHERS = "others"
 """Stands for the names of all parameters that are not fitted."""

@@ -6,25 +6,27 @@ where its certified error is not small compared with the meter's error.
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.optimize import least_squares
 
-from ...arrays import Real
-from ...fem.factors import one_blas_thread
-from ...models.cosine_modes import with_foam_modes, with_sheet_modes
-from ...models.parameters import parts_with
-from ...progress import ProgressCallback, silent
-from ...scene.meter import Readout
-from ...scene.parts import SceneParts
-from ...sweeps import InputError
-from .centered_model import CenteredModel, centered_model, trainable_factors
+from ..arrays import Complex, Mask, Real
+from ..fem.factors import one_blas_thread
+from ..models.cosine_modes import with_foam_modes, with_sheet_modes
+from ..models.line_slopes import LineModel
+from ..models.parameters import parts_with
+from ..progress import ProgressCallback, silent
+from ..scene.meter import Readout
+from ..scene.parts import SceneParts, Skin
+from ..sweeps import InputError
 from .fit_options import FitSpec
-from .initial_values import initial_values
-from .problem import LeastSquaresProblem
+from .measurements import Measurements
+from .problem import CenteredModel, LeastSquaresProblem, centered_model, trainable_factors
 
 Residuals = Callable[[Real], Real]
 ROUNDS = 10
@@ -250,3 +252,139 @@ def _retraining_reason(fit: Fit, certificate: float) -> str:
         else f"the model's error there is up to {certificate:.1e}"
     )
     return f"{why}: retraining it around the fitted values"
+
+
+SHARES = (0.03, 0.1, 0.3, 1.0)
+"""Shares of the largest measured resistance that may be the skin's and not the leads'."""
+LOW_FREQUENCY = 3.0
+"""Resistance of a line over its Rs at low frequency."""
+STEPS = (0.0, -0.5, 0.5)
+NEAR_CENTER = 1000.0
+"""Chi-squared per number, below which a fit begins at the center of its model."""
+FAR = math.log(2)
+MIN_INDUCTANCE_SHARE = 1e-4
+LOSSY = 0.95
+
+
+def initial_values(problem: LeastSquaresProblem) -> list[dict[str, float]]:
+    """Initial values of all parameters: several for a line, else the best of a coarse grid.
+
+    Evaluating the grid costs less than one fit with a reduced model.
+    """
+    spec, model = problem.spec, problem.model
+    own = spec.values(spec.unknowns({n: p.center for n, p in spec.fitted.items()}))
+    if isinstance(model.model, LineModel) and not spec.measurements.parts.setup.gain:
+        return [own, *({**own, **_fitted_only(spec, each)} for each in _of_line(spec))]
+    begin = own | {name: at for name, at in model.center.items() if name in spec.fitted}
+    if _misfit(problem, begin) < NEAR_CENTER * spec.measurements.numbers:
+        return [begin]
+    return [min(_grid(begin, spec), key=lambda values: _misfit(problem, values))]
+
+
+def _grid(values: Mapping[str, float], spec: FitSpec) -> list[dict[str, float]]:
+    """Steps up and down of the sheets and of the foam, the values themselves first."""
+    steps = [
+        STEPS if name in spec.fitted else (0.0,) for name in ("sheet_resistance", "capacitance")
+    ]
+    return [
+        {
+            **values,
+            "sheet_resistance": values["sheet_resistance"] + sheets,
+            "capacitance": values["capacitance"] + foam,
+        }
+        for sheets, foam in itertools.product(*steps)
+    ]
+
+
+def _misfit(problem: LeastSquaresProblem, values: Mapping[str, float]) -> float:
+    residuals = problem.residuals(problem.spec.unknowns(values))
+    return float(residuals @ residuals)
+
+
+def capacitance_offset(measured: Measurements) -> float:
+    """Logarithm of the capacitance at the lowest frequency over the scene's; 0 where near."""
+    frequency, Z = measured.first
+    if measured.parts.setup.gain or Z.imag[0] >= 0:
+        return 0.0
+    shown = -1 / (2 * np.pi * frequency[0] * Z.imag[0])
+    offset = math.log(shown / total_capacitance(measured.parts.skin))
+    return offset if abs(offset) > FAR else 0.0
+
+
+def total_capacitance(skin: Skin) -> float:
+    """Capacitance of the unpressed skin, F."""
+    return skin.foam.unpressed_capacitance_per_area * skin.length * skin.width
+
+
+def _fitted_only(spec: FitSpec, values: Mapping[str, float]) -> dict[str, float]:
+    return {name: value for name, value in values.items() if name in spec.fitted}
+
+
+def _of_line(spec: FitSpec) -> list[dict[str, float]]:
+    """Initial values of a line, with shares of the resistance from little to all of it."""
+    scene, (frequency, Z) = spec.measurements.parts, spec.measurements.first
+    omega = 2 * np.pi * frequency
+    total, floor = float(Z.real.max()), float(np.abs(Z.real).min())
+    skin, edge = scene.skin, scene.skin.contacts[0].edge
+    squares = skin.length / skin.width if edge in ("left", "right") else skin.width / skin.length
+    sheets = skin.both_sheets * squares
+    shown = abs(1 / (omega[0] * Z.imag[0]))
+    inductance = max(float(Z.imag[-1]), MIN_INDUCTANCE_SHARE * abs(Z[-1])) / omega[-1]
+    return [
+        {
+            "sheet_resistance": math.log(LOW_FREQUENCY * share * total / sheets),
+            "capacitance": math.log(shown / total_capacitance(scene.skin)),
+            "lead_resistance": floor / 2,
+            "lead_inductance": float(inductance),
+            "phase_exponent": exponent,
+        }
+        for share in SHARES
+        for exponent in (1.0, LOSSY)
+    ]
+
+
+class Step(NamedTuple):
+    """The amplitude of a change of ln Z that fits best, and the share of chi-squared it leaves."""
+
+    amplitude: float
+    left: float
+
+
+class LinearSteps:
+    """Linear fits of a change of the readings along with all unknowns, at a solution.
+
+    Unknowns at a bound stay there. Student's t errors weight the readings as at the solution.
+    """
+
+    def __init__(self, fit: Fit, used: Mask | None = None) -> None:
+        """used: sweeps that count, shape (sweep,); by default all."""
+        problem, u, spec = fit.problem, fit.u, fit.spec
+        self._problem = problem
+        r, J, squares = problem.residuals(u), problem.jacobian(u), problem.all_squares(u)
+        weights = np.ones(squares.shape) if spec.tail is None else spec.tail.weights(squares)
+        if used is not None:
+            weights = weights * used[:, None]
+        self._root = np.concatenate([np.sqrt(np.tile(weights, 2)).ravel(), np.ones(len(u))])
+        low, high = problem.bounds()
+        inside = (u > low) & (u < high)
+        self._basis = np.linalg.qr((self._root[:, None] * J)[:, inside])[0]
+        self._counted = np.ones(len(r), dtype=np.bool_)
+        first = len(r) - len(u)
+        self._counted[first : first + len(spec.fitted)] = False
+        self._r = self._free(self._root * r)
+
+    def step(self, change: Complex, low: float = 0.0, high: float = np.inf) -> Step:
+        """The best step. change: of ln Z for an amplitude of 1, broadcast to (sweep, interface,
+        frequency). low, high: limits of the amplitude."""
+        d = np.zeros(len(self._r))
+        whitened = self._problem.whitened(change).ravel()
+        d[: len(whitened)] = whitened
+        d = self._free(self._root * d)
+        size = float(d @ d)
+        amplitude = float(np.clip(-(d @ self._r) / size, low, high)) if size else low
+        after, before = (self._r + amplitude * d)[self._counted], self._r[self._counted]
+        return Step(amplitude, float(after @ after) / float(before @ before))
+
+    def _free(self, change: np.ndarray) -> np.ndarray:
+        """What no change of the other unknowns removes."""
+        return change - self._basis @ (self._basis.T @ change)

@@ -12,18 +12,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...models.parameters import SOURCE
-from ...press.touch import Indentation, Touch, place_of
-from ...progress import ProgressCallback, silent
-from ...scene.parts import Setup, Skin
-from ...sweeps import InputError, ToleranceError
-from ..fitting.centered_model import CenteredModel, model_of
-from ..fitting.fit import EXPLAINED, Fit, best_of_starts, model_tolerance, solve_from
-from ..fitting.fit_options import FitSpec
-from ..fitting.initial_values import initial_values
-from ..fitting.measurements import Measurements, SessionSweep
-from ..fitting.prior import effect_prior
-from ..fitting.problem import LeastSquaresProblem
+from ..models.parameters import SOURCE
+from ..press.touch import Indentation, Touch, place_of
+from ..progress import ProgressCallback, silent
+from ..scene.parts import Setup, Skin
+from ..sweeps import InputError, ToleranceError
+from .fit import EXPLAINED, Fit, best_of_starts, initial_values, model_tolerance, solve_from
+from .fit_options import FitSpec
+from .measurements import Measurements, SessionSweep
+from .prior import effect_prior
+from .problem import CenteredModel, LeastSquaresProblem, model_of
 
 CLEAR = 0.25
 """Share of chi-squared below which another connection is taken in place of the stated one."""

@@ -10,29 +10,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...arrays import Complex, Integer, Mask, Real
-from ...measure.readout import observed
-from ...models.mechanics.force_depths import press_by_depths
-from ...press.press import (
-    Press,
-    check_press,
-    parse_press,
-    press_on,
-    pressed_factor,
-    strength_of,
-)
-from ...press.touch import Touch, place_of
-from ...scene.meter_tables import ReadoutErrors
-from ...scene.parts import Pressing, SceneParts, Setup, Skin
-from ...sweeps import InputError
-from ...sweeps.inputs import objects
-from ...sweeps.press_text import displayed_press
-from ...sweeps.reading_quantities import IMPEDANCE, MAGNITUDE, kind_of
-from ...sweeps.reading_subset import read_mask, restricted, with_named_interface
-from ...sweeps.schema import complex_readings, taken_of
+from ..arrays import Complex, Integer, Mask, Real
+from ..measure.readout import observed
+from ..models.mechanics.force_depths import press_by_depths
+from ..press.press import Press, check_press, parse_press, press_on, pressed_factor, strength_of
+from ..press.touch import Touch, place_of
+from ..scene.meter_tables import ReadoutErrors
+from ..scene.parts import Pressing, SceneParts, Setup, Skin
+from ..sweeps import InputError
+from ..sweeps.inputs import objects
+from ..sweeps.press_text import displayed_press
+from ..sweeps.reading_quantities import IMPEDANCE, MAGNITUDE, kind_of
+from ..sweeps.reading_subset import read_mask, restricted, with_named_interface
+from ..sweeps.schema import complex_readings, taken_of
 
 if TYPE_CHECKING:
     import xarray as xr
+
 
 UNKNOWN_RANGE = -1
 """Number of the fixed error of a reading that may belong to either of two ranges."""

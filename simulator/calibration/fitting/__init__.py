@@ -1,1 +1,0 @@
-"""The fit: parameters and their priors, measurements, residuals and their minimization."""

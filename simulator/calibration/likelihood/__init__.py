@@ -1,1 +1,0 @@
-"""Intervals that follow the likelihood where it bends, or where a bound cuts."""

@@ -1,1 +1,0 @@
-"""Trial fits of physics and surroundings that a scene lacks."""
