@@ -142,20 +142,20 @@ async def _work(said: Connection, address: str, workers: int) -> None:
 
 SLOW_DISK = """
 import time
-from rcskin.simulator.dataset import chunks, store
+from rcskin.simulator.dataset import store
 
-prompt = chunks.put
+prompt = store.write
 
-def late(*chunk):
-    prompt(*chunk)
+def late(*block):
+    prompt(*block)
     time.sleep({seconds})
 
-store.put = late
+store.write = late
 """
 
 
 class Trouble(NamedTuple):
-    """kills: workers to kill, evenly over the work. late: s that every chunk is written late."""
+    """kills: workers to kill, evenly over the work. late: s that every block is written late."""
 
     kills: int = 0
     late: float = 0.0
@@ -236,7 +236,7 @@ FIRST_WHOLE = 2
 TROUBLES = {
     "none": Trouble(),
     "workers killed": Trouble(kills=8),
-    "every chunk 20 ms late": Trouble(late=0.02),
+    "every block 20 ms late": Trouble(late=0.02),
     "both": Trouble(kills=8, late=0.02),
 }
 FEW_TROUBLES = {"both": Trouble(kills=2, late=0.005)}
