@@ -85,7 +85,6 @@ def _designed(target: str, *options: str) -> Benchmark:
 
 
 IN_ORDER = (
-    _alone("speed/assembly"),
     _alone("speed/work_precision"),
     _alone("speed/answers"),
     _alone("speed/reduction"),
@@ -129,7 +128,6 @@ IN_ORDER = (
     Benchmark("accuracy/calibration_coverage"),
     Benchmark("accuracy/calibration_coverage", ("--outliers", "2", "--twins", "100")),
     Benchmark("measured/lines"),
-    Benchmark("measured/knit"),
     Benchmark("measured/meters"),
     Benchmark("pictures/gallery"),
     Benchmark("localization/choosing"),

@@ -1,4 +1,4 @@
-"""Error against time for everything that answers: touches, depths, outlines, localizers, limits.
+"""Error against time for everything that answers: touches, depths, outlines, limits.
 
 Sweeps of pixels have a chart of their own, see `work_precision.py`. Each way is timed from the
 question to the answer, with all that it sets up, unless its name says otherwise.
@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 from rcskin.benchmarks.bench import Run, launch
-from rcskin.benchmarks.speed.answered_places import LIMITS, LOCALIZERS
+from rcskin.benchmarks.speed.answered_limits import LIMITS
 from rcskin.benchmarks.speed.answered_presses import DEPTHS, OUTLINES, TOUCHES
 from rcskin.benchmarks.speed.questions import Question
 from rcskin.benchmarks.speed.work_precision import curve, looks_of
@@ -26,7 +26,6 @@ QUESTIONS = {
     "touches": TOUCHES,
     "depths": DEPTHS,
     "outlines": OUTLINES,
-    "localizers": LOCALIZERS,
     "limits": LIMITS,
 }
 
