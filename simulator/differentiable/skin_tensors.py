@@ -12,20 +12,22 @@ import numpy as np
 import torch
 from torch import Tensor
 
+from ..models.cosine_modes import OF_SHEETS
 from ..models.parameters import (
-    BOTTOM_MODES,
     FOAM_MODES,
     FURTHER_LOSSES,
     SHEET_MODES,
-    TOP_MODES,
     Variation,
+    loss_of,
     own_values,
+    sheet_weights,
+    weights_with,
 )
 from ..models.reduced.families.family import resistive
 from ..models.reduced.reduced_model import Reduced
 from ..press.parts import Parts, foam_parts
 from ..scene.air_nodes import nodes_of
-from ..scene.frequency import REFERENCE, Loss
+from ..scene.frequency import Loss, laplace_variable_in
 from ..scene.parts import Setup
 from ..scene.readers import own_source
 from ..sweeps import InputError
@@ -81,34 +83,24 @@ class SkinTensors:
     """`Variation` in tensors: one skin, or one for each press.
 
     top, bottom: shape (skin, mode). films: (skin, contact). foam: capacitance of each part of the
-    foam over nominal, (skin, part). tangent, exponent, leak, exponent_slope: see `Loss`, (skin, 1).
-    body, rim: (skin, 1).
+    foam over nominal, (skin, part). loss: tensors of shape (skin, 1). body, rim: (skin, 1).
     """
 
     top: Tensor
     bottom: Tensor
     films: Tensor
     foam: Tensor
-    tangent: Tensor
-    exponent: Tensor
-    leak: Tensor
-    exponent_slope: Tensor
+    loss: Loss
     body: Tensor
     rim: Tensor
 
     def weights(self, reduced: Reduced) -> Tensor:
         """Weights of the terms of K, shape (skin, term), see `weights_of`."""
-        circuit = reduced.circuit
-        names = [contact.name for contact in reduced.parts.skin.contacts]
+        circuit, skin = reduced.circuit, reduced.parts.skin
+        names = [contact.name for contact in skin.contacts]
         used = [names.index(contact.name) for contact in resistive(circuit)]
-        return _joined([*self._conductances(reduced), self.films[:, used]])
-
-    def _conductances(self, reduced: Reduced) -> list[Tensor]:
-        if reduced.circuit.fields == 2:
-            return [self.top, self.bottom]
-        of_top, of_bottom = reduced.parts.skin.sheet_resistances
-        under = of_top / self.top[:, :1] + of_bottom / self.bottom[:, :1]
-        return [(of_top + of_bottom) / under * self.top / self.top[:, :1]]
+        sheets = sheet_weights(self.top, self.bottom, *skin.sheet_resistances, circuit.fields)
+        return _joined([*sheets, self.films[:, used]])
 
     def amounts(self, parts: Parts, rises: Tensor) -> Tensor:
         """Amount of each part of M over the scene's own, shape (press, part), see `Parts`.
@@ -123,25 +115,21 @@ class SkinTensors:
 
     def s(self, frequency: Tensor) -> Tensor:
         """s in rad/s, shape (skin, frequency), see `laplace_variable`. frequency: Hz."""
-        decades = torch.log(frequency / REFERENCE) + 0.5j * math.pi
-        bent = (self.exponent - 1) * decades
-        bent = bent + self.exponent_slope * decades**2 / (2 * math.log(10))
-        return 2 * math.pi * frequency * (self.tangent + 1j) * torch.exp(bent) + self.leak
+        return laplace_variable_in(torch, frequency, self.loss)
 
     def variation(self, shape: tuple[int, int], number: int) -> Variation:
         """One of the skins in numpy. shape: rows and columns of its cells."""
 
-        def one(values: Tensor) -> np.ndarray:
+        def one(values: Any) -> np.ndarray:
             return values[min(number, len(values) - 1)].detach().cpu().double().numpy()
 
         foam, grid = one(self.foam), shape
-        losses = (self.tangent, self.exponent, self.leak, self.exponent_slope)
         return Variation(
             one(self.top),
             one(self.bottom),
             one(self.films),
             foam[: grid[0] * grid[1]].reshape(grid),
-            Loss(*(float(one(each)[0]) for each in losses)),
+            Loss(*(float(one(each)[0]) for each in self.loss)),
             float(foam[-1]),
             float(one(self.body)[0]),
             float(one(self.rim)[0]),
@@ -229,22 +217,17 @@ def all_tensors(
 def skin_of(reduced: Reduced, values: Mapping[str, Tensor]) -> SkinTensors:
     """Skin of these parameters, see `variation_of`. values: from `all_tensors`."""
     skin, one = reduced.parts.skin, torch.ones_like(next(iter(values.values()))[:1, :1])
-    common, half = torch.exp(-values["sheet_resistance"]), values["sheet_mismatch"] / 2
-    sheets, both = [], ((common * torch.exp(-half), TOP_MODES), (common * half.exp(), BOTTOM_MODES))
-    for mean, names in both:
-        modes = [values[name] for name in names if name in values]
-        sheets.append(mean * _joined([one, *modes]))
-    films, foam = torch.exp(-values["contact_resistance"]), torch.exp(values["capacitance"])
-    top, bottom = sheets
+    weights = weights_with(values, torch.exp, torch.zeros_like(one))
+    top, bottom = (
+        weights[sheet] * _joined([one, *(values[name] for name in modes if name in values)])
+        for sheet, modes in OF_SHEETS.items()
+    )
     return SkinTensors(
         top=top,
         bottom=bottom,
-        films=films.expand(-1, len(skin.contacts)),
-        foam=foam.expand(-1, foam_parts(skin)),
-        tangent=values["loss_tangent"],
-        exponent=values["phase_exponent"],
-        leak=values["leak"],
-        exponent_slope=values["exponent_slope"],
-        body=torch.exp(values["body"]) if "body" in values else one,
-        rim=torch.exp(values["rim"]) if "rim" in values else one,
+        films=weights["films"].expand(-1, len(skin.contacts)),
+        foam=weights["foam"].expand(-1, foam_parts(skin)),
+        loss=loss_of(values),
+        body=weights["body"],
+        rim=weights["rim"],
     )

@@ -6,7 +6,6 @@ from the others: Z(a R, s) = a Z(R, a s), so that R dZ/dR = Z + s dZ/ds.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -20,7 +19,7 @@ from ..scene.parts import Setup, Skin
 from ..sweeps import InputError
 from .line import Line, tanh_ratio
 from .model import DEFAULT_RTOL, GivenPress
-from .parameters import all_values, by_sheets, loss_of, own_values, reading_of
+from .parameters import all_values, by_sheets, loss_of, own_values, reading_of, weights_with
 from .solution import Response, at_meter
 
 SMALL = 1e-2
@@ -83,8 +82,8 @@ class LineModel:
 
     def unpressed_factors(self, given: Mapping[str, float] | None = None) -> Real:
         """c of each unpressed cell over that of the scene."""
-        factor = math.exp(all_values(self.skin, self.setup, given)["capacitance"])
-        return np.full(len(self._C), factor)
+        weights = weights_with(all_values(self.skin, self.setup, given))
+        return np.full(len(self._C), weights["foam"])
 
     def respond(
         self, cells: Integer, rises: Real, given: Mapping[str, float] | None = None
@@ -107,11 +106,11 @@ class LineModel:
     ) -> Response:
         """Responses to presses, shape (press, touch): all arrays have an axis (press,) first."""
         values = all_values(self.skin, self.setup, given)
-        s = laplace_variable(self.setup.frequency, loss_of(values))
-        sheets = self._both_sheets(values)
+        s, weights = laplace_variable(self.setup.frequency, loss_of(values)), weights_with(values)
+        sheets = self._sheets / [weights["top"], weights["bottom"]]
         map_of_c = np.ones((len(cells), len(self._C)))
         np.add.at(map_of_c, (np.arange(len(cells))[:, None], cells), rises)
-        map_of_c *= math.exp(values["capacitance"])
+        map_of_c *= weights["foam"]
         C = self._C * map_of_c[:, self._order]
         Y, by_charging = chain(sheets.sum() * self._shares, C, s)
         Z, turn = 1 / Y, -1 / Y**2
@@ -119,7 +118,7 @@ class LineModel:
         of_segment = turn[:, None] * by_charging * s * self._C[:, None]
         by_cell[..., self._order] = of_segment.swapaxes(1, 2)
         by_s = (by_cell @ map_of_c[:, :, None])[..., 0] / s
-        film = self._film * math.exp(values["contact_resistance"])
+        film = self._film / weights["films"]
         slopes = by_sheets(-(Z + s * by_s)[None], *sheets)
         slopes["contact_resistance"] = np.full_like(Z, film)
         of_s = slopes_of_s(self.setup.frequency, loss_of(values))
@@ -135,11 +134,6 @@ class LineModel:
             reading_of(self.setup, values),
             everywhere(to_Y[..., None] * by_cell),
         )
-
-    def _both_sheets(self, values: Mapping[str, float]) -> Real:
-        """Resistance of each whole sheet in ohm."""
-        half = values["sheet_mismatch"] / 2
-        return self._sheets * np.exp(values["sheet_resistance"] + np.array([half, -half]))
 
 
 def chain(R: Real, C: Real, s: Complex) -> tuple[Complex, Complex]:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,21 +35,21 @@ MIN_EXPONENT = 0.5 + 1e-6
 class Parameter:
     """A number that readings of a skin depend on.
 
-    meaning: for messages. unit: empty for pure numbers. low, high: physical limits. factor: True
-    for the logarithm of a factor on the scene's own value, else it is the value itself. every: True
-    for a parameter of every scene.
+    meaning: for messages. unit: empty for pure numbers. low, high: physical limits. powers: of a
+    parameter that is the logarithm of a factor on the scene's own values, the powers of the factor
+    in each of WEIGHTS; empty if it is the value itself. every: True for a parameter of every scene.
     """
 
     meaning: str
     unit: str = ""
     low: float = -math.inf
     high: float = math.inf
-    factor: bool = False
     every: bool = False
+    powers: Mapping[str, float] = field(default_factory=dict)
 
 
-def _factor(meaning: str, every: bool = True) -> Parameter:
-    return Parameter(meaning, factor=True, every=every)
+def _factor(meaning: str, every: bool = True, **powers: float) -> Parameter:
+    return Parameter(meaning, every=every, powers=powers)
 
 
 def _value(meaning: str, unit: str = "", every: bool = True, low: float = 0.0) -> Parameter:
@@ -64,17 +64,17 @@ ALONG = {"x": "x", "y": "y", "xy": "both sides"}
 """Names of HALF_WAVES but the first, and the sides that they run along."""
 
 TABLE = {
-    "sheet_resistance": _factor("both sheets' resistance"),
-    "sheet_mismatch": _factor("the top sheet's resistance over the bottom's"),
-    "capacitance": _factor("capacitance of all the foam"),
-    "contact_resistance": _factor("resistance of all contacts"),
+    "sheet_resistance": _factor("both sheets' resistance", top=-1.0, bottom=-1.0),
+    "sheet_mismatch": _factor("the top sheet's resistance over the bottom's", top=-0.5, bottom=0.5),
+    "capacitance": _factor("capacitance of all the foam", foam=1.0),
+    "contact_resistance": _factor("resistance of all contacts", films=-1.0),
     "loss_tangent": _value("loss tangent of the foam"),
     "phase_exponent": replace(_value("1 for an ideal capacitance", low=MIN_EXPONENT), high=1.0),
     "lead_resistance": _value("resistance of both leads", "ohm"),
     "lead_inductance": replace(_value("inductance of both leads", "H"), high=MAX_INDUCTANCE),
     "stray_capacitance": _value("capacitance between the leads", "F"),
-    "body": _factor("capacitance of all bodies near the skin", every=False),
-    "rim": _factor("capacitance along the outline", every=False),
+    "body": _factor("capacitance of all bodies near the skin", every=False, body=1.0),
+    "rim": _factor("capacitance along the outline", every=False, rim=1.0),
     "finger": _value("capacitance of every touch to earth", "F", every=False),
     "leak": _value("conductance of the foam over its capacitance", "1/s", every=False),
     "exponent_slope": _value("change of the phase exponent per decade", every=False),
@@ -89,7 +89,10 @@ TABLE = {
 """All parameters by name. Amplitudes are over the mean; they are 0 in every scene."""
 
 PARAMETERS = tuple(name for name, parameter in TABLE.items() if parameter.every)
-FACTORS = tuple(name for name, parameter in TABLE.items() if parameter.factor)
+FACTORS = tuple(name for name, parameter in TABLE.items() if parameter.powers)
+WEIGHTS = ("top", "bottom", "films", "foam", "body", "rim")
+"""Weights of K and M that parameters change: conductance of each sheet and of the contacts' films,
+capacitance of the foam, of all bodies and along the outline; each over the scene's own."""
 EFFECTS = ("body", "rim", "finger")
 """Parameters that a scene has if its surroundings allow."""
 FURTHER_LOSSES = ("leak", "exponent_slope")
@@ -103,6 +106,34 @@ FOAM_MODES, TOP_MODES, BOTTOM_MODES = (
 )
 SHEET_MODES = (*TOP_MODES, *BOTTOM_MODES)
 COSINE_MODES = (*FOAM_MODES, *SHEET_MODES)
+
+
+def weights_with(
+    values: Mapping[str, Any], exp: Callable[[Any], Any] = math.exp, zero: Any = 0.0
+) -> dict[str, Any]:
+    """Each of WEIGHTS, for these values of FACTORS; without effect where none is given.
+
+    A weight is exp(sum of powers times values). exp, zero: of the kind of the values, which are
+    numbers or tensors.
+    """
+    given = [(values[name], TABLE[name].powers) for name in FACTORS if name in values]
+    return {
+        weight: exp(sum((own[weight] * value for value, own in given if weight in own), zero))
+        for weight in WEIGHTS
+    }
+
+
+def sheet_weights(top: Any, bottom: Any, of_top: float, of_bottom: float, fields: int) -> list[Any]:
+    """Weights of each field's sheet in its modes, arrays or tensors of shape (..., mode).
+
+    top, bottom: of each sheet. of_top, of_bottom: resistances of the scene's sheets, which are in
+    series if there is one field.
+    """
+    if fields == 2:
+        return [top, bottom]
+    mean = top[..., :1]
+    series = of_top / mean + of_bottom / bottom[..., :1]
+    return [(of_top + of_bottom) / series * top / mean]
 
 
 def reader_values(setup: Setup) -> dict[str, float]:
@@ -195,7 +226,8 @@ def with_effects(
     around, changed = skin.around, {n: values[n] for n in EFFECTS if values.get(n)}
     if around is None or not changed:
         return around, pressing.finger
-    body, rim = (math.exp(changed.get(name, 0.0)) for name in ("body", "rim"))
+    weights = weights_with(changed)
+    body, rim = weights["body"], weights["rim"]
     parts = {
         "body": tuple(_nearer(each, body) for each in around.body),
         "rim": around.rim if body == rim == 1 else _stronger(skin, rim),
@@ -330,8 +362,8 @@ def all_values(skin: Skin, setup: Setup, given: Mapping[str, float] | None) -> d
     return own | dict(given or {})
 
 
-def loss_of(values: Mapping[str, float]) -> Loss:
-    """Losses of the foam."""
+def loss_of(values: Mapping[str, Any]) -> Loss:
+    """Losses of the foam: numbers, or tensors."""
     further = (values.get(name, 0.0) for name in FURTHER_LOSSES)
     return Loss(values["loss_tangent"], values["phase_exponent"], *further)
 
@@ -355,18 +387,16 @@ def reading_of(setup: Setup, values: Mapping[str, float]) -> Setup:
 
 def variation_of(skin: Skin, values: Mapping[str, float]) -> Variation:
     """Skin as factors on the scene's; a mismatch of sheets is split in half between them."""
-    common, half = math.exp(-values["sheet_resistance"]), values["sheet_mismatch"] / 2
+    weights = weights_with(values)
     return Variation(
-        top=np.array([common * math.exp(-half)]),
-        bottom=np.array([common * math.exp(half)]),
-        films=np.full(len(skin.contacts), math.exp(-values["contact_resistance"])),
-        capacitance=np.full(
-            (skin.pixels.rows, skin.pixels.columns), math.exp(values["capacitance"])
-        ),
+        top=np.array([weights["top"]]),
+        bottom=np.array([weights["bottom"]]),
+        films=np.full(len(skin.contacts), weights["films"]),
+        capacitance=np.full(skin.pixels.shape, weights["foam"]),
         loss=loss_of(values),
-        beyond_pixels=math.exp(values["capacitance"]),
-        body=math.exp(values.get("body", 0.0)),
-        rim=math.exp(values.get("rim", 0.0)),
+        beyond_pixels=weights["foam"],
+        body=weights["body"],
+        rim=weights["rim"],
     )
 
 
@@ -374,18 +404,13 @@ def parts_with(parts: SceneParts, given: Mapping[str, float]) -> SceneParts:
     """Parts with these parameters. Raises InputError for an unknown name."""
     skin, setup, press = parts.skin, parts.setup, parts.plan.press
     values = all_values(skin, setup, given)
-    half, film = values["sheet_mismatch"] / 2, math.exp(values["contact_resistance"])
+    weights = weights_with(values)
     sheets = {
-        name: sheet.model_copy(
-            update={
-                "sheet_resistance": sheet.sheet_resistance
-                * math.exp(values["sheet_resistance"] + turn)
-            }
-        )
-        for name, sheet, turn in (("top", skin.top, half), ("bottom", skin.bottom, -half))
+        name: sheet.model_copy(update={"sheet_resistance": sheet.sheet_resistance / weights[name]})
+        for name, sheet in (("top", skin.top), ("bottom", skin.bottom))
     }
     foam = Foam(
-        **_capacitance(skin, press, math.exp(values["capacitance"])),
+        **_capacitance(skin, press, weights["foam"]),
         loss_tangent=values["loss_tangent"],
         phase_exponent=values["phase_exponent"],
         leak=values.get("leak"),
@@ -393,7 +418,7 @@ def parts_with(parts: SceneParts, given: Mapping[str, float]) -> SceneParts:
         **{name: getattr(skin.foam, name) for name in IN_TIME},
     )
     contacts = tuple(
-        contact.model_copy(update={"resistance": contact.resistance * film})
+        contact.model_copy(update={"resistance": contact.resistance / weights["films"]})
         for contact in skin.contacts
     )
     around, finger = with_effects(skin, press, values)
@@ -427,8 +452,10 @@ def by_sheets(energy: Complex, top: float, bottom: float) -> dict[str, Complex]:
     energy: u'Ku of each field's sheet at 1 V, S, shape (field, ...). top, bottom: resistances of
     the sheets, which divide the energy of a single field between them.
     """
-    if len(energy) == 2:
-        mismatch = (energy[1] - energy[0]) / 2
-    else:
-        mismatch = energy[0] * (bottom - top) / (bottom + top) / 2
-    return {"sheet_resistance": -np.sum(energy, axis=0), "sheet_mismatch": mismatch}
+    own = energy
+    if len(energy) == 1:
+        own = [energy[0] * sheet / (top + bottom) for sheet in (top, bottom)]
+    return {
+        name: TABLE[name].powers["top"] * own[0] + TABLE[name].powers["bottom"] * own[1]
+        for name in ("sheet_resistance", "sheet_mismatch")
+    }

@@ -21,7 +21,7 @@ from ..mesh.pixel_coverage import pixel_coverage
 from ..models.heterogeneous.coefficients import ELECTRODES
 from ..models.heterogeneous.elements_model import circuit_of
 from ..models.heterogeneous.materials import gauged
-from ..models.parameters import Variation, foam_parts
+from ..models.parameters import TABLE, Variation, foam_parts, weights_with
 from ..models.reduced.cases import Case, strongest_finger
 from ..models.reduced.families.family import resistive
 from ..models.reduced.greedy import reduce
@@ -33,6 +33,7 @@ from ..press.finger import PERSON, touched_area
 from ..press.parts import Parts, parts_of
 from ..press.touch import Touch
 from ..progress import ProgressCallback, silent
+from ..scene.frequency import laplace_variable, slopes_of_s
 from ..scene.meter import Readout
 from ..scene.parts import Meter, Pressing, SceneParts, Setup, Skin
 from ..sweeps import InputError
@@ -225,12 +226,12 @@ def _random_variation(skin: Skin, random: np.random.Generator, around: bool) -> 
     around: True if there is more than foam, so that the capacitance of the foam is no mere scale.
     """
     foam = random.uniform(*CAPACITANCE) if around else 1.0
-    half = random.uniform(-0.5, 0.5) * math.log(MAX_SHEET_RATIO)
-    conductance = {"top": math.exp(-half), "bottom": math.exp(half)}
+    mismatch = random.uniform(-1.0, 1.0) * math.log(MAX_SHEET_RATIO)
+    weights = weights_with({"sheet_mismatch": mismatch})
     return Variation(
-        top=np.array([conductance["top"]]),
-        bottom=np.array([conductance["bottom"]]),
-        films=np.array([conductance[contact.electrode] for contact in skin.contacts]),
+        top=np.array([weights["top"]]),
+        bottom=np.array([weights["bottom"]]),
+        films=np.array([weights[contact.electrode] for contact in skin.contacts]),
         capacitance=np.full(skin.pixels.shape, foam),
         loss=skin.foam.loss,
         beyond_pixels=foam,
@@ -292,7 +293,6 @@ def page_data(parts: SceneParts, reduced: Reduced, points: int = POINTS) -> dict
         "foam": {
             "capacitance_per_area": parts.skin.foam.unpressed_capacitance_per_area,
             "loss_tangent": parts.skin.foam.loss_tangent,
-            "phase_exponent": parts.skin.foam.phase_exponent,
         },
         "leads": parts.setup.leads.model_dump() | {"unguarded": parts.setup.leads.unguarded},
         "readout": _readout(parts.setup, parts.meter, skin).model_dump(),
@@ -309,10 +309,28 @@ def page_data(parts: SceneParts, reduced: Reduced, points: int = POINTS) -> dict
             "conductance": single_precision_array(picture.conductance),
         },
         "sheets": list(parts.skin.sheet_resistances),
+        "weights": _weights(parts.skin, parts.setup.frequency),
         "model": packed_model(skin),
         "basis": single_precision_array(picture.potential.transpose(0, 2, 1)),
         "scene": _scene_tables(parts),
         **({"finger": _finger(parts.skin, parts.plan.press)} if parts.skin.around else {}),
+    }
+
+
+def _weights(skin: Skin, frequency: Real) -> dict[str, Any]:
+    """Weights by what a page changes, see `models.parameters`.
+
+    s: for each frequency, without a loss and its derivative by the loss tangent, real and imaginary
+    parts, rad/s. mismatch: powers of the ratio of the sheets' factors in each one's conductance.
+    shares: of the sheets' factors, where both are in series.
+    """
+    lossless, slopes = skin.foam.loss._replace(tangent=0.0), slopes_of_s(frequency, skin.foam.loss)
+    parts = np.stack([laplace_variable(frequency, lossless), slopes["loss_tangent"]], axis=1)
+    powers, R = TABLE["sheet_mismatch"].powers, skin.sheet_resistances
+    return {
+        "s": np.ascontiguousarray(parts).view(np.float64).tolist(),
+        "mismatch": [powers[name] for name in ELECTRODES],
+        "shares": [each / sum(R) for each in R],
     }
 
 

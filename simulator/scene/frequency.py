@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import math
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -40,25 +41,28 @@ def laplace_variable(frequency: ArrayLike, loss: Loss = LOSSLESS) -> Complex:
     R. H. Cole, J. Chem. Phys. 9 (1941) 341.
     """
     f = np.asarray(frequency, dtype=np.float64)
-    s = 2 * np.pi * f * (loss.tangent + 1j)
-    if loss.exponent != 1:
+    return laplace_variable_in(np, f, loss).astype(np.complex128)
+
+
+def laplace_variable_in(library: Any, f: Any, loss: Loss) -> Any:
+    """As `laplace_variable`, of numpy's arrays or of tensors of a library with `exp` and `log`."""
+    s = 2 * math.pi * f * (loss.tangent + 1j)
+    if np.ndim(loss.exponent) or loss.exponent != 1:
         s = s * (1j * f / REFERENCE) ** (loss.exponent - 1)
-    if loss.exponent_slope:
-        s = s * np.exp(loss.exponent_slope * _square_of_decades(f))
-    if loss.leak:
-        s = s + loss.leak
-    return s.astype(np.complex128)
+    if np.ndim(loss.exponent_slope) or loss.exponent_slope:
+        s = s * library.exp(loss.exponent_slope * _square_of_decades(library, f))
+    return s + loss.leak
 
 
-def _square_of_decades(frequency: Real) -> Complex:
+def _square_of_decades(library: Any, frequency: Any) -> Any:
     """Derivative of ln s by `exponent_slope`."""
-    return np.log(1j * frequency / REFERENCE) ** 2 / (2 * np.log(10))
+    return library.log(1j * frequency / REFERENCE) ** 2 / (2 * math.log(10))
 
 
 def slopes_of_s(frequency: Real, loss: Loss) -> dict[str, Complex]:
     """Derivatives of `laplace_variable` by ln(capacitance) and by each of the losses."""
     s, turned = laplace_variable(frequency, loss), 1j * frequency / REFERENCE
-    charging, bend = s - loss.leak, _square_of_decades(frequency)
+    charging, bend = s - loss.leak, _square_of_decades(np, frequency)
     bent = np.exp(loss.exponent_slope * bend) if loss.exponent_slope else 1.0
     return {
         "capacitance": s,

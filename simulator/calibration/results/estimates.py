@@ -9,7 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...arrays import Real
-from ...models.parameters import COSINE_MODES, FACTORS, TABLE, effects_of, own_values
+from ...models.parameters import (
+    COSINE_MODES,
+    FACTORS,
+    TABLE,
+    effects_of,
+    own_values,
+    weights_with,
+)
 from ...progress import ProgressCallback, silent, tracked
 from ...scene.parts import Setup, Skin
 from ...surroundings.rim import rim_densities
@@ -35,32 +42,30 @@ from .sheet_intervals import (
 def products(skin: Skin, setup: Setup, values: Mapping[str, float]) -> Iterator[Product]:
     """All such quantities of a scene. values: of all parameters."""
     yield from sheets(skin, setup, values)
-    c, factor = skin.foam.unpressed_capacitance_per_area, math.exp(values["capacitance"])
-    yield Product("foam capacitance", "F/m²", c, factor * c, {"capacitance": 1.0})
-    film = math.exp(values["contact_resistance"])
+    c, weights = skin.foam.unpressed_capacitance_per_area, weights_with(values)
+    yield Product("foam capacitance", "F/m²", c, weights["foam"] * c, {"capacitance": 1.0})
     for contact in skin.contacts:
         if not contact.ideal:
             name, resistance = f"contact {contact.name}", contact.resistance
             slopes = {"contact_resistance": 1.0}
-            yield Product(name, "ohm m", resistance, resistance * film, slopes)
-    yield from _of_surroundings(skin, values)
+            yield Product(name, "ohm m", resistance, resistance / weights["films"], slopes)
+    yield from _of_surroundings(skin, weights)
 
 
-def _of_surroundings(skin: Skin, values: Mapping[str, float]) -> Iterator[Product]:
+def _of_surroundings(skin: Skin, weights: Mapping[str, float]) -> Iterator[Product]:
     """Distances or capacitances of bodies, and capacitances of the rim."""
     around, own = skin.around, effects_of(skin)
     if around is None:
         return
     for body in around.body if "body" in own else ():
-        name, factor = f"body, {body.side}", math.exp(values["body"])
+        name, factor = f"body, {body.side}", weights["body"]
         if body.distance is None:
             c = body.per_area
             yield Product(name, "F/m²", c, c * factor, {"body": 1.0})
         else:
             yield Product(name, "m", body.distance, body.distance / factor, {"body": -1.0})
     if "rim" in own:
-        factor = math.exp(values["rim"])
-        rim = rim_densities(skin)
+        factor, rim = weights["rim"], rim_densities(skin)
         for part in ("mutual", "top", "bottom"):
             if value := getattr(rim, part):
                 yield Product(f"rim, {part}", "F/m", value, value * factor, {"rim": 1.0})
@@ -191,7 +196,7 @@ def quantities(
             name, known.unit, start[name], fit.values[name], *own[name], identified[name], (name,)
         )
         for name, known in TABLE.items()
-        if name in fitted and not known.factor
+        if name in fitted and not known.powers
     ]
     sums = [
         _sum_of_modes(pair, fit, information, width)

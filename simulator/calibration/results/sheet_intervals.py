@@ -15,7 +15,7 @@ import numpy as np
 
 from ...arrays import Real
 from ...models.heterogeneous.elements_model import single_field
-from ...models.parameters import BOTTOM_MODES, TOP_MODES
+from ...models.parameters import BOTTOM_MODES, TOP_MODES, weights_with
 from ...scene.parts import Setup, Skin
 from ..fit import Fit
 from ..profile_distribution import CONFIDENCE, Interval, ProfileDistribution
@@ -46,8 +46,8 @@ def sheets(skin: Skin, setup: Setup, values: Mapping[str, float]) -> Iterator[Pr
     values: of all parameters.
     """
     before = skin.sheet_resistances
-    both, half = values[COMMON], values[MISMATCH] / 2
-    top, bottom = before[0] * math.exp(both + half), before[1] * math.exp(both - half)
+    weights = weights_with(values)
+    top, bottom = before[0] / weights["top"], before[1] / weights["bottom"]
     if skin.one_conductor:
         yield Product(TOP, "ohm/sq", before[0], top, {COMMON: 1.0})
         return

@@ -9,9 +9,9 @@ const skin = new Skin(data);
 function answer({ touches: given, cast, at, byFinger }) {
   const touches = byFinger ? given.map((touch) => skin.byFinger(touch)) : given;
   const fingers = touches.map((touch) => touch.finger ?? 0);
-  const Z = skin.responses(touches, cast).map((each) => skin.frequencies.map((f) => skin.impedance(each, f, cast)));
+  const Z = skin.responses(touches, cast).map((each) => skin.frequencies.map((_, k) => skin.impedance(each, k, cast)));
   if (at === undefined) return { Z };
-  const { across } = skin.field(0, touches, skin.frequencies[at], cast);
+  const { across } = skin.field(0, touches, at, cast);
   return { Z, fingers, across: { re: [...across.re], im: [...across.im] } };
 }
 

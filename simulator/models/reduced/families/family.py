@@ -35,7 +35,7 @@ from ....scene.frequency import Loss
 from ....scene.parts import Skin
 from ....sweeps import InputError
 from ...heterogeneous.materials import gauged, gauges
-from ...parameters import HALF_WAVES, Variation, foam_parts, nominal
+from ...parameters import HALF_WAVES, Variation, foam_parts, nominal, sheet_weights
 from ..cases import Case
 from ..touches import FACTORS, Touches
 
@@ -288,7 +288,10 @@ def weights_of(
     """
     names = [contact.name for contact in skin.contacts]
     films = [variation.films[names.index(contact.name)] for contact in resistive(circuit)]
-    sheets = _conductances(variation, skin, circuit)
+    if circuit.fields == 1 and not variation.same_sheets:
+        raise InputError("sheets that vary over the skin in different ways need two fields")
+    of_each = variation.top, variation.bottom
+    sheets = sheet_weights(*of_each, *skin.sheet_resistances, circuit.fields)
     if gauged(skin):
         factors = np.ones(foam_parts(skin)) if pressed is None else pressed
         of_parts = gauges(skin, factors)
@@ -308,17 +311,6 @@ def changes(
     change = weights - weights_of(nominal(skin, modes), skin, circuit)
     changed = np.flatnonzero(change) if gauged(skin) else np.arange(change.size)
     return changed, change[changed]
-
-
-def _conductances(variation: Variation, skin: Skin, circuit: Circuit) -> list[Real]:
-    top, bottom = variation.top, variation.bottom
-    if circuit.fields == 2:
-        return [top, bottom]
-    if not variation.same_sheets:
-        raise InputError("sheets that vary over the skin in different ways need two fields")
-    R = np.array(skin.sheet_resistances)
-    mean = R.sum() / (R / [top[0], bottom[0]]).sum()
-    return [mean * top / top[0]]
 
 
 def resistive(circuit: Circuit) -> list[Contact]:

@@ -42,7 +42,7 @@ let field = fieldNow();
 const waiting = { picture: 0, quiet: 0, cast: true };
 
 function fieldNow() {
-  return skin.field(state.drive, state.touches, skin.frequencies[state.at], station.cast);
+  return skin.field(state.drive, state.touches, state.at, station.cast);
 }
 
 /** @param {Touch[]} touches */

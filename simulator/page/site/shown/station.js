@@ -50,7 +50,7 @@ export class Station {
   exact(touches) {
     const { skin, cast } = this;
     const found = skin.responses(touches, cast);
-    return found.map((each) => skin.frequencies.map((f) => skin.impedance(each, f, cast)));
+    return found.map((each) => skin.frequencies.map((_, k) => skin.impedance(each, k, cast)));
   }
 
   /** One sweep of the pressed skin, and several baseline sweeps, in one session. @returns {Measured} */

@@ -57,7 +57,7 @@ export class Localizer {
     const { skin, cast } = this;
     const found = skin.responses(touches, cast, true);
     return this.seen(
-      found.map((each) => skin.frequencies.map((f) => skin.impedance(each, f, cast))),
+      found.map((each) => skin.frequencies.map((_, k) => skin.impedance(each, k, cast))),
     );
   }
 

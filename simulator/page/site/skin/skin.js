@@ -19,7 +19,6 @@ import { Walls } from "rcskin/walls";
  * @typedef {{top: number, bottom: number, capacitance: number, loss: number}} Cast
  */
 
-const REFERENCE = 1e3; // Hz, at which a constant-phase capacitance has its nominal value
 const ROUGHLY = 1e-8; // relative error of Rs and of Cp that the localizer accepts
 const MOST_KNOWN = 3000;
 
@@ -92,19 +91,19 @@ export class Skin {
     );
   }
 
-  /** Factor that represents those of both sheets. @param {Cast} cast */
+  /** Factor that represents those of both sheets. @param {Pick<Cast, "top" | "bottom">} cast */
   common({ top, bottom }) {
     if (top === bottom) return top;
-    if (this.sheets.apart) return Math.sqrt(top * bottom);
-    const [ofTop, ofBottom] = this.data.sheets;
-    return (top * ofTop + bottom * ofBottom) / (ofTop + ofBottom);
+    if (this.sheets.apart) return top * this.conductances({ top, bottom })[0];
+    const { shares } = this.data.weights;
+    return top * shares[0] + bottom * shares[1];
   }
 
-  /** Conductances of the sheets over those of the model, apart from the common factor. @param {Cast} cast @returns {[number, number]} */
-  conductances(cast) {
-    const { top, bottom } = cast;
+  /** Conductances of the sheets over those of the model, apart from the common factor. @param {Pick<Cast, "top" | "bottom">} cast @returns {[number, number]} */
+  conductances({ top, bottom }) {
     if (!this.sheets.apart || top === bottom) return [1, 1];
-    return [Math.sqrt(bottom / top), Math.sqrt(top / bottom)];
+    const [ofTop, ofBottom] = this.data.weights.mismatch;
+    return [(top / bottom) ** ofTop, (top / bottom) ** ofBottom];
   }
 
   /** True if these settings change every curve, and not by a scale alone. @param {Cast} cast */
@@ -135,7 +134,7 @@ export class Skin {
     if (known) return known;
     const { range } = this.data;
     const most = range.resistance[1];
-    const farthest = this.variable(this.frequencies[this.frequencies.length - 1], {
+    const farthest = this.variable(this.frequencies.length - 1, {
       top: most,
       bottom: most,
       capacitance: range.capacitance[1],
@@ -151,22 +150,19 @@ export class Skin {
     return found;
   }
 
-  /** Variable s of the model, rad/s, for a skin as it is set. @param {number} frequency Hz @param {Cast} cast @returns {Complex} */
-  variable(frequency, cast) {
-    const scale = this.common(cast) * cast.capacitance * 2 * Math.PI * frequency;
-    const exponent = this.data.foam.phase_exponent - 1;
-    const size = scale * (frequency / REFERENCE) ** exponent;
-    const turn = (Math.PI / 2) * exponent;
-    const [cos, sin] = exponent === 0 ? [1, 0] : [Math.cos(turn), Math.sin(turn)];
-    return { re: size * (cast.loss * cos - sin), im: size * (cos + cast.loss * sin) };
+  /** Variable s of the model, rad/s, for a skin as it is set. @param {number} at number of the frequency @param {Cast} cast @returns {Complex} */
+  variable(at, cast) {
+    const scale = this.common(cast) * cast.capacitance;
+    const [re, im, reByLoss, imByLoss] = this.data.weights.s[at];
+    return { re: scale * (re + cast.loss * reByLoss), im: scale * (im + cast.loss * imByLoss) };
   }
 
-  /** Impedance at the meter's end, ohm. @param {Shown} response @param {number} frequency Hz @param {Cast} cast @returns {Complex} */
-  impedance(response, frequency, cast) {
-    const Y = response.admittance(this.variable(frequency, cast));
+  /** Impedance at the meter's end, ohm. @param {Shown} response @param {number} at number of the frequency @param {Cast} cast @returns {Complex} */
+  impedance(response, at, cast) {
+    const Y = response.admittance(this.variable(at, cast));
     const common = this.common(cast);
     const { resistance, inductance, unguarded } = this.data.leads;
-    const omega = 2 * Math.PI * frequency;
+    const omega = 2 * Math.PI * this.frequencies[at];
     const seen = { re: Y.re / common, im: Y.im / common + omega * unguarded };
     const size = seen.re * seen.re + seen.im * seen.im;
     return { re: resistance + seen.re / size, im: omega * inductance - seen.im / size };
@@ -174,12 +170,12 @@ export class Skin {
 
   /**
    * Difference of the sheets' potentials, and the top sheet's potential, at the raster's points for 1 V.
-   * @param {number} drive @param {Touch[]} touches @param {number} frequency Hz @param {Cast} cast
+   * @param {number} drive @param {Touch[]} touches @param {number} at number of the frequency @param {Cast} cast
    */
-  field(drive, touches, frequency, cast) {
+  field(drive, touches, at, cast) {
     const touched = this.touched(touches, cast);
     const fed = this.fed(cast, touched);
-    const s = this.variable(frequency, cast);
+    const s = this.variable(at, cast);
     const found = this.model.drivesOf(drive).map((k) => this.model.potentials(fed[k], touched, s));
     const u = found.reduce(({ re, im }, own) => ({
       re: re.map((value, k) => value + own.re[k]),
@@ -193,8 +189,7 @@ export class Skin {
       im: this.#spread(u.im, field, points),
     }));
     if (fields === 1) {
-      const [top, bottom] = [this.data.sheets[0] * cast.top, this.data.sheets[1] * cast.bottom];
-      const share = top / (top + bottom);
+      const share = (this.data.weights.shares[0] * cast.top) / this.common(cast);
       const part = (/** @type {Float64Array} */ values) => values.map((value) => share * value);
       return { across: each[0], top: { re: part(each[0].re), im: part(each[0].im) } };
     }
