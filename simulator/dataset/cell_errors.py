@@ -49,9 +49,7 @@ def lattice_error(parts: SceneParts, family: SkinFamily, seed: int) -> float:
     presses = _sample(parts, family, seed)
     assert presses.placed is not None
     on_cells = _answers(parts.skin, parts.setup, family, presses.batch)
-    traced = cell_presses_by_triangles(
-        parts.skin, parts.plan, presses.touches, presses.placed, family.grid
-    )
+    traced = cell_presses_by_triangles(parts.skin, parts.plan, presses.placed, family.grid)
     exact = _answers(parts.skin, parts.setup, family, traced)
     return SAMPLED * float(reading_difference(on_cells, exact, parts.setup.kind).max())
 

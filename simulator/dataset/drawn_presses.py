@@ -10,7 +10,7 @@ from ..arrays import Integer, Mask, Real
 from ..mesh.pixel_coverage import pixel_coverage, with_fingers_at, with_fingers_on
 from ..press.batch import PressBatch
 from ..press.press import rod_text
-from ..press.rasterized import Footprints
+from ..press.rasterized import Touches
 from ..scene.parts import Plan, SceneParts, Skin
 from ..scene.randomisation import CUT, DrawnPress, truncated_normal
 from .drawn_touches import (
@@ -38,7 +38,7 @@ class Presses:
     batch: presses on cells. text, row, column: as in the schema of sweeps.
     touches: number of touches, shape (press,). x, y [m], factor, finger [F]: centre, strength and
     capacitance to earth of each touch, shape (press, MAX_TOUCHES); 0, 0, 1 and 0 without a
-    touch. placed: footprints of touches that are no whole pixels.
+    touch. placed: touches that are no whole pixels.
     """
 
     batch: PressBatch
@@ -50,7 +50,7 @@ class Presses:
     y: Real
     factor: Real
     finger: Real
-    placed: Footprints | None = None
+    placed: Touches | None = None
 
 
 def session_presses(
@@ -222,14 +222,10 @@ def presses_anywhere(
     chances, factor: as in `drawn_places`.
     """
     placed = drawn_places(skin, plan, touches, chances, factor, grid, fingers)
-    there = np.arange(MAX_TOUCHES) < touches[:, None]
+    there, strengths = placed.there, written_strengths(skin, plan.press, placed)
     return Presses(
-        batch=with_fingers_at(
-            skin, cell_presses(skin, plan, touches, placed, grid), touches, placed, grid
-        ),
-        text=texts_anywhere(
-            touches, placed, *written_strengths(skin, plan.press, placed), rod_text(plan.press)
-        ),
+        batch=with_fingers_at(skin, cell_presses(skin, plan, placed, grid), placed, grid),
+        text=texts_anywhere(placed, *strengths, rod_text(plan.press)),
         row=np.where(touches == 0, 0, -1),
         column=np.where(touches == 0, 0, -1),
         touches=touches,
@@ -260,7 +256,7 @@ def with_offset(
     x, y = np.where(there, (low + high) / 2, 0.0)
     width, height = high - low
     left = width * height / np.prod(sides)
-    placed = Footprints.rectangles(x, y, width, height, nominal.factor, nominal.finger * left)
-    batch = cell_presses(skin, plan, nominal.touches, placed, grid)
-    batch = with_fingers_at(skin, batch, nominal.touches, placed, grid)
+    acts = nominal.factor, nominal.finger * left
+    placed = Touches.rectangles(nominal.touches, x, y, width, height, *acts)
+    batch = with_fingers_at(skin, cell_presses(skin, plan, placed, grid), placed, grid)
     return replace(nominal, batch=batch, x=x, y=y, finger=placed.finger, placed=placed)

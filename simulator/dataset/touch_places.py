@@ -6,6 +6,7 @@ deflection under the whole press; see `models.mechanics.lattice_presses`.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,7 @@ from ..arrays import Integer, Mask, Real
 from ..mesh.pixel_coverage import pixel_coverage
 from ..models.reduced.touches import spreading
 from ..press.batch import PressBatch
-from ..press.rasterized import Footprints, rasterized
+from ..press.rasterized import Touches, rasterized
 from ..scene.parts import Plan, Pressing, Skin
 from ..scene.skin_region import covers
 from .drawn_touches import DrawnFingers, finger_texts, joined_texts, written_strength
@@ -37,7 +38,7 @@ def drawn_places(
     factor: Real,
     grid: tuple[int, int],
     fingers: DrawnFingers,
-) -> Footprints:
+) -> Touches:
     """Random touches of each press with their middles on the skin, in the order of the texts.
 
     chances: quantiles of place along x and y, of size along x and y, and of further places in case
@@ -54,20 +55,17 @@ def drawn_places(
     x, y = (np.take_along_axis(places, which, axis=0)[0] for places in (x, y))
     there = np.arange(factor.shape[1]) < touches[:, None]
     finger = fingers.over(skin, plan.press, width * height * np.where(disc, np.pi / 4, 1.0), there)
-    placed = Footprints(disc, x, y, width, height, np.where(there, factor, 1.0), finger)
-    return _in_order(placed, touches)
+    factor = np.where(there, factor, 1.0)
+    return _in_order(Touches(touches, disc, x, y, width, height, factor, finger))
 
 
-def place_texts(
-    touches: Integer, placed: Footprints, strength: Real, unit: str, rod: str = ""
-) -> list[str]:
+def place_texts(placed: Touches, strength: Real, unit: str, rod: str = "") -> list[str]:
     """The text of each press, in the format of `label_of`.
 
     strength: of each touch, in `unit`. rod: suffix from `rod_text`.
     """
-    there = np.arange(placed.x.shape[1]) < touches[:, None]
-    written_values = placed._replace(factor=strength)
-    rows = zip(*(each[there].tolist() for each in written_values), strict=True)
+    there, columns = placed.there, placed._replace(factor=strength)[1:]
+    rows = zip(*(each[there].tolist() for each in columns), strict=True)
     written = (
         f"disc({x!r},{y!r},{width / 2!r}):{by!r}{unit}"
         if disc
@@ -75,7 +73,7 @@ def place_texts(
         for disc, x, y, width, height, by, _ in rows
     )
     parts = zip(written, finger_texts(placed.finger[there], rod), strict=False)
-    return joined_texts(touches, map("".join, parts))
+    return joined_texts(placed.counts, map("".join, parts))
 
 
 def _first_on_skin(
@@ -99,16 +97,17 @@ def _first_on_skin(
     return on_skin.argmax(axis=0)
 
 
-def _in_order(placed: Footprints, touches: Integer) -> Footprints:
+def _in_order(placed: Touches) -> Touches:
     """Sorts touches as in the texts of presses: rectangles before discs, each by its numbers."""
-    swapped = _after(placed) & (touches > 1)
-    return Footprints(*(np.where(swapped[:, None], each[:, ::-1], each) for each in placed))
+    swapped = (_after(placed) & (placed.counts > 1))[:, None]
+    sorted_ones = (np.where(swapped, each[:, ::-1], each) for each in placed[1:])
+    return Touches(placed.counts, *sorted_ones)
 
 
-def _after(placed: Footprints) -> Mask:
+def _after(placed: Touches) -> Mask:
     """True if the first of two touches of a press sorts after the second, shape (press,)."""
     after, same = np.zeros(len(placed.x), dtype=bool), np.ones(len(placed.x), dtype=bool)
-    for each in placed:
+    for each in placed[1:]:
         first, second = each[:, 0], each[:, 1]
         after |= same & (first > second)
         same &= first == second
@@ -123,23 +122,17 @@ def _length(value: Real) -> Real:
     return np.round(value, LENGTH_DECIMALS)
 
 
-def cell_presses(
-    skin: Skin, plan: Plan, touches: Integer, placed: Footprints, grid: tuple[int, int]
-) -> PressBatch:
+def cell_presses(skin: Skin, plan: Plan, placed: Touches, grid: tuple[int, int]) -> PressBatch:
     """Presses rasterized on cells; by the deflection if a tension spreads the scene's presses."""
     if not spreading(skin, plan.press):
-        return rasterized(skin, touches, placed, grid)
+        return rasterized(skin, placed, grid)
     from ..models.mechanics.lattice_presses import raised
 
     lattice = lattice_for(skin, plan, grid)
-    each = (
-        applicators_of(skin, plan.press, placed, k, count)
-        for k, count in enumerate(touches.tolist())
-    )
-    return PressBatch.of(raised(lattice, own) for own in each)
+    return PressBatch.of(raised(lattice, own) for own in applicators(skin, plan.press, placed))
 
 
-def written_strengths(skin: Skin, pressing: Pressing, placed: Footprints) -> tuple[Real, str]:
+def written_strengths(skin: Skin, pressing: Pressing, placed: Touches) -> tuple[Real, str]:
     """Strengths of touches as written in their texts, and the unit."""
     return (
         written_strength(skin, pressing, placed.factor)
@@ -161,27 +154,19 @@ def lattice_for(skin: Skin, plan: Plan, grid: tuple[int, int]) -> Lattice:
 
 
 def cell_presses_by_triangles(
-    skin: Skin, plan: Plan, touches: Integer, placed: Footprints, grid: tuple[int, int]
+    skin: Skin, plan: Plan, placed: Touches, grid: tuple[int, int]
 ) -> PressBatch:
     """As `cell_presses`, by the membrane on triangles."""
     from ..models.mechanics.lattice_presses import traced
 
-    lattice = lattice_for(skin, plan, grid)
-    each = (
-        applicators_of(skin, plan.press, placed, k, count)
-        for k, count in enumerate(touches.tolist())
-    )
+    lattice, each = lattice_for(skin, plan, grid), applicators(skin, plan.press, placed)
     return PressBatch.of(traced(skin, lattice, own) for own in each)
 
 
-def applicators_of(
-    skin: Skin, pressing: Pressing, placed: Footprints, press: int, touches: int
-) -> Bodies:
-    """The first so many touches of a press as applicators."""
+def applicators(skin: Skin, pressing: Pressing, placed: Touches) -> Iterator[Bodies]:
+    """Touches of each press as applicators."""
     from ..models.mechanics.relaxation_kernel import Bodies
 
-    own = press, slice(touches)
-    x, y, wide, high = placed.x[own], placed.y[own], placed.width[own] / 2, placed.height[own] / 2
-    boxes = np.stack([x - wide, x + wide, y - high, y + high], axis=-1)
-    radius = np.where(placed.disc[own], wide, 0.0)
-    return Bodies.by_depth(boxes, radius, written_strength(skin, pressing, placed.factor[own])[0])
+    columns = placed.boxes, placed.radii, written_strength(skin, pressing, placed.factor)[0]
+    for press, count in enumerate(placed.counts.tolist()):
+        yield Bodies.by_depth(*(each[press, :count] for each in columns))

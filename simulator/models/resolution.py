@@ -6,7 +6,7 @@ import math
 
 from ..fem.circuit import Circuit
 from ..mesh.quadrilaterals import Resolution, singular_ends
-from ..press.capacitance import lines, patch, tile_map, touched_box
+from ..press.capacitance import lines, tile_map, touched_box
 from ..press.press import Press
 from ..press.touch import AnyTouch, Touch
 from ..scene.contacts import Contact
@@ -143,8 +143,8 @@ def reached_by_field(touch: AnyTouch, skin: Skin, depth: float) -> bool:
 
 def all_lines(press: Press, skin: Skin) -> Lines:
     """Lines at which c jumps by these touches, ascending."""
-    patches = [patch(skin, touch) for touch in press.touches]
-    x, y = ({line for p in patches for line in (p.x, p.y)[axis].tolist()} for axis in (0, 1))
+    boxes = [touched_box(skin, touch) for touch in press.touches]
+    x, y = ({line for box in boxes for line in box[axis : axis + 2]} for axis in (0, 2))
     return tuple(sorted(x)), tuple(sorted(y))
 
 

@@ -6,39 +6,15 @@ They are patches that a mesh of lines follows. Meshes for other shapes have edge
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..arrays import Real
 from ..scene.parts import Skin
-from ..scene.planar import NO_LINES, SAME_EDGE, SAME_LINE, Lines, distinct, shared
+from ..scene.planar import NO_LINES, SAME_EDGE, SAME_LINE, Lines, covered, distinct
 from ..sweeps import InputError
 from .pixels import pixel_lines
 from .press import Press, require_plain
 from .touch import AnyTouch, Box, Rectangle, Touch
-
-
-@dataclass(frozen=True)
-class Patch:
-    """A touch between two lines x and two lines y in m, and its factor."""
-
-    x: Real
-    y: Real
-    factor: float
-
-    @property
-    def area(self) -> float:
-        """Area between its lines, m²."""
-        return float(np.ptp(self.x) * np.ptp(self.y))
-
-    def share(self, x: Real, y: Real) -> Real:
-        """Covered share of each cell between other lines, shape (row, column)."""
-        return shared(self.y, y).T @ shared(self.x, x)
-
-    def factors(self, x: Real, y: Real) -> Real:
-        """c over that without the touch, averaged over each cell between other lines."""
-        return mean_factor(self.share(x, y), self.factor)
 
 
 def capacitance_map(skin: Skin, press: Press) -> Real:
@@ -47,22 +23,10 @@ def capacitance_map(skin: Skin, press: Press) -> Real:
     Raises InputError for a touch that is not whole pixels, of which `touched_cells` gives means.
     """
     require_plain(press)
-    c = np.full((skin.pixels.rows, skin.pixels.columns), skin.foam.unpressed_capacitance_per_area)
-    if press.adds:
-        return c * tile_map(skin, press, pixel_lines(skin, 0), pixel_lines(skin, 1))
-    for touch in press.touches:
-        if isinstance(touch, Touch):
-            c[touch.row - 1, touch.column - 1] *= touch.factor
-        elif lines(skin, Press((touch,))) != NO_LINES:
-            raise InputError(f"press {press}: all touches must be whole pixels here")
-        else:
-            c *= patch(skin, touch).factors(pixel_lines(skin, 0), pixel_lines(skin, 1))
-    return c
-
-
-def _with_touch(press: Press, total: Real, factors: Real) -> Real:
-    """c with one more touch: factors multiply, capacitances to earth add."""
-    return total + (factors - 1) if press.adds else total * factors
+    if not press.adds and lines(skin, press) != NO_LINES:
+        raise InputError(f"press {press}: all touches must be whole pixels here")
+    own = tile_map(skin, press, pixel_lines(skin, 0), pixel_lines(skin, 1))
+    return skin.foam.unpressed_capacitance_per_area * own
 
 
 def tile_map(skin: Skin, press: Press, x: Real, y: Real) -> Real:
@@ -72,22 +36,25 @@ def tile_map(skin: Skin, press: Press, x: Real, y: Real) -> Real:
     """
     total = np.ones((len(y) - 1, len(x) - 1))
     for touch in press.touches:
-        total = _with_touch(press, total, patch(skin, touch).factors(x, y))
+        part = covered_part(touched_box(skin, touch), x, y)
+        factors = (1 - part) + touch.factor * part
+        total = total + (factors - 1) if press.adds else total * factors
     return total
+
+
+def covered_part(box: Box, x: Real, y: Real) -> Real:
+    """Part of each cell between lines in m that a rectangle covers, shape (row, column)."""
+    return np.multiply.outer(covered(box.bottom, box.top, y), covered(box.left, box.right, x))
 
 
 def lines(skin: Skin, press: Press, grid: tuple[int, int] | None = None) -> Lines:
     """Lines at which c may jump beside those of the grid, by default the pixels, ascending."""
-    areas = [patch(skin, touch, grid) for touch in press.touches if not isinstance(touch, Touch)]
-    if not areas:
+    boxes = [
+        touched_box(skin, touch, grid) for touch in press.touches if not isinstance(touch, Touch)
+    ]
+    if not boxes:
         return NO_LINES
-    return _between_cells(skin, areas, 0, grid), _between_cells(skin, areas, 1, grid)
-
-
-def patch(skin: Skin, touch: AnyTouch, grid: tuple[int, int] | None = None) -> Patch:
-    """Patch that a touch covers, see `touched_box`. Raises InputError if it is no patch."""
-    box = touched_box(skin, touch, grid)
-    return Patch(np.array(box[:2]), np.array(box[2:]), touch.factor)
+    return _between_cells(skin, boxes, 0, grid), _between_cells(skin, boxes, 1, grid)
 
 
 def touched_box(skin: Skin, touch: AnyTouch, grid: tuple[int, int] | None = None) -> Box:
@@ -106,20 +73,15 @@ def touched_box(skin: Skin, touch: AnyTouch, grid: tuple[int, int] | None = None
     return Box(_snapped(left, x), _snapped(right, x), _snapped(bottom, y), _snapped(top, y))
 
 
-def mean_factor(fraction: Real, factor: float) -> Real:
-    """1 + (factor - 1) fraction, exact for fractions 0 and 1."""
-    return (1 - fraction) + factor * fraction
-
-
 def _snapped(line: float, known: Real, same: float = SAME_LINE) -> float:
     nearest = known[np.abs(known - line).argmin()]
     return float(nearest if abs(nearest - line) <= same * known[-1] else line)
 
 
 def _between_cells(
-    skin: Skin, patches: list[Patch], axis: int, grid: tuple[int, int] | None
+    skin: Skin, boxes: list[Box], axis: int, grid: tuple[int, int] | None
 ) -> tuple[float, ...]:
     known = pixel_lines(skin, axis, grid)
-    of_touches = [line for each in patches for line in (each.x, each.y)[axis]]
+    of_touches = [line for box in boxes for line in box[2 * axis : 2 * axis + 2]]
     separate = distinct([*of_touches, known[-1]], SAME_EDGE).tolist()
     return tuple(line for line in separate if _snapped(line, known, SAME_EDGE) not in known)

@@ -25,13 +25,15 @@ from .touch import Disc, Indentation, Rectangle, Touch, place_of
 from .walls import require_no_walls
 
 
-class Footprints(NamedTuple):
-    """Rectangles and discs, those of each press first in their row, shape (press, touch).
+class Touches(NamedTuple):
+    """Rectangles and discs of many presses, those of each press first in their row.
 
-    disc: False for a rectangle. x, y: of the centre, width, height: of the box around it, m.
-    factor: c over that without the touch. finger: capacitance to earth, F.
+    counts: touches of each press, shape (press,); all others have the shape (press, touch). disc:
+    False for a rectangle. x, y: of the centre, width, height: of the box around it, m. factor: c
+    over that without the touch. finger: capacitance to earth, F.
     """
 
+    counts: Integer
     disc: Mask
     x: Real
     y: Real
@@ -43,6 +45,7 @@ class Footprints(NamedTuple):
     @classmethod
     def rectangles(
         cls,
+        counts: Integer,
         x: Real,
         y: Real,
         width: ArrayLike,
@@ -50,9 +53,26 @@ class Footprints(NamedTuple):
         factor: ArrayLike,
         finger: ArrayLike = 0.0,
     ) -> Self:
-        """Footprints of rectangles; arrays of shape (press, touch), or broadcasting to it."""
+        """Rectangles; arrays of shape (press, touch), or broadcasting to it."""
         given = (np.broadcast_to(each, x.shape) for each in (width, height, factor, finger))
-        return cls(np.zeros(x.shape, dtype=bool), x, y, *given)
+        return cls(counts, np.zeros(x.shape, dtype=bool), x, y, *given)
+
+    @classmethod
+    def of(cls, skin: Skin, press: Press) -> Self:
+        """Touches of one press. Raises InputError for other shapes."""
+        own = press.touches
+        boxes = [each.box if isinstance(each, Disc) else touched_box(skin, each) for each in own]
+        left, right, bottom, top = np.array(boxes).reshape(1, -1, 4).transpose(2, 0, 1)
+        acts = np.array([(each.factor, each.finger) for each in own]).reshape(1, -1, 2)
+        disc = np.array([[isinstance(each, Disc) for each in own]], dtype=bool)
+        middle = (left + right) / 2, (bottom + top) / 2
+        counts, sides = np.array([len(own)]), (right - left, top - bottom)
+        return cls(counts, disc, *middle, *sides, *acts.transpose(2, 0, 1))
+
+    @property
+    def there(self) -> Mask:
+        """True where a press has a touch, shape (press, touch)."""
+        return np.arange(self.x.shape[1]) < self.counts[:, None]
 
     @property
     def boxes(self) -> Real:
@@ -66,58 +86,43 @@ class Footprints(NamedTuple):
         return np.where(self.disc, self.width / 2, 0.0)
 
 
-def footprints_of(skin: Skin, press: Press) -> Footprints:
-    """Footprints of one press, shape (1, touch). Raises InputError for other shapes."""
-    touches = press.touches
-    boxes = [each.box if isinstance(each, Disc) else touched_box(skin, each) for each in touches]
-    left, right, bottom, top = np.array(boxes).reshape(1, -1, 4).transpose(2, 0, 1)
-    acts = np.array([(each.factor, each.finger) for each in touches]).reshape(1, -1, 2)
-    disc = np.array([[isinstance(each, Disc) for each in touches]], dtype=bool)
-    middle = (left + right) / 2, (bottom + top) / 2
-    return Footprints(disc, *middle, right - left, top - bottom, *acts.transpose(2, 0, 1))
-
-
 def rasterized(
-    skin: Skin,
-    touches: Integer,
-    footprints: Footprints,
-    grid: tuple[int, int],
-    adds: bool = False,
+    skin: Skin, touches: Touches, grid: tuple[int, int], adds: bool = False
 ) -> PressBatch:
     """Cells in which presses raise c, and the rise relative to the unpressed c.
 
-    touches: number in each press, shape (press,). grid: rows and columns; sides of rectangles snap
-    to lines that they nearly coincide with. adds: see `Press`.
+    grid: rows and columns; sides of rectangles snap to lines that they nearly coincide with. adds:
+    see `Press`.
     """
     from .cell_kernel import cells_of_patches
 
-    cells, boxes, radii = GridCells.of(skin, grid), footprints.boxes, footprints.radii
+    cells, boxes, radii = GridCells.of(skin, grid), touches.boxes, touches.radii
     for ends, line in ((boxes[..., :2], cells.x), (boxes[..., 2:], cells.y)):
         last = len(line) - 1
         near = line[np.clip(np.rint(ends / line[-1] * last), 0, last).astype(np.int64)]
         same = (radii == 0)[..., None] & (np.abs(near - ends) <= SAME_LINE * line[-1])
         ends[...] = np.where(same, near, ends)
-    rises = np.ascontiguousarray(footprints.factor - 1)
-    return cells_of_patches(touches, boxes, radii, rises, not adds, cells)
+    rises = np.ascontiguousarray(touches.factor - 1)
+    return cells_of_patches(touches.counts, boxes, radii, rises, not adds, cells)
 
 
 def with_fingers(
     skin: Skin,
     batch: PressBatch,
-    touches: Integer,
-    footprints: Footprints,
+    touches: Touches,
     grid: tuple[int, int],
     part: Real | None = None,
 ) -> PressBatch:
     """Presses with the fingers of their touches, as parts of M that rise by F; see `Parts`.
 
-    touches, grid: see `rasterized`. part: see `spread_finger`.
+    grid: see `rasterized`. part: see `spread_finger`.
     """
-    for number in range(footprints.finger.shape[1] if footprints.finger.any() else 0):
-        own = Footprints._make(each[:, number : number + 1] for each in footprints)
-        there = (touches > number) & (own.finger[:, 0] > 0)
-        whole = own._replace(factor=np.full_like(own.factor, 2.0))
-        covered = rasterized(skin, there.astype(np.int64), whole, grid)
+    fingered = touches.there & (touches.finger > 0)
+    for number in np.flatnonzero(fingered.any(axis=0)).tolist():
+        counts = fingered[:, number].astype(np.int64)
+        one = slice(number, number + 1)
+        own = Touches._make([counts, *(each[:, one] for each in touches[1:])])
+        covered = rasterized(skin, own._replace(factor=np.full_like(own.factor, 2.0)), grid)
         batch = batch.and_(spread_finger(skin, covered, own.finger[:, 0], grid, part))
     return batch
 
@@ -152,17 +157,16 @@ def touched_cells(skin: Skin, press: Press, grid: tuple[int, int] | None = None)
     _check_walls(skin, press, shape)
     if press.indented:
         return joined_cells(_under_applicators(skin, press), fingers(skin, press, shape))
-    touches, placed = np.array([len(press.touches)]), footprints_of(skin, press)
-    raised = rasterized(skin, touches, placed, shape, press.adds)
-    return with_fingers(skin, raised, touches, placed, shape).one(0)
+    touches = Touches.of(skin, press)
+    raised = rasterized(skin, touches, shape, press.adds)
+    return with_fingers(skin, raised, touches, shape).one(0)
 
 
 def fingers(skin: Skin, press: Press, grid: tuple[int, int] | None = None) -> TouchedCells:
     """Fingers of a press on such a grid, numbered as in `Parts`, F."""
     own = press.of(replace(place_of(t), finger=t.finger) for t in press.touches if t.finger)
-    none, touches = PressBatch.of([NOTHING]), np.array([len(own.touches)])
-    placed = footprints_of(skin, own)
-    return with_fingers(skin, none, touches, placed, grid or skin.pixels.shape).one(0)
+    none, touches = PressBatch.of([NOTHING]), Touches.of(skin, own)
+    return with_fingers(skin, none, touches, grid or skin.pixels.shape).one(0)
 
 
 def _check_walls(skin: Skin, press: Press, grid: tuple[int, int]) -> None:

@@ -21,6 +21,11 @@ class Box(NamedTuple):
     bottom: float
     top: float
 
+    @property
+    def area(self) -> float:
+        """Area, m²."""
+        return (self.right - self.left) * (self.top - self.bottom)
+
 
 class Touched:
     """Common part of all touches. finger: capacitance of the finger there to earth, F."""

@@ -22,7 +22,7 @@ from rcskin.simulator.dataset.touch_places import (
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.press.rasterized import Footprints
+from rcskin.simulator.press.rasterized import Touches
 from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.scene.skin_region import on_skin
 from rcskin.simulator.sweeps import InputError
@@ -68,7 +68,8 @@ def at_the_worst(scene):
     factor = np.ones_like(x)
     depths = np.array([2.1e-3, 2e-3, 1e-3, 2.2e-3, 1.2e-3])
     factor[[0, 1, 2, 3, 3], [0, 0, 0, 0, 1]] = scene.parts.skin.pressed_factors(depths)
-    return np.array([1, 1, 1, 2]), Footprints(disc, x, y, width, height, factor, 0 * factor)
+    counts = np.array([1, 1, 1, 2])
+    return Touches(counts, disc, x, y, width, height, factor, 0 * factor)
 
 
 trained = cache(REDUCED.train)
@@ -100,18 +101,12 @@ def covered(scene, count, *others):
     own = family.at(None)
     drawn = drawn_presses(scene.parts, np.random.default_rng(7), count, family.grid)
     solver = Solver(scene.parts, RTOL / 10)
-    for touches, placed in ((drawn.touches, drawn.placed), *others):
-        Z = own.sweeps(
-            cell_presses(scene.parts.skin, scene.parts.plan, touches, placed, family.grid)
-        )
+    for placed in (drawn.placed, *others):
+        Z = own.sweeps(cell_presses(scene.parts.skin, scene.parts.plan, placed, family.grid))
         by_triangles = own.sweeps(
-            cell_presses_by_triangles(
-                scene.parts.skin, scene.parts.plan, touches, placed, family.grid
-            )
+            cell_presses_by_triangles(scene.parts.skin, scene.parts.plan, placed, family.grid)
         )
-        told = place_texts(
-            touches, placed, *written_strengths(scene.parts.skin, scene.press, placed)
-        )
+        told = place_texts(placed, *written_strengths(scene.parts.skin, scene.press, placed))
         exact = np.stack([solver.solve(parse_press(text, np.nan)).Z for text in told])
         moved = relative_difference(Z, by_triangles).max()
         assert 0 < moved <= of_deflections

@@ -19,7 +19,7 @@ from ...models.mechanics.skin_lattice import Lattice, Window
 from ...models.reduced.touches import scene_spreads_presses
 from ...press.batch import PressBatch
 from ...press.parts import parts_of
-from ...press.rasterized import Footprints, rasterized
+from ...press.rasterized import Touches, rasterized
 from ...scene.parts import Pressing, Skin
 from ...sweeps import ToleranceError
 from .touch_rasterizers import DepthRasterizer, Point, enclosing_window
@@ -65,8 +65,8 @@ def rasterized_with_fingers(
     own = batch.where(finger)
     pixel, capacitance = by_touch(own)
     x, y = np.moveaxis(np.array(middles(skin))[pixel - foam], -1, 0)
-    squares = Footprints.rectangles(x, y, size, size, 1.0, capacitance)
-    return with_fingers_at(skin, on_cells, np.diff(own.starts), squares, grid)
+    squares = Touches.rectangles(np.diff(own.starts), x, y, size, size, 1.0, capacitance)
+    return with_fingers_at(skin, on_cells, squares, grid)
 
 
 def by_touch(batch: PressBatch) -> tuple[Integer, Real]:
@@ -102,8 +102,9 @@ class SharpPixelTouches:
         """See `PixelTouches`."""
         pixel, rises = by_touch(batch)
         x, y = np.moveaxis(self._middles[pixel], -1, 0)
-        squares = Footprints.rectangles(x, y, self._size, self._size, 1 + rises)
-        return rasterized(self._skin, np.diff(batch.starts), squares, self._grid)
+        counts, size = np.diff(batch.starts), self._size
+        squares = Touches.rectangles(counts, x, y, size, size, 1 + rises)
+        return rasterized(self._skin, squares, self._grid)
 
 
 class _Depths(NamedTuple):

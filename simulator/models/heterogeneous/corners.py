@@ -20,7 +20,7 @@ from ...fem.unknowns import TRIANGLES
 from ...mesh.corner_exponents import SheetAtCorners, around, between, stretched
 from ...mesh.domain import Domain
 from ...mesh.quadrilaterals import RATIO
-from ...press.capacitance import Patch, patch
+from ...press.capacitance import touched_box
 from ...press.press import Press
 from ...scene.contacts import Contact
 from ...scene.parts import Skin
@@ -72,7 +72,7 @@ def power_at(
     around_corner = at[:, None] + away[:, None] * QUADRANTS
     sides = np.array(skin.sides)[:, None]
     within: Mask = np.all((around_corner > 0) & (around_corner < sides), axis=0)
-    found = gauges(skin, _factors([patch(skin, t) for t in press.touches], around_corner))
+    found = gauges(skin, _factors(skin, press, around_corner))
     powers = [1.0]
     for sheet, conductances in zip(ELECTRODES, found, strict=True):
         jumps = np.ptp(conductances[within]) > 0
@@ -105,12 +105,13 @@ def _places(skin: Skin, press: Press) -> list[tuple[float, float]]:
     return [(a, b) for a in x for b in y]
 
 
-def _factors(patches: Sequence[Patch], x: Real) -> Real:
+def _factors(skin: Skin, press: Press, x: Real) -> Real:
     """c over its unpressed value at positions in m, shape (2, place)."""
     found = np.ones(x.shape[1])
-    for each in patches:
-        inside = (each.x[0] < x[0]) & (x[0] < each.x[1]) & (each.y[0] < x[1]) & (x[1] < each.y[1])
-        found[inside] *= each.factor
+    for touch in press.touches:
+        left, right, bottom, top = touched_box(skin, touch)
+        inside = (left < x[0]) & (x[0] < right) & (bottom < x[1]) & (x[1] < top)
+        found[inside] *= touch.factor
     return found
 
 

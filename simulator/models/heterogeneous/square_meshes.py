@@ -14,7 +14,7 @@ from ...arrays import Real
 from ...fem.circuit import Circuit, paired
 from ...fem.galerkin import Galerkin
 from ...mesh.quadrilaterals import Resolution, pixel_mesh, tile_lines
-from ...press.capacitance import patch, tile_map
+from ...press.capacitance import covered_part, tile_map, touched_box
 from ...press.pixels import pixel_lines
 from ...press.press import Press
 from ...press.touch import Rectangle, Touch
@@ -95,7 +95,7 @@ class Squares:
         x, y = (tile_lines(self.skin, axis, resolution) for axis in (0, 1))
         factors = tile_map(self.skin, self.press, x, y).ravel()[pixels.pixel]
         shares = [
-            (touch.finger, patch(self.skin, touch).share(x, y).ravel()[pixels.pixel])
+            (touch.finger, covered_part(touched_box(self.skin, touch), x, y).ravel()[pixels.pixel])
             for touch in self.press.touches
             if touch.finger
         ]
@@ -163,7 +163,7 @@ def jumping(press: Press, skin: Skin) -> Press:
         return press
     c = skin.foam.unpressed_capacitance_per_area
     return press.of(
-        replace(t, factor=t.factor + t.finger / (c * patch(skin, t).area), finger=0.0)
+        replace(t, factor=t.factor + t.finger / (c * touched_box(skin, t).area), finger=0.0)
         for t in press.touches
         if isinstance(t, Touch | Rectangle)
     )

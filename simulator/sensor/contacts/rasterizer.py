@@ -20,7 +20,7 @@ from ...press.batch import NOTHING, PressBatch
 from ...press.cell_kernel import FAINT, axis_shares
 from ...press.finger import finger_over
 from ...press.pixels import SAMPLES, GridCells
-from ...press.rasterized import Footprints
+from ...press.rasterized import Touches
 from ...press.walls import require_no_walls
 from ...scene.parts import Pressing, Skin
 from ...scene.planar import shared
@@ -281,10 +281,9 @@ def with_fingers(
     left, right = (np.clip(x + side * width / 2, 0.0, skin.length) for side in (-1, 1))
     low, high = (np.clip(y + side * height / 2, 0.0, skin.width) for side in (-1, 1))
     area = np.where(disc, np.pi * outer**2, (right - left) * (high - low))
-    there = (np.arange(x.shape[1]) < contacts.counts[:, None]) & (area > 0)
-    finger = np.where(there, finger_over(skin, area, pressing.finger), 0.0)
-    placed = Footprints(disc, x, y, width, height, np.ones(x.shape), finger)
-    return with_fingers_at(skin, batch, contacts.counts, placed, grid)
+    finger = np.where(area > 0, finger_over(skin, area, pressing.finger), 0.0)
+    touches = Touches(contacts.counts, disc, x, y, width, height, np.ones(x.shape), finger)
+    return with_fingers_at(skin, batch, touches, grid)
 
 
 UNITS = {"force": "N", "depth": "m", "factor": "times the unpressed capacitance", "pressure": "Pa"}

@@ -47,6 +47,8 @@ from .patch_kernel import (
 )
 
 MAX_BITS = 62
+POINTS = 4
+"""Number of points along the side of a cell, at least."""
 
 
 @compiled()
@@ -78,7 +80,7 @@ def cells_of_stacks(
                 span = add_patch(total, span, box, radius, rise, by == FACTOR, cells)
         if by < FACTOR and counts[press] > 1:
             contacts, own = values[press, : counts[press]], of_press(stacks, press)
-            limited[press] |= _add_overlaps(contacts, by, own, foam, cells, total)
+            limited[press] |= _add_overlaps(contacts, by, own, foam, cells, total, False)
         batch, found = moved_to_batch(total, span, unpressed, FAINT, batch, found)
         batch.starts[press + 1] = found
     return PressBatch(batch.cells[:found], batch.rises[:found], batch.starts)
@@ -86,56 +88,95 @@ def cells_of_stacks(
 
 @compiled()
 def _add_overlaps(
-    contacts: NDArray, by: int, own: Stacks, foam: FoamTables, cells: GridCells, total: NDArray
-) -> bool:
-    """Correct the summed rises of cells where patches overlap; True if one was limited.
-
-    The correction is sampled in a rectangle around all overlaps.
-    """
-    left, right, bottom, top = overlap_box(contacts, by, own)
-    if left >= right:
-        return False
-    x, y, limited = cells.x, cells.y, False
-    span = box_cells((left, right, bottom, top), cells)
-    for i in range(span[2], span[3]):
-        for j in range(span[0], span[1]):
-            sides = max(left, x[j]), min(right, x[j + 1]), max(bottom, y[i]), min(top, y[i + 1])
-            change, beyond = _overlap_rise(contacts, by, own, foam, sides, i, j, cells)
-            limited |= beyond
-            if cells.part[i, j] > 0.0:
-                area = (sides[1] - sides[0]) * (sides[3] - sides[2])
-                total[i, j] += change * area / skin_of_cell(i, j, cells)
-    return limited
-
-
-@compiled()
-def _overlap_rise(
     contacts: NDArray,
     by: int,
     own: Stacks,
     foam: FoamTables,
-    sides: Box,
-    i: int,
-    j: int,
     cells: GridCells,
-) -> tuple[float, bool]:
-    """Rise under all patches minus the sum of their own, averaged over a rectangle in a cell.
+    total: NDArray,
+    coarse: bool,
+) -> bool:
+    """Correct the summed rises of cells where patches overlap; True if one was limited.
 
-    True if a strain was limited.
+    The correction is sampled in the rectangle around all overlaps: in each cell of `cells`, or at
+    points that are shared between coarse cells.
     """
-    x, y, cut, total, limited = cells.x, cells.y, cells.cut[i, j], 0.0, False
-    for k in range(SAMPLES):
-        at_y = sides[2] + (k + 0.5) / SAMPLES * (sides[3] - sides[2])
-        row = min(int((at_y - y[i]) / (y[i + 1] - y[i]) * SAMPLES), SAMPLES - 1)
-        for m in range(SAMPLES):
-            at_x = sides[0] + (m + 0.5) / SAMPLES * (sides[1] - sides[0])
-            column = min(int((at_x - x[j]) / (x[j + 1] - x[j]) * SAMPLES), SAMPLES - 1)
-            if cut >= 0 and not cells.mask[cut, row, column]:
+    left, right, bottom, top = overlap_box(contacts, by, own)
+    rows, columns = total.shape
+    length, width = cells.x[-1], cells.y[-1]
+    left, right, bottom, top = max(left, 0.0), min(right, length), max(bottom, 0.0), min(top, width)
+    if left >= right or bottom >= top:
+        return False
+    if coarse:
+        wide = max(int((right - left) / length * columns * POINTS) + 1, SAMPLES)
+        high = max(int((top - bottom) / width * rows * POINTS) + 1, SAMPLES)
+        sides = left, right, bottom, top
+        return _add_samples(contacts, by, own, foam, cells, total, sides, (wide, high), (-1, -1))
+    limited, span = False, box_cells((left, right, bottom, top), cells)
+    x, y = cells.x, cells.y
+    for i in range(span[2], span[3]):
+        for j in range(span[0], span[1]):
+            sides = max(left, x[j]), min(right, x[j + 1]), max(bottom, y[i]), min(top, y[i + 1])
+            counts = SAMPLES, SAMPLES
+            limited |= _add_samples(contacts, by, own, foam, cells, total, sides, counts, (i, j))
+    return limited
+
+
+@compiled()
+def _add_samples(
+    contacts: NDArray,
+    by: int,
+    own: Stacks,
+    foam: FoamTables,
+    cells: GridCells,
+    total: NDArray,
+    sides: Box,
+    counts: tuple[int, int],
+    cell: tuple[int, int],
+) -> bool:
+    """Add the rise under all patches minus the sum of their own at points of a rectangle.
+
+    counts: of points along x and y. cell: row and column of the one around the rectangle; (-1, -1)
+    if points are shared between coarse cells. True if a strain was limited.
+    """
+    rows, columns = total.shape
+    length, width = cells.x[-1], cells.y[-1]
+    along, across = (sides[1] - sides[0]) / counts[0], (sides[3] - sides[2]) / counts[1]
+    flat, before, change = all_flat(contacts), -1, 0.0
+    limited, added = False, 0.0
+    for k in range(counts[1]):
+        at_y = sides[2] + (k + 0.5) * across
+        for m in range(counts[0]):
+            at_x = sides[0] + (m + 0.5) * along
+            if cell[0] >= 0 and not _on_skin(at_x, at_y, cell, cells):
                 continue
-            change, beyond = joint_minus_sum(contacts, by, own, foam, at_x, at_y)
-            limited |= beyond
-            total += change
-    return total / SAMPLES**2, limited
+            over = contacts_over(contacts, by, own.strain, foam, at_x, at_y)
+            if over & (over - 1) == 0:
+                continue
+            if not flat or over != before:
+                change, beyond = joint_minus_sum(contacts, by, own, foam, at_x, at_y)
+                limited |= beyond
+                before = over
+            amount = change * along * across
+            if cell[0] >= 0:
+                added += amount
+            else:
+                amount *= rows * columns / (length * width)
+                add_point(total, at_x / length * columns, at_y / width * rows, amount, 0.0, 0.0)
+    if added != 0.0:
+        total[cell] += added / skin_of_cell(cell[0], cell[1], cells)
+    return limited
+
+
+@compiled()
+def _on_skin(at_x: float, at_y: float, cell: tuple[int, int], cells: GridCells) -> bool:
+    """True if the sample of a cell (row, column) around a position in it is on the skin."""
+    (i, j), x, y = cell, cells.x, cells.y
+    if cells.cut[i, j] < 0:
+        return True
+    row = min(int((at_y - y[i]) / (y[i + 1] - y[i]) * SAMPLES), SAMPLES - 1)
+    column = min(int((at_x - x[j]) / (x[j + 1] - x[j]) * SAMPLES), SAMPLES - 1)
+    return cells.mask[cells.cut[i, j], row, column]
 
 
 @compiled()
@@ -240,8 +281,6 @@ def joint_minus_sum(
     return rise_at(foam, deepest) - apart, limited
 
 
-POINTS = 4
-"""Number of points along the side of a cell, at least."""
 MIN_ANGLES = 5
 """Smallest number of points on a ring: it keeps polynomials of degree 4."""
 
@@ -316,7 +355,7 @@ def moments_of_stacks(
                 mean, inner = mean - stacks.rises[press, k, disc], radius
         if counts[press] > 1:
             contacts, own = values[press, : counts[press]], of_press(stacks, press)
-            limited[press] |= _share_overlaps(contacts, by, own, foam, total, length, width)
+            limited[press] |= _add_overlaps(contacts, by, own, foam, cells, total, True)
         batch, found = moved_to_batch(total, (left, right, bottom, top), 0.0, FAINT, batch, found)
         batch.starts[press + 1] = found
     return PressBatch(batch.cells[:found], batch.rises[:found], batch.starts)
@@ -388,41 +427,3 @@ def _add_rectangle(
         for j in range(wide):
             u, v = left + (j + 0.5) * along, low + (i + 0.5) * across
             add_point(total, u, v, rise * along * across, along, across)
-
-
-@compiled()
-def _share_overlaps(
-    contacts: NDArray,
-    by: int,
-    own: Stacks,
-    foam: FoamTables,
-    total: NDArray,
-    length: float,
-    width: float,
-) -> bool:
-    """Correct the summed rises where patches overlap; True if one was limited."""
-    left, right, bottom, top = overlap_box(contacts, by, own)
-    left, right, bottom, top = max(left, 0.0), min(right, length), max(bottom, 0.0), min(top, width)
-    if left >= right or bottom >= top:
-        return False
-    rows, columns = total.shape
-    wide = max(int((right - left) / length * columns * POINTS) + 1, SAMPLES)
-    tall = max(int((top - bottom) / width * rows * POINTS) + 1, SAMPLES)
-    along, across, limited = (right - left) / wide, (top - bottom) / tall, False
-    flat = all_flat(contacts)
-    before, change = -1, 0.0
-    for i in range(tall):
-        at_y = bottom + (i + 0.5) * across
-        for j in range(wide):
-            at_x = left + (j + 0.5) * along
-            over = contacts_over(contacts, by, own.strain, foam, at_x, at_y)
-            if over & (over - 1) == 0:
-                continue
-            if not flat or over != before:
-                change, beyond = joint_minus_sum(contacts, by, own, foam, at_x, at_y)
-                limited |= beyond
-                before = over
-            u, v = at_x / length * columns, at_y / width * rows
-            amount = change * along * across / (length * width) * rows * columns
-            add_point(total, u, v, amount, 0.0, 0.0)
-    return limited

@@ -8,7 +8,7 @@ from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.page.document import document
 from rcskin.simulator.page.raster import Raster, raster_fields
 from rcskin.simulator.press.batch import PressBatch, TouchedCells, joined_cells
-from rcskin.simulator.press.capacitance import patch
+from rcskin.simulator.press.capacitance import covered_part, touched_box
 from rcskin.simulator.press.press import Press, parse_press, press_on
 from rcskin.simulator.press.rasterized import touched_cells
 from rcskin.simulator.press.touch import Rectangle, Touch
@@ -91,7 +91,7 @@ def walls_of(scene, press, parts, grid):
     sides = zip(scene.skin.sides, grid[::-1], strict=True)
     x, y = (np.linspace(0, side, n + 1) for side, n in sides)
     pressed = [touch for touch in press.touches if touch.factor != 1]
-    covers = [patch(scene.parts.skin, touch).share(x, y) for touch in pressed]
+    covers = [covered_part(touched_box(scene.parts.skin, touch), x, y) for touch in pressed]
     levels = np.unique(np.concatenate([[0.0, 1.0], *(each.ravel() for each in covers)]))
     middles, found = (levels[1:] + levels[:-1]) / 2, []
     for pair in parts.walls.pairs.tolist():

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from rcskin.simulator.press.capacitance import capacitance_map, lines, patch, tile_map, touched_box
+from rcskin.simulator.press.capacitance import capacitance_map, lines, tile_map, touched_box
 from rcskin.simulator.press.pixels import pixel_lines
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.foam import VACUUM_PERMITTIVITY, Foam
@@ -130,7 +130,6 @@ def test_plain_maps_hold_no_depth_force_or_polygon(make_scene, text):
         lambda: capacitance_map(scene.parts.skin, press),
         lambda: tile_map(scene.parts.skin, press, x, y),
         lambda: lines(scene.parts.skin, press),
-        lambda: patch(scene.parts.skin, press.touches[0]),
         lambda: touched_box(scene.parts.skin, press.touches[0]),
     ):
         with pytest.raises(InputError, match="must be capacitance factors of pixels or rect"):

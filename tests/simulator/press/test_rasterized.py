@@ -10,7 +10,7 @@ from rcskin.simulator.dataset.touch_places import place_texts
 from rcskin.simulator.press.cell_kernel import covered_fraction, covered_with_slopes
 from rcskin.simulator.press.pixels import GridCells
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.press.rasterized import Footprints, rasterized
+from rcskin.simulator.press.rasterized import Touches, rasterized
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.tests.library.rasters import cell_map, twin_map
 
@@ -29,17 +29,17 @@ def placed(draw):
     low = rng.integers(0, steps // 2, (2, *shape)) * SIDE / steps
     x, y = (np.round(each + side / 2, 7) for each, side in zip(low, (width, height), strict=True))
     factor = np.round(rng.uniform(0.5, 3.0, shape), 6)
-    return rng.integers(0, 3, presses), Footprints(disc, x, y, width, height, factor, 0 * factor)
+    counts = rng.integers(0, 3, presses)
+    return Touches(counts, disc, x, y, width, height, factor, 0 * factor)
 
 
 @pytest.mark.kernel
 @given(placed=placed(), grid=st.tuples(st.integers(1, 4), st.integers(1, 4)))
 def test_many_presses_are_each_of_them_and_the_twin(placed, grid):
-    touches, where = placed
     grid = 3 * grid[0], 3 * grid[1]
-    batch = rasterized(SCENE.parts.skin, touches, where, grid)
+    batch = rasterized(SCENE.parts.skin, placed, grid)
     assert batch.starts[-1] == len(batch.cells)
-    for own, text in zip(batch.each(), place_texts(touches, where, where.factor, ""), strict=True):
+    for own, text in zip(batch.each(), place_texts(placed, placed.factor, ""), strict=True):
         found, press = np.ones(grid), parse_press(text, np.nan)
         assert (np.diff(own.cells) > 0).all()
         found.ravel()[own.cells] += own.rises
@@ -49,12 +49,12 @@ def test_many_presses_are_each_of_them_and_the_twin(placed, grid):
 
 
 def test_no_cell_beside_a_touch_is_counted():
-    one = np.ones((1, 1))
-    disc = Footprints(one > 0, 0.06 * one, 0.06 * one, 0.04 * one, 0.04 * one, 2 * one, 0 * one)
+    one, count = np.ones((1, 1)), np.ones(1, dtype=np.int64)
+    place = 0.06 * one, 0.06 * one, 0.04 * one, 0.04 * one
+    disc = Touches(count, one > 0, *place, 2 * one, 0 * one)
     on_lines = disc._replace(disc=one < 0)
-    count = np.ones(1, dtype=np.int64)
-    assert rasterized(SCENE.parts.skin, count, on_lines, (12, 12)).cells.size == 4 * 4
-    whole = rasterized(SCENE.parts.skin, count, disc, (24, 24))
+    assert rasterized(SCENE.parts.skin, on_lines, (12, 12)).cells.size == 4 * 4
+    whole = rasterized(SCENE.parts.skin, disc, (24, 24))
     assert whole.cells.size < 8 * 8
     assert whole.rises.sum() * (SIDE / 24) ** 2 == pytest.approx(np.pi * 0.02**2, rel=1e-12)
 
