@@ -85,6 +85,7 @@ def _designed(target: str, *options: str) -> Benchmark:
 
 
 IN_ORDER = (
+    _alone("speed/assembly"),
     _alone("speed/work_precision"),
     _alone("speed/answers"),
     _alone("speed/reduction"),
