@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from rcskin.benchmarks.pictures import gallery
-from rcskin.docs import api, commands, the_code
+from rcskin.docs import api, commands, meters, the_code
 from rcskin.simulator.scene import key_listing
 
 HERE = Path(__file__).parent
@@ -20,6 +20,7 @@ def pages() -> dict[Path, str]:
         gallery.PAGE: gallery.page(),
         HERE / "reference" / "keys.md": key_listing.page(),
         HERE / "reference" / "commands.md": commands.page(),
+        HERE / "reference" / "meter-commands.md": meters.page(),
         HERE / "reference" / "api.md": api.page(),
         the_code.PAGE: the_code.page(),
         the_code.PICTURE: the_code.picture(),

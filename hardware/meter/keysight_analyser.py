@@ -17,7 +17,7 @@ from ...simulator.meters.accuracy_table import (
 from ...simulator.sweeps import InputError
 from .errors import FailedReadingError
 from .keysight_dialects import AnalyserDialect
-from .keysight_meter import CORRECTION_SECONDS, KeysightMeter, reading_of
+from .keysight_meter import KeysightMeter, reading_of
 from .meter_reading import MeterReading
 from .setting import NumbersFormat
 
@@ -58,6 +58,7 @@ class E4990A(AnalyserDialect, KeysightMeter):
     restored_last = ("continuous", "trace_count", "trigger")
     max_points = 402
     rounding = 1e-6
+    sweeps = True
 
     @property
     def level(self) -> str:
@@ -170,10 +171,6 @@ class E4990A(AnalyserDialect, KeysightMeter):
         if extent != "OFF":
             self.talk.send(f"{type(self).fixture_points.command} FIXed")
         super().start_correction(kind, extent)
-
-    def correction_done(self) -> bool:
-        """True when the started compensation has ended, for which this call waits."""
-        return self.talk.query("*OPC?", int, seconds=CORRECTION_SECONDS) == 1
 
 
 def _trace(answer: str, points: int) -> tuple[float, ...]:

@@ -115,6 +115,7 @@ class KeysightLcrMeter(LcrDialect, KeysightMeter):
     delays = ("trigger_delay",)
     restored_last = ("auto_range", "page", "continuous", "trigger")
     rounding = 6e-4
+    sweeps = True
     amplitude = AmplitudeSetting()
     speed = SettingPart(LcrDialect.aperture, 0, "Speed")
     averaging = SettingPart(LcrDialect.aperture, 1, "Readings averaged")

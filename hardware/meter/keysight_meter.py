@@ -1,8 +1,7 @@
-"""Common part of Keysight's LCR meters and analysers: sweeps, and settings of several values."""
+"""Common part of Keysight's LCR meters and analysers, and of others with a queue of errors."""
 
 from __future__ import annotations
 
-from abc import abstractmethod
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import ClassVar
@@ -17,19 +16,18 @@ CORRECTION_SECONDS = 120.0
 
 
 class KeysightMeter(LcrMeter):
-    """A meter that sweeps by itself, with a queue of errors.
+    """A meter with a queue of errors, which may sweep by itself.
 
-    max_points: of a sweep. rounding: largest relative rounding of a frequency by the meter. delays:
-    settings that `set_up` sets to 0 s, because they make each reading longer. acquire: commands
-    that acquire a correction, of the dialect.
+    max_points: of a sweep. rounding: largest relative rounding of a frequency. delays: settings
+    that `set_up` sets to 0 s, because they make each reading longer. acquire: commands that acquire
+    a correction, of the dialect.
     """
 
     extents = ("ALL", "OFF")
-    sweeps = True
     error_query = ":SYSTem:ERRor?"
-    max_points: ClassVar[int]
+    max_points: ClassVar[int] = 1
     rounding: ClassVar[float]
-    delays: ClassVar[tuple[str, ...]]
+    delays: ClassVar[tuple[str, ...]] = ()
     acquire: ClassVar[Mapping[str, str]]
     open_correction: ClassVar[MeterProperty[str]]
     short_correction: ClassVar[MeterProperty[str]]
@@ -41,9 +39,9 @@ class KeysightMeter(LcrMeter):
         for name in self.delays:
             setattr(self, name, 0.0)
 
-    @abstractmethod
     def sweep_once(self, frequencies: Sequence[float]) -> list[MeterReading]:
         """Readings of one sweep, at most `max_points` frequencies in Hz."""
+        return [self.read_at(frequency) for frequency in frequencies]
 
     def read_sweep(self, frequencies: Sequence[float]) -> list[MeterReading]:
         """Readings at frequencies in Hz, by sweeps of at most `max_points`."""
@@ -89,6 +87,10 @@ class KeysightMeter(LcrMeter):
         self.talk.send("*CLS")
         self._sweep_seconds = CORRECTION_SECONDS
         self.talk.send(driver_form(self.acquire[kind]), CORRECTION_SECONDS)
+
+    def correction_done(self) -> bool:
+        """True when the started correction has ended, for which this call waits."""
+        return self.talk.query("*OPC?", int, seconds=CORRECTION_SECONDS) == 1
 
     def correction_fault(self, kind: str) -> str:
         """Fault of the correction that has ended; empty if there is none, and then it is used."""

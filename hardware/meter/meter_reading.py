@@ -13,7 +13,6 @@ from ...simulator.sweeps.reading_quantities import IMPEDANCE, ReadingKind
 from ...simulator.sweeps.schema import MEASURED, VIRTUAL
 from .errors import FailedReadingError
 
-MODELS = tuple(METER_BANDS)
 MAKERS = ("HIOKI", "KEYSIGHT", "AGILENT", "HEWLETT-PACKARD", "HP")
 """Makers in the answers to `*IDN?`, as regular expressions."""
 SERIAL = re.compile(r"\d{4,}|[A-Z]{2}\w{8}|\d{4}[A-Z]\d{5}")
@@ -21,12 +20,11 @@ SERIAL = re.compile(r"\d{4,}|[A-Z]{2}\w{8}|\d{4}[A-Z]\d{5}")
 FIRMWARE = re.compile(r"(V(er)?|REV|[A-Z])?\.?\s*\d+(\.\w+)+", re.IGNORECASE)
 VIRTUAL_SERIAL = "000000000"
 """Serial number of the virtual meter."""
-MODEL = re.compile(r"\b(" + "|".join(MODELS) + r")\b", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class MeterIdentity:
-    """Answer to `*IDN?`. model: empty if it is none of MODELS."""
+    """Answer to `*IDN?`. model: empty if it is none of METER_BANDS."""
 
     text: str
     model: str
@@ -42,7 +40,7 @@ def parse_identity(text: str) -> MeterIdentity:
     fields = [field.strip() for field in text.split(",")]
     if not any(fields):
         raise ValueError(text)
-    found = MODEL.search(text)
+    found = re.search(rf"\b({'|'.join(METER_BANDS)})\b", text, re.IGNORECASE)
     firmware = next((field for field in fields if FIRMWARE.fullmatch(field)), "")
     serial = next((field for field in fields if SERIAL.fullmatch(field)), "")
     return MeterIdentity(text.strip(), found[1].upper() if found else "", serial, firmware)

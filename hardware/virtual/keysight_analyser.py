@@ -9,7 +9,7 @@ E4981A, page 209 (a number out of range is replaced by the nearest limit).
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from typing import Any, ClassVar
 
@@ -30,6 +30,7 @@ from .keysight_instrument import (
     SCPI,
     KeysightInstrument,
     acquisition,
+    continuous_command,
     nr3,
     operation_register,
     shown_quantity,
@@ -181,18 +182,13 @@ class VirtualE4990A(KeysightInstrument):
     queue_length: ClassVar[int] = 100
     rising: int = 0x4030
     falling: int = 0
-    settings: AnalyserSettings = field(default_factory=AnalyserSettings)
+    settings_type: ClassVar = AnalyserSettings
     waited: bool = False
 
     @classmethod
     def vocabulary(cls) -> Vocabulary:
         """All commands of the analyser."""
         return _vocabulary()
-
-    @property
-    def band(self) -> tuple[float, float]:
-        """Lowest and highest frequency, Hz."""
-        return BAND
 
     @property
     def shown_settings(self) -> dict[str, Any]:
@@ -380,11 +376,7 @@ SPECIAL = {
         lambda meter, text: meter.set_source(text),
         lambda meter: SCPI.show(D.trigger.twin, meter.settings.trigger),
     ),
-    "continuous": MeterCommand(
-        D.continuous.header,
-        _on_channel(lambda meter, text: meter.set_continuous(SCPI.switch(text))),
-        _on_channel(lambda meter: SCPI.switch_text(meter.settings.continuous)),
-    ),
+    "continuous": continuous_command(D.continuous.header),
 }
 ANALYSER_COMMANDS = (
     *setting_commands(CLIPPING, rows(AnalyserDialect), SPECIAL),

@@ -8,15 +8,16 @@ from __future__ import annotations
 import asyncio
 import math
 import re
-from abc import abstractmethod
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import ClassVar
+from functools import cache
+from typing import Any, ClassVar
 
+from ...simulator.meters.accuracy_table import METER_BANDS
 from ..meter.keysight_dialects import CORRECTING, MEASURING, SWEEPING
 from ..meter.link.conversation import Event
-from ..meter.setting import NO_NUMBER
+from ..meter.setting import NO_NUMBER, rows
 from .instrument import EventRegisters, Instrument
 from .language import (
     DATA_OUT_OF_RANGE,
@@ -27,8 +28,10 @@ from .language import (
     LanguageError,
     MeterCommand,
     Vocabulary,
+    check_suffixes,
     manual_form,
     matched_word,
+    setting_commands,
     short_form,
 )
 from .measurement import NO_RESULT, MeasurementResult, Settings, quantity
@@ -162,13 +165,15 @@ ACQUISITION = 20.0
 class KeysightInstrument(Instrument):
     """An instrument of Keysight. initiated: False if the trigger system is idle.
 
-    maker, firmware: in the answer to `*IDN?`. operation: event register of actions, whose bits are
-    set when a condition begins (rising) or ends (falling). queue_length: of errors.
+    maker, firmware: in the answer to `*IDN?`. settings_type: its settings. operation: event
+    register of actions, whose bits are set when a condition begins (rising) or ends (falling).
+    queue_length: of errors.
     acquiring: correction that is being acquired until the time acquired_at, s.
     """
 
     maker: ClassVar[str] = "Keysight Technologies"
     firmware: ClassVar[str]
+    settings_type: ClassVar[type[Settings]]
     queue_length: ClassVar[int] = QUEUE_LENGTH
     registers: EventRegisters = field(default_factory=EventRegisters)
     errors: ErrorQueue = field(init=False)
@@ -184,15 +189,41 @@ class KeysightInstrument(Instrument):
 
     def __post_init__(self) -> None:
         self.errors = ErrorQueue(self.queue_length)
+        self.settings = self.settings or self.settings_type()
 
     @classmethod
-    @abstractmethod
     def vocabulary(cls) -> Vocabulary:
-        """All commands of the model."""
+        """All commands of the model: of SCPI, of its dialect, of the trigger, of corrections."""
+        return _vocabulary(cls.settings_type.dialect)
 
-    @abstractmethod
-    def points(self) -> Sequence[Settings]:
+    @property
+    def band(self) -> tuple[float, float]:
+        """Lowest and highest frequency, Hz."""
+        return METER_BANDS[self.model]
+
+    def points(self) -> Sequence[Any]:
         """Settings of each reading that a trigger starts."""
+        return [self.settings]
+
+    def reading_text(self, result: MeasurementResult) -> str:
+        """A reading in an answer: R, X and a status, by default."""
+        R, X = (result.Z.real, result.Z.imag) if result.status.has_values else (NO_NUMBER,) * 2
+        return f"{nr3(R)},{nr3(X)},{1 - result.status.has_values:+d}"
+
+    async def fetch(self) -> str:
+        """`:FETCh?`: the latest readings, which are old if nothing triggered new ones.
+
+        Raises ExecutionError if there are none.
+        """
+        await self.newest()
+        if not self.results:
+            raise ExecutionError("FETCh", STALE_DATA)
+        return ",".join(map(self.reading_text, self.results))
+
+    async def trigger_and_fetch(self) -> str:
+        """`*TRG`: `:TRIGger;:FETCh?` in one; user's guide, pages 250 to 252."""
+        await self.bus_trigger()
+        return await self.fetch()
 
     @property
     def identity(self) -> str:
@@ -411,6 +442,31 @@ COMMON_COMMANDS = (
     MeterCommand(":STATus:OPERation:CONDition", on_query=_operation_condition),
     operation_register("ENABle", "operation_mask"),
 )
+
+
+def continuous_command(header: str) -> MeterCommand:
+    """Command that lets the instrument wait for triggers again and again."""
+
+    def set_continuous(meter: KeysightInstrument, *given: Any) -> None:
+        check_suffixes(given[:-1])
+        meter.set_continuous(SCPI.switch(given[-1]))
+
+    def query(meter: KeysightInstrument, *given: int) -> str:
+        check_suffixes(given)
+        return SCPI.switch_text(meter.settings.continuous)
+
+    return MeterCommand(header, set_continuous, query)
+
+
+TRIGGER_AND_FETCH = MeterCommand("*TRG", lambda meter: meter.trigger_and_fetch(), set_arguments=0)
+
+
+@cache
+def _vocabulary(dialect: Any) -> Vocabulary:
+    special = {"continuous": continuous_command(dialect.continuous.header)}
+    settings = setting_commands(SCPI, rows(dialect), special)
+    acquisitions = map(acquisition, dialect.acquire.values())
+    return Vocabulary((*COMMON_COMMANDS, *settings, TRIGGER_AND_FETCH, *acquisitions))
 
 
 def shown_quantity(name: str, Z: complex, frequency: float) -> float:

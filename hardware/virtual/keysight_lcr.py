@@ -15,7 +15,6 @@ from functools import cache
 from typing import Any, ClassVar
 
 from ...simulator.meters.accuracy_table import (
-    METER_BANDS,
     OUTPUT_RESISTANCE,
     AccuracyTable,
     ReadingConditions,
@@ -37,8 +36,10 @@ from .keysight_instrument import (
     SCPI,
     STALE_DATA,
     TOO_MUCH_DATA,
+    TRIGGER_AND_FETCH,
     KeysightInstrument,
     acquisition,
+    continuous_command,
     nr3,
     shown_quantity,
 )
@@ -158,7 +159,7 @@ class VirtualE4980A(KeysightInstrument):
     firmware: ClassVar[str] = "A.06.15"
     dialect: ClassVar[type[LcrDialect]] = LcrDialect
     data_format: ClassVar[str] = "ASC,64"
-    settings: LcrSettings = field(default_factory=LcrSettings)
+    settings_type: ClassVar = LcrSettings
     step: int = 0
     buffer: list[str] = field(default_factory=list)
     buffer_size: int = 201
@@ -168,11 +169,6 @@ class VirtualE4980A(KeysightInstrument):
     def vocabulary(cls) -> Vocabulary:
         """All commands of these meters."""
         return _vocabulary(cls.dialect)
-
-    @property
-    def band(self) -> tuple[float, float]:
-        """Lowest and highest frequency, Hz."""
-        return METER_BANDS[self.model]
 
     @property
     def lists(self) -> bool:
@@ -213,17 +209,6 @@ class VirtualE4980A(KeysightInstrument):
             self.buffer = (self.buffer + texts)[: self.buffer_size]
             self.filling = len(self.buffer) < self.buffer_size
 
-    async def fetch(self) -> str:
-        """`:FETCh?`: the latest readings, which are old if nothing triggered new ones.
-
-        Raises ExecutionError if there are none.
-        """
-        await self.newest()
-        if not self.results:
-            raise ExecutionError("FETCh", STALE_DATA)
-        with_bin = self.settings.comparator or self.lists
-        return ",".join(self.reading_text(each, with_bin) for each in self.results)
-
     async def fetch_corrected(self) -> str:
         """`:FETCh:IMPedance:CORRected?`: R and X of the latest readings."""
         await self.newest()
@@ -234,12 +219,7 @@ class VirtualE4980A(KeysightInstrument):
             f"{nr3(each.Z.real, digits)},{nr3(each.Z.imag, digits)}" for each in self.results
         )
 
-    async def trigger_and_fetch(self) -> str:
-        """`*TRG`: `:TRIGger;:FETCh?` in one; user's guide, pages 250 to 252."""
-        await self.bus_trigger()
-        return await self.fetch()
-
-    def reading_text(self, result: MeasurementResult, with_bin: bool) -> str:
+    def reading_text(self, result: MeasurementResult, with_bin: bool | None = None) -> str:
         """`<A>,<B>,<status>[,<bin>]`; an overload is 9.9E37 with status +1: page 261."""
         settings, numbers = self.settings, (NO_NUMBER, NO_NUMBER)
         if result.status.has_values:
@@ -250,6 +230,8 @@ class VirtualE4980A(KeysightInstrument):
             )
         parts = [nr3(each, self._decimals) for each in numbers]
         parts.append(f"{STATUS_NUMBERS[_shown_status(result)]:+d}")
+        if with_bin is None:
+            with_bin = settings.comparator or self.lists
         return ",".join([*parts, "+0"] if with_bin else parts)
 
     def quantities(self, result: MeasurementResult) -> tuple[float, float]:
@@ -443,14 +425,6 @@ def _set_format(meter: VirtualE4980A, *texts: str) -> None:
         SCPI.integer(text, 64, 64)
 
 
-def _continuous(header: str) -> MeterCommand:
-    return MeterCommand(
-        header,
-        lambda meter, text: meter.set_continuous(SCPI.switch(text)),
-        lambda meter: SCPI.switch_text(meter.settings.continuous),
-    )
-
-
 def _initiate(meter: VirtualE4980A) -> None:
     meter.initiate()
 
@@ -495,11 +469,11 @@ SPOTS = (
 )
 READINGS = (
     MeterCommand(LcrDialect.clear_list, _clear_list, set_arguments=0),
-    MeterCommand("*TRG", lambda meter: meter.trigger_and_fetch(), set_arguments=0),
+    TRIGGER_AND_FETCH,
     MeterCommand(":TRIGger[:IMMediate]", lambda meter: meter.trigger(), set_arguments=0),
     MeterCommand(":INITiate[:IMMediate]", _initiate, set_arguments=0),
     MeterCommand(":TRIGger:INITiate[:IMMediate]", _initiate, set_arguments=0),  # of pymeasure
-    _continuous(":TRIGger:CONTinuous"),  # of pymeasure
+    continuous_command(":TRIGger:CONTinuous"),  # of pymeasure
     MeterCommand("*LRN", on_query=_learn),
     MeterCommand(":FUNCtion:DEV1:REFerence:FILL", _fill_references, set_arguments=0),
     MeterCommand(":FETCh[:IMPedance][:FORMatted]", on_query=lambda meter: meter.fetch()),
@@ -537,7 +511,7 @@ def _settings(dialect: type[LcrDialect]) -> tuple[MeterCommand, ...]:
             lambda meter: meter.data_format,
             set_arguments=(1, 2),
         ),
-        "continuous": _continuous(dialect.continuous.header),
+        "continuous": continuous_command(dialect.continuous.header),
         "list_frequencies": _list("frequency", dialect.list_frequencies.header),
     }
     return (

@@ -8,6 +8,9 @@ from rcskin.hardware.meter.instruments import INSTRUMENTS
 from rcskin.hardware.virtual.hioki import HiokiSettings
 from rcskin.hardware.virtual.keysight_analyser import AnalyserSettings, Segment
 from rcskin.hardware.virtual.keysight_lcr import LcrSettings
+from rcskin.tests.pages.reading import blocks
+
+PAGE = "docs/how-to/add-a-meter.md"
 
 
 @dataclass(frozen=True)
@@ -226,3 +229,20 @@ E4990A = Case(
     ),
 )
 CASES = (IM3523, E4980A, HP4284A, E4990A)
+
+
+def of_the_page() -> tuple[Case, dict[str, Any]]:
+    """The meter that the page of docs adds, and the names that its blocks define."""
+    names: dict[str, Any] = {}
+    for block in blocks(PAGE, "python"):
+        exec(compile(block, PAGE, "exec"), names)
+    found = {"frequency": 2e3, "voltage": 0.5, "speed": "FAST", "continuous": False}
+    changes = {"speed": "SLOW", "voltage": 0.25, "frequency": 5e3}
+    case = Case(
+        "MODEL1",
+        lambda: names["Model1Settings"](**found),
+        changes,
+        quantities=(":FUNC ZTD",),
+        meddling=(":SPEE FAST", ":TRIG:SOUR INT"),
+    )
+    return case, names

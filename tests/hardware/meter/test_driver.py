@@ -12,42 +12,12 @@ from rcskin.hardware.meter.errors import (
     RefusedError,
     RestartedError,
 )
-from rcskin.hardware.meter.hioki import IM3523
 from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.meter.link.discovery import probe
 from rcskin.hardware.meter.meter_reading import ReadingStatus, parse_reading
 from rcskin.hardware.meter.restoring.original_settings import require_settings, restore_settings
 from rcskin.hardware.record.measured_sweep import check_frequencies, measure_sweep
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
-
-SETTINGS = {
-    "mode": "CONTINUOUS",
-    "frequency": 12345.0,
-    "level": "CC",
-    "voltage": 0.5,
-    "constant_voltage": 0.25,
-    "constant_current": 1e-3,
-    "range": 7,
-    "auto_range": False,
-    "trigger": "INTERNAL",
-    "speed": "SLOW2",
-    "averaging": 16,
-    "trigger_delay": 0.25,
-    "cable": 1,
-    "load_correction": True,
-}
-
-
-@pytest.mark.parametrize(("name", "value"), SETTINGS.items())
-def test_a_setting_is_reported_as_it_was_set(meter, name, value):
-    setattr(meter, name, value)
-    assert getattr(meter, name) == value
-
-
-def test_the_meter_is_known_and_ready(meter):
-    assert isinstance(meter, IM3523)
-    assert (meter.identity.model, meter.identity.serial) == ("IM3523", "000000000")
-    assert (meter.trigger, meter.mode) == ("EXTERNAL", "LCR")
 
 
 def test_a_reading_is_the_skin_to_six_digits(meter, pillow):
@@ -57,24 +27,6 @@ def test_a_reading_is_the_skin_to_six_digits(meter, pillow):
         assert reading.value.real == pytest.approx(Z.real, rel=5.1e-6)
         assert reading.value.imag == pytest.approx(Z.imag, rel=5.1e-6)
         assert reading.shown["Cp"] == pytest.approx(parallel_capacitance(Z, frequency), rel=5.1e-6)
-
-
-def test_a_reading_is_never_older_than_its_call(meter, instrument):
-    stale = meter.read()
-    for press in ("5,1", "none", "9,1"):
-        instrument.press = press
-        fresh = meter.read()
-        assert fresh != stale
-        stale = fresh
-
-
-def test_under_internal_trigger_a_reading_is_refused_rather_than_stale(meter):
-    meter.read()
-    meter.trigger = "INTERNAL"
-    with pytest.raises(RefusedError, match="TRG"):
-        meter.read()
-    meter.trigger = "EXTERNAL"
-    assert meter.read().status is ReadingStatus.NORMAL
 
 
 def test_internal_trigger_gives_stale_values_until_it_has_had_its_time(make_instrument, say):
@@ -181,15 +133,6 @@ def test_a_correction_that_never_ends_is_cancelled_with_advice(instrument, meter
     instrument.pace = 0.0
     correct(meter, "open", interval=0.001)
     assert meter.open_correction == "ALL"
-
-
-def test_a_failed_correction_says_what_to_check(instrument, meter):
-    from rcskin.hardware.virtual.faults import Fault
-
-    instrument.faults.add(Fault("correction"))
-    with pytest.raises(CorrectionError, match="short correction failed with error 1.*shorting bar"):
-        correct(meter, "short", interval=0.001)
-    assert meter.short_correction == "OFF"
 
 
 def test_settings_are_restored_from_a_snapshot(meter):
