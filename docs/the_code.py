@@ -38,7 +38,10 @@ SUBJECTS: Mapping[str, Mapping[str, tuple[str, ...]]] = {
     },
     "A press": {
         "a press as text, its touches and strengths": ("parse_press", "Press"),
-        "the cells that a touch covers, and the rise of their capacitance": ("Touches", "TouchedCells"),
+        "the cells that a touch covers, and the rise of their capacitance": (
+            "TouchBatch",
+            "TouchedCells",
+        ),
         "a touch by depth or by force: the foam and the applicator in equilibrium": (
             "deformation",
             "equilibrium",

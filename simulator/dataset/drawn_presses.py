@@ -10,7 +10,7 @@ from ..arrays import Integer, Mask, Real
 from ..mesh.pixel_coverage import pixel_coverage, with_fingers_at, with_fingers_on
 from ..press.batch import PressBatch
 from ..press.press import rod_text
-from ..press.rasterized import Touches
+from ..press.rasterized import TouchBatch
 from ..scene.parts import Plan, SceneParts, Skin
 from ..scene.randomisation import CUT, DrawnPress, truncated_normal
 from .drawn_touches import (
@@ -50,7 +50,7 @@ class Presses:
     y: Real
     factor: Real
     finger: Real
-    placed: Touches | None = None
+    placed: TouchBatch | None = None
 
 
 def session_presses(
@@ -257,6 +257,6 @@ def with_offset(
     width, height = high - low
     left = width * height / np.prod(sides)
     acts = nominal.factor, nominal.finger * left
-    placed = Touches.rectangles(nominal.touches, x, y, width, height, *acts)
+    placed = TouchBatch.rectangles(nominal.touches, x, y, width, height, *acts)
     batch = with_fingers_at(skin, cell_presses(skin, plan, placed, grid), placed, grid)
     return replace(nominal, batch=batch, x=x, y=y, finger=placed.finger, placed=placed)

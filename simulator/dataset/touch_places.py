@@ -15,7 +15,7 @@ from ..arrays import Integer, Mask, Real
 from ..mesh.pixel_coverage import pixel_coverage
 from ..models.reduced.touches import spreading
 from ..press.batch import PressBatch
-from ..press.rasterized import Touches, rasterized
+from ..press.rasterized import TouchBatch, rasterized
 from ..scene.parts import Plan, Pressing, Skin
 from ..scene.skin_region import covers
 from .drawn_touches import DrawnFingers, finger_texts, joined_texts, written_strength
@@ -38,7 +38,7 @@ def drawn_places(
     factor: Real,
     grid: tuple[int, int],
     fingers: DrawnFingers,
-) -> Touches:
+) -> TouchBatch:
     """Random touches of each press with their middles on the skin, in the order of the texts.
 
     chances: quantiles of place along x and y, of size along x and y, and of further places in case
@@ -56,10 +56,10 @@ def drawn_places(
     there = np.arange(factor.shape[1]) < touches[:, None]
     finger = fingers.over(skin, plan.press, width * height * np.where(disc, np.pi / 4, 1.0), there)
     factor = np.where(there, factor, 1.0)
-    return _in_order(Touches(touches, disc, x, y, width, height, factor, finger))
+    return _in_order(TouchBatch(touches, disc, x, y, width, height, factor, finger))
 
 
-def place_texts(placed: Touches, strength: Real, unit: str, rod: str = "") -> list[str]:
+def place_texts(placed: TouchBatch, strength: Real, unit: str, rod: str = "") -> list[str]:
     """The text of each press, in the format of `label_of`.
 
     strength: of each touch, in `unit`. rod: suffix from `rod_text`.
@@ -97,14 +97,14 @@ def _first_on_skin(
     return on_skin.argmax(axis=0)
 
 
-def _in_order(placed: Touches) -> Touches:
+def _in_order(placed: TouchBatch) -> TouchBatch:
     """Sorts touches as in the texts of presses: rectangles before discs, each by its numbers."""
     swapped = (_after(placed) & (placed.counts > 1))[:, None]
     sorted_ones = (np.where(swapped, each[:, ::-1], each) for each in placed[1:])
-    return Touches(placed.counts, *sorted_ones)
+    return TouchBatch(placed.counts, *sorted_ones)
 
 
-def _after(placed: Touches) -> Mask:
+def _after(placed: TouchBatch) -> Mask:
     """True if the first of two touches of a press sorts after the second, shape (press,)."""
     after, same = np.zeros(len(placed.x), dtype=bool), np.ones(len(placed.x), dtype=bool)
     for each in placed[1:]:
@@ -122,7 +122,7 @@ def _length(value: Real) -> Real:
     return np.round(value, LENGTH_DECIMALS)
 
 
-def cell_presses(skin: Skin, plan: Plan, placed: Touches, grid: tuple[int, int]) -> PressBatch:
+def cell_presses(skin: Skin, plan: Plan, placed: TouchBatch, grid: tuple[int, int]) -> PressBatch:
     """Presses rasterized on cells; by the deflection if a tension spreads the scene's presses."""
     if not spreading(skin, plan.press):
         return rasterized(skin, placed, grid)
@@ -132,7 +132,7 @@ def cell_presses(skin: Skin, plan: Plan, placed: Touches, grid: tuple[int, int])
     return PressBatch.of(raised(lattice, own) for own in applicators(skin, plan.press, placed))
 
 
-def written_strengths(skin: Skin, pressing: Pressing, placed: Touches) -> tuple[Real, str]:
+def written_strengths(skin: Skin, pressing: Pressing, placed: TouchBatch) -> tuple[Real, str]:
     """Strengths of touches as written in their texts, and the unit."""
     return (
         written_strength(skin, pressing, placed.factor)
@@ -154,7 +154,7 @@ def lattice_for(skin: Skin, plan: Plan, grid: tuple[int, int]) -> Lattice:
 
 
 def cell_presses_by_triangles(
-    skin: Skin, plan: Plan, placed: Touches, grid: tuple[int, int]
+    skin: Skin, plan: Plan, placed: TouchBatch, grid: tuple[int, int]
 ) -> PressBatch:
     """As `cell_presses`, by the membrane on triangles."""
     from ..models.mechanics.lattice_presses import traced
@@ -163,7 +163,7 @@ def cell_presses_by_triangles(
     return PressBatch.of(traced(skin, lattice, own) for own in each)
 
 
-def applicators(skin: Skin, pressing: Pressing, placed: Touches) -> Iterator[Bodies]:
+def applicators(skin: Skin, pressing: Pressing, placed: TouchBatch) -> Iterator[Bodies]:
     """Touches of each press as applicators."""
     from ..models.mechanics.relaxation_kernel import Bodies
 

@@ -20,7 +20,7 @@ from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..models.terminals import reduced_for
 from ..press.batch import PressBatch
-from ..press.rasterized import Touches, rasterized
+from ..press.rasterized import TouchBatch, rasterized
 from ..press.walls import require_no_walls
 from ..progress import ProgressCallback, silent, tracked
 from ..scene.parts import SceneParts
@@ -119,7 +119,7 @@ class RandomPresses(Likelihood):
         x, y = np.moveaxis(middles, -1, 0)
         width, height = np.moveaxis(self._sides if sides is None else sides, -1, 0)
         counts = np.full(len(middles), middles.shape[1])
-        rectangles = Touches.rectangles(counts, x, y, width, height, factors)
+        rectangles = TouchBatch.rectangles(counts, x, y, width, height, factors)
         return rasterized(self.parts.skin, rectangles, self.grid)
 
     @cached_property

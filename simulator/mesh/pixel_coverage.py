@@ -11,7 +11,7 @@ import numpy as np
 from ..arrays import Integer, Real
 from ..press.batch import PressBatch
 from ..press.press import Press
-from ..press.rasterized import Touches, spread_finger, with_fingers
+from ..press.rasterized import TouchBatch, spread_finger, with_fingers
 from ..scene.parts import Skin
 
 
@@ -66,7 +66,7 @@ def part_of_cells(skin: Skin, grid: tuple[int, int]) -> Real | None:
 
 
 def with_fingers_at(
-    skin: Skin, batch: PressBatch, touches: Touches, grid: tuple[int, int]
+    skin: Skin, batch: PressBatch, touches: TouchBatch, grid: tuple[int, int]
 ) -> PressBatch:
     """Presses with the fingers of their touches, see `press.rasterized.with_fingers`."""
     return with_fingers(skin, batch, touches, grid, part_of_cells(skin, grid))

@@ -25,7 +25,7 @@ from .touch import Disc, Indentation, Rectangle, Touch, place_of
 from .walls import require_no_walls
 
 
-class Touches(NamedTuple):
+class TouchBatch(NamedTuple):
     """Rectangles and discs of many presses, those of each press first in their row.
 
     counts: touches of each press, shape (press,); all others have the shape (press, touch). disc:
@@ -87,7 +87,7 @@ class Touches(NamedTuple):
 
 
 def rasterized(
-    skin: Skin, touches: Touches, grid: tuple[int, int], adds: bool = False
+    skin: Skin, touches: TouchBatch, grid: tuple[int, int], adds: bool = False
 ) -> PressBatch:
     """Cells in which presses raise c, and the rise relative to the unpressed c.
 
@@ -109,7 +109,7 @@ def rasterized(
 def with_fingers(
     skin: Skin,
     batch: PressBatch,
-    touches: Touches,
+    touches: TouchBatch,
     grid: tuple[int, int],
     part: Real | None = None,
 ) -> PressBatch:
@@ -121,7 +121,7 @@ def with_fingers(
     for number in np.flatnonzero(fingered.any(axis=0)).tolist():
         counts = fingered[:, number].astype(np.int64)
         one = slice(number, number + 1)
-        own = Touches._make([counts, *(each[:, one] for each in touches[1:])])
+        own = TouchBatch._make([counts, *(each[:, one] for each in touches[1:])])
         covered = rasterized(skin, own._replace(factor=np.full_like(own.factor, 2.0)), grid)
         batch = batch.and_(spread_finger(skin, covered, own.finger[:, 0], grid, part))
     return batch
@@ -157,7 +157,7 @@ def touched_cells(skin: Skin, press: Press, grid: tuple[int, int] | None = None)
     _check_walls(skin, press, shape)
     if press.indented:
         return joined_cells(_under_applicators(skin, press), fingers(skin, press, shape))
-    touches = Touches.of(skin, press)
+    touches = TouchBatch.of(skin, press)
     raised = rasterized(skin, touches, shape, press.adds)
     return with_fingers(skin, raised, touches, shape).one(0)
 
@@ -165,7 +165,7 @@ def touched_cells(skin: Skin, press: Press, grid: tuple[int, int] | None = None)
 def fingers(skin: Skin, press: Press, grid: tuple[int, int] | None = None) -> TouchedCells:
     """Fingers of a press on such a grid, numbered as in `Parts`, F."""
     own = press.of(replace(place_of(t), finger=t.finger) for t in press.touches if t.finger)
-    none, touches = PressBatch.of([NOTHING]), Touches.of(skin, own)
+    none, touches = PressBatch.of([NOTHING]), TouchBatch.of(skin, own)
     return with_fingers(skin, none, touches, grid or skin.pixels.shape).one(0)
 
 

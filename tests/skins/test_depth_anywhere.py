@@ -22,7 +22,7 @@ from rcskin.simulator.dataset.touch_places import (
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.press.rasterized import Touches
+from rcskin.simulator.press.rasterized import TouchBatch
 from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.scene.skin_region import on_skin
 from rcskin.simulator.sweeps import InputError
@@ -69,7 +69,7 @@ def at_the_worst(scene):
     depths = np.array([2.1e-3, 2e-3, 1e-3, 2.2e-3, 1.2e-3])
     factor[[0, 1, 2, 3, 3], [0, 0, 0, 0, 1]] = scene.parts.skin.pressed_factors(depths)
     counts = np.array([1, 1, 1, 2])
-    return Touches(counts, disc, x, y, width, height, factor, 0 * factor)
+    return TouchBatch(counts, disc, x, y, width, height, factor, 0 * factor)
 
 
 trained = cache(REDUCED.train)

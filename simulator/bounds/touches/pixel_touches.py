@@ -19,7 +19,7 @@ from ...models.mechanics.skin_lattice import Lattice, Window
 from ...models.reduced.touches import scene_spreads_presses
 from ...press.batch import PressBatch
 from ...press.parts import parts_of
-from ...press.rasterized import Touches, rasterized
+from ...press.rasterized import TouchBatch, rasterized
 from ...scene.parts import Pressing, Skin
 from ...sweeps import ToleranceError
 from .touch_rasterizers import DepthRasterizer, Point, enclosing_window
@@ -65,7 +65,7 @@ def rasterized_with_fingers(
     own = batch.where(finger)
     pixel, capacitance = by_touch(own)
     x, y = np.moveaxis(np.array(middles(skin))[pixel - foam], -1, 0)
-    squares = Touches.rectangles(np.diff(own.starts), x, y, size, size, 1.0, capacitance)
+    squares = TouchBatch.rectangles(np.diff(own.starts), x, y, size, size, 1.0, capacitance)
     return with_fingers_at(skin, on_cells, squares, grid)
 
 
@@ -103,7 +103,7 @@ class SharpPixelTouches:
         pixel, rises = by_touch(batch)
         x, y = np.moveaxis(self._middles[pixel], -1, 0)
         counts, size = np.diff(batch.starts), self._size
-        squares = Touches.rectangles(counts, x, y, size, size, 1 + rises)
+        squares = TouchBatch.rectangles(counts, x, y, size, size, 1 + rises)
         return rasterized(self._skin, squares, self._grid)
 
 

@@ -20,7 +20,7 @@ from ...press.batch import NOTHING, PressBatch
 from ...press.cell_kernel import FAINT, axis_shares
 from ...press.finger import finger_over
 from ...press.pixels import SAMPLES, GridCells
-from ...press.rasterized import Touches
+from ...press.rasterized import TouchBatch
 from ...press.walls import require_no_walls
 from ...scene.parts import Pressing, Skin
 from ...scene.planar import shared
@@ -282,7 +282,7 @@ def with_fingers(
     low, high = (np.clip(y + side * height / 2, 0.0, skin.width) for side in (-1, 1))
     area = np.where(disc, np.pi * outer**2, (right - left) * (high - low))
     finger = np.where(area > 0, finger_over(skin, area, pressing.finger), 0.0)
-    touches = Touches(contacts.counts, disc, x, y, width, height, np.ones(x.shape), finger)
+    touches = TouchBatch(contacts.counts, disc, x, y, width, height, np.ones(x.shape), finger)
     return with_fingers_at(skin, batch, touches, grid)
 
 

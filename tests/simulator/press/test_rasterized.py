@@ -10,7 +10,7 @@ from rcskin.simulator.dataset.touch_places import place_texts
 from rcskin.simulator.press.cell_kernel import covered_fraction, covered_with_slopes
 from rcskin.simulator.press.pixels import GridCells
 from rcskin.simulator.press.press import parse_press
-from rcskin.simulator.press.rasterized import Touches, rasterized
+from rcskin.simulator.press.rasterized import TouchBatch, rasterized
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.tests.library.rasters import cell_map, twin_map
 
@@ -30,7 +30,7 @@ def placed(draw):
     x, y = (np.round(each + side / 2, 7) for each, side in zip(low, (width, height), strict=True))
     factor = np.round(rng.uniform(0.5, 3.0, shape), 6)
     counts = rng.integers(0, 3, presses)
-    return Touches(counts, disc, x, y, width, height, factor, 0 * factor)
+    return TouchBatch(counts, disc, x, y, width, height, factor, 0 * factor)
 
 
 @pytest.mark.kernel
@@ -51,7 +51,7 @@ def test_many_presses_are_each_of_them_and_the_twin(placed, grid):
 def test_no_cell_beside_a_touch_is_counted():
     one, count = np.ones((1, 1)), np.ones(1, dtype=np.int64)
     place = 0.06 * one, 0.06 * one, 0.04 * one, 0.04 * one
-    disc = Touches(count, one > 0, *place, 2 * one, 0 * one)
+    disc = TouchBatch(count, one > 0, *place, 2 * one, 0 * one)
     on_lines = disc._replace(disc=one < 0)
     assert rasterized(SCENE.parts.skin, on_lines, (12, 12)).cells.size == 4 * 4
     whole = rasterized(SCENE.parts.skin, disc, (24, 24))
