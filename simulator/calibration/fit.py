@@ -18,8 +18,8 @@ from scipy.optimize import least_squares
 from ..arrays import Complex, Mask, Real
 from ..fem.factors import one_blas_thread
 from ..models.cosine_modes import with_foam_modes, with_sheet_modes
-from ..models.line_slopes import LineModel
 from ..models.parameters import parts_with
+from ..press.batch import TouchedCells
 from ..progress import ProgressCallback, silent
 from ..scene.meter import Readout
 from ..scene.parts import SceneParts, Skin
@@ -238,10 +238,12 @@ def largest_certificate(fit: Fit) -> float:
     """Largest certified error of the model over the first CERTIFIED_PRESSES presses."""
     problem, values = fit.problem, fit.values
     share = fit.spec.share_of_rises(fit.u)
-    return max(
-        problem.model.certificate(cells, share * problem.rises(fit.u, k), values)
+    presses = (
+        TouchedCells(cells, share * problem.rises(fit.u, k))
         for k, (cells, _) in enumerate(problem.cells[:CERTIFIED_PRESSES])
     )
+    found = (problem.model.slopes(press, values, certify=True).error for press in presses)
+    return max(error for error in found if error is not None)
 
 
 def _retraining_reason(fit: Fit, certificate: float) -> str:
@@ -273,7 +275,7 @@ def initial_values(problem: LeastSquaresProblem) -> list[dict[str, float]]:
     """
     spec, model = problem.spec, problem.model
     own = spec.values(spec.unknowns({n: p.center for n, p in spec.fitted.items()}))
-    if isinstance(model.model, LineModel) and not spec.measurements.parts.setup.gain:
+    if model.unlimited and not spec.measurements.parts.setup.gain:
         return [own, *({**own, **_fitted_only(spec, each)} for each in _of_line(spec))]
     begin = own | {name: at for name, at in model.center.items() if name in spec.fitted}
     if _misfit(problem, begin) < NEAR_CENTER * spec.measurements.numbers:

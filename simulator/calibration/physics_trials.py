@@ -13,11 +13,11 @@ from typing import Literal
 
 import numpy as np
 
-from ..arrays import Complex, Integer, Real
-from ..models.line import tanh_ratio
-from ..models.line_slopes import LineModel, tanh_ratio_slope
+from ..arrays import Complex
+from ..models.line import tanh_ratio, tanh_ratio_slope
 from ..models.parameters import loss_of
 from ..models.solution import Response
+from ..press.batch import PressBatch, TouchedCells
 from ..progress import ProgressCallback, silent
 from ..scene.frequency import LOSSLESS, Loss, laplace_variable
 from ..sweeps.units import prefixed
@@ -51,11 +51,14 @@ class WithSeriesElement(CenteredModel):
         scene = {name: at for name, at in values.items() if name not in (RESISTANCE, CAPACITANCE)}
         return super().own(scene)
 
-    def respond_together(
-        self, cells: Integer, rises: Real, values: Mapping[str, float]
+    def slopes(
+        self,
+        presses: TouchedCells | PressBatch,
+        values: Mapping[str, float],
+        certify: bool = False,
     ) -> Response:
-        """See `CenteredModel.respond_together`."""
-        response = super().respond_together(cells, rises, values)
+        """See `CenteredModel.slopes`."""
+        response = super().slopes(presses, values, certify)
         R, C = np.exp(values[RESISTANCE]), np.exp(values[CAPACITANCE])
         Z, by_resistance, by_capacitance = self._with_slopes(R, C)
         slopes = {
@@ -168,7 +171,7 @@ def _element(fit: Fit, element: Element) -> tuple[str, Fit]:
 
 
 def _steps(fit: Fit) -> int:
-    return STEPS if isinstance(fit.problem.model.model, LineModel) else FEW
+    return STEPS if fit.problem.model.unlimited else FEW
 
 
 def _best_step(fit: Fit, model: WithSeriesElement) -> tuple[float, float]:

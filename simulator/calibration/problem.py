@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -20,11 +19,12 @@ from ..arrays import Complex, Integer, Real
 from ..measure.readout import observed, observed_slope
 from ..models.cosine_modes import NO_MODES, FittedModes
 from ..models.heterogeneous.elements_model import single_field
-from ..models.line_slopes import LineModel
+from ..models.line import Line
 from ..models.parameters import EFFECTS, FACTORS, foam_parts, own_values, parts_with
-from ..models.reduced.forward import REACH, Forward
+from ..models.reduced.forward import Forward
 from ..models.solution import Response
 from ..models.terminals import reduced_for
+from ..press.batch import NOTHING, PressBatch, TouchedCells
 from ..progress import ProgressCallback, silent
 from ..scene.parts import SceneParts, Setup, Skin
 from ..sweeps import InputError
@@ -38,9 +38,8 @@ UNLIMITED = 50.0
 """Logarithm of the largest factor of a model that is valid for any factor."""
 
 
-Model = Forward | LineModel
-"""Both have `respond`, `respond_together`, `certificate` and `cells`, and list the parameters that
-are `free`."""
+Model = Forward | Line
+"""Both give slopes, and list the parameters that are `free`."""
 
 
 def model_of(
@@ -53,9 +52,11 @@ def model_of(
 
     uneven: cosine modes among its parameters. Modes of the sheets need two fields.
     """
+    line = Line(parts.skin, parts.setup)
     try:
         if parts.plan.press.by_factor and uneven == NO_MODES:
-            return LineModel(parts.skin, parts.setup)
+            line.slopes(NOTHING)
+            return line
     except InputError:
         pass
     return Forward(parts, rtol=rtol, progress=progress, train=reduced_for, modes=uneven.modes)
@@ -75,48 +76,27 @@ class CenteredModel:
 
     def reach(self, name: str) -> float:
         """Largest distance of the logarithm of a factor from `center`."""
-        if isinstance(self.model, LineModel):
+        if self.unlimited:
             return UNLIMITED
-        return math.log(FAR if name in EFFECTS else REACH)
+        return math.log(FAR if name in EFFECTS else self.model.reach)
+
+    @property
+    def unlimited(self) -> bool:
+        """True if the model holds for any factors."""
+        return math.isinf(self.model.reach)
 
     def own(self, values: Mapping[str, float]) -> dict[str, float]:
         """Values of the scene's parameters, relative to the model's center."""
         return {name: value - self.center.get(name, 0.0) for name, value in values.items()}
 
-    def respond(self, cells: Integer, rises: Real, values: Mapping[str, float]) -> Response:
-        """Response to one press; `by_cell` is the derivative by the rises here."""
-        own = self.own(values)
-        response = self.model.respond(cells, rises, own)
-        unpressed = self.model.unpressed_factors(own)[: response.by_cell.shape[-1]]
-        by_rise = unpressed * response.by_cell + response.by_gauge
-        return replace(response, by_cell=by_rise)
-
-    def respond_together(
-        self, cells: Integer, rises: Real, values: Mapping[str, float]
+    def slopes(
+        self,
+        presses: TouchedCells | PressBatch,
+        values: Mapping[str, float],
+        certify: bool = False,
     ) -> Response:
-        """Responses to presses that all touch the same number of cells, shape (press, touch).
-
-        Arrays are those of `respond` with a first axis (press,); `by_cell` has the touched cells
-        only.
-        """
-        own = self.own(values)
-        if self.model.allows_batches(own):
-            response = self.model.respond_together(cells, rises, own)
-            unpressed = self.model.unpressed_factors(own)[cells][:, None, None]
-            return replace(response, by_cell=unpressed * response.by_cell)
-        pairs = zip(cells, rises, strict=True)
-        each = [(touched, self.respond(touched, raised, values)) for touched, raised in pairs]
-        names = each[0][1].by_parameter
-        return Response(
-            np.stack([found.Z for _, found in each]),
-            {name: np.stack([found.by_parameter[name] for _, found in each]) for name in names},
-            np.stack([found.by_cell[..., touched] for touched, found in each]),
-            np.stack([found.by_term for _, found in each]),
-        )
-
-    def certificate(self, cells: Integer, rises: Real, values: Mapping[str, float]) -> float:
-        """See `Model.certificate`."""
-        return self.model.certificate(cells, rises, self.own(values))
+        """Readings with derivatives, see `Model.slopes`."""
+        return self.model.slopes(presses, self.own(values), certify=certify)
 
 
 def centered_model(
@@ -156,11 +136,11 @@ def checked_model(model: Model, skin: Skin, setup: Setup, uneven: FittedModes = 
     ):
         if not same:
             raise InputError(f"the model's {name} differ from the measured ones")
-    if isinstance(model, Forward) and model.cells_per_pixel != 1:
+    if model.cells_per_pixel != 1:
         raise InputError(f"`cells_per_pixel` of the model must be 1, got {model.cells_per_pixel}")
-    if isinstance(model, LineModel) and uneven != NO_MODES:
+    if not model.modes and uneven != NO_MODES:
         raise InputError("cosine modes need a `Forward` model, got the exact line")
-    if isinstance(model, Forward) and model.modes < uneven.modes:
+    if model.modes < uneven.modes and uneven != NO_MODES:
         raise InputError(
             f"`modes` of the model must be {uneven.modes} for cosine modes of the sheets, "
             f"got {model.modes}"
@@ -304,10 +284,10 @@ class LeastSquaresProblem:
         cells = np.stack([self.cells[k][0] for k in group])
         share = spec.share_of_rises(u)
         rises = share * np.stack([self.rises(u, int(k)) for k in group])
-        response = self.model.respond_together(cells, rises, spec.values(u))
+        response = self.model.slopes(PressBatch.even(cells, rises), spec.values(u))
         by_parameter = dict(response.by_parameter)
         if spec.absolute_touches:
-            by_rises = (response.by_cell * rises[:, None, None]).sum(axis=-1)
+            by_rises = (response.by_rise * rises[:, None, None]).sum(axis=-1)
             by_parameter["capacitance"] = by_parameter["capacitance"] - by_rises
         parameters = [
             prior.deviation * observed_slope(response.Z, by_parameter[name])
@@ -315,7 +295,7 @@ class LeastSquaresProblem:
         ]
         spreads = share * np.array([spec.spreads[k] for k in group])
         touches = [
-            spread[:, None] * observed_slope(response.Z, response.by_cell[..., touch])
+            spread[:, None] * observed_slope(response.Z, response.by_rise[..., touch])
             for touch, spread in enumerate(spreads.T)
         ]
         errors = self._errors[group]

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from ..arrays import Real
 from ..models.cosine_modes import FittedModes, check_uniform_foam, check_uniform_sheets
-from ..models.line_slopes import LineModel
 from ..models.mechanics.force_depths import forces_as_depths, pressed_by_factors
 from ..models.parameters import READER, own_values
 from ..notebook_display import SmallChart, Tabular
@@ -359,7 +358,7 @@ class _CalibrationRun:
     def _prepared(self, model: Model, trained: bool) -> CenteredModel:
         """A model around the scene, or around the measured capacitance where that is far off."""
         parts = self.measured.parts
-        if trained or isinstance(model, LineModel):
+        if trained or math.isinf(model.reach):
             return CenteredModel(
                 checked_model(model, parts.skin, parts.setup, self._uneven), {}, self._uneven
             )

@@ -114,5 +114,5 @@ def _touch(x: float, y: float, width: float, height: float, factor: float) -> Pr
 def _observed(unknown: UnknownSkin, presses: Sequence[Press]) -> Real:
     """Observed changes of uniform skins from the baseline, shape (press, number)."""
     touched = PressBatch.of([NOTHING, *map(unknown.forward.cells, presses)])
-    observed = unknown.observed(unknown.forward.impedances(touched, unknown.values))
+    observed = unknown.observed(unknown.forward.solve(touched, unknown.values))
     return observed[1:] - observed[0]

@@ -20,7 +20,7 @@ from ..mesh.pixel_coverage import pixel_coverage
 from ..models.reduced.forward import Forward
 from ..models.terminals import reduced_for
 from ..models.uniform import require_static
-from ..press.batch import NOTHING, PressBatch
+from ..press.batch import NOTHING, PressBatch, TouchedCells
 from ..press.parts import parts_of
 from ..scene.parts import Plan, SceneParts, Skin
 from .position_tables import cells_per_pixel, position_tables
@@ -128,7 +128,7 @@ def strength_prior(skin: Skin, plan: Plan, presses: str) -> tuple[NDArray, NDArr
 def pixel_tables(unknown: UnknownSkin, touches: Sequence[PixelTouch], of_finger: float) -> Tables:
     """Tables of all touches of every single pixel. of_finger: deviation of its capacitance, F."""
     forward, pixels = unknown.forward, unknown.forward.parts.skin.pixels
-    unpressed = unknown.observed(forward.respond(*NOTHING, unknown.values).Z)
+    unpressed = unknown.observed(forward.slopes(NOTHING, unknown.values).Z)
     places = pixel_coverage(forward.parts.skin).numbers
     found = [
         [_touch(unknown, pixel, touch, of_finger) for touch in touches] for pixel in places.tolist()
@@ -157,9 +157,8 @@ def _touch(
     if touch.finger or of_finger:
         own = parts_of(unknown.forward.parts.skin).finger(cells)
         cells, rises = np.append(cells, own), np.append(rises, touch.finger)
-    response = unknown.forward.respond(cells, rises, unknown.values)
-    by_strength = np.exp(unknown.values["capacitance"]) * response.by_cell + response.by_gauge
-    slope = touch.presses * unknown.observed_slope(response.Z, by_strength[..., pixel])
+    response = unknown.forward.slopes(TouchedCells(cells, rises), unknown.values)
+    slope = touch.presses * unknown.observed_slope(response.Z, response.by_rise[..., pixel])
     skin, shift = unknown.of_touch(cells, rises)
     if of_finger:
         by_finger = of_finger * unknown.observed_slope(response.Z, response.by_parameter["finger"])
@@ -175,7 +174,7 @@ def pair_tables(unknown: UnknownSkin, strengths: Real) -> Tables:
     rises = np.stack([first.ravel(), second.ravel()], axis=1)
     cells = np.repeat(places[pairs], len(rises), axis=0)
     batch = PressBatch.even(cells, np.tile(rises, (len(pairs), 1)))
-    Z = unknown.forward.impedances(batch, unknown.values)
-    unpressed = unknown.forward.respond(*NOTHING, unknown.values).Z
+    Z = unknown.forward.solve(batch, unknown.values)
+    unpressed = unknown.forward.slopes(NOTHING, unknown.values).Z
     change = unknown.observed(Z) - unknown.observed(unpressed)
     return {"pairs": pairs, "pair": change.reshape(len(pairs), *first.shape, -1)}

@@ -21,7 +21,7 @@ from ..models.parameters import HALF_WAVES, TABLE, mode_values, own_values
 from ..models.reduced.families.family_meshes import family_on
 from ..models.reduced.forward import Forward
 from ..models.session_spreads import session_spreads
-from ..press.batch import NOTHING
+from ..press.batch import NOTHING, TouchedCells
 from ..press.pixels import cell_centres
 from ..scene.parts import Meter, SceneParts, Setup
 
@@ -96,16 +96,16 @@ class UnknownSkin:
     def baseline(self) -> Real:
         """Observed values of the unpressed skin, shape (number,)."""
         shared = len(self._deviations)
-        uniform = self.observed(self.forward.respond(*NOTHING, self.values).Z)
+        uniform = self.observed(self.forward.slopes(NOTHING, self.values).Z)
         return uniform + self._baseline_columns[:, shared:] @ self._distribution.mean[shared:]
 
     def unpressed(self) -> Complex:
         """Z in ohm of the unpressed skin at the mean parameters, (interface, frequency)."""
-        return self.forward.respond(*NOTHING, self.values).Z
+        return self.forward.slopes(NOTHING, self.values).Z
 
     def drift(self, step: float) -> Real:
         """Effects of a relative step of all foam and of both sheets, shape (number, 2)."""
-        response = self.forward.respond(*NOTHING, self.values)
+        response = self.forward.slopes(NOTHING, self.values)
         slopes = [response.by_parameter[name] for name in DRIFTING]
         return step * np.stack([self.observed_slope(response.Z, each) for each in slopes], axis=-1)
 
@@ -136,7 +136,7 @@ class UnknownSkin:
 
     def _columns(self, cells: Integer, rises: Real) -> Real:
         modes = math.exp(-self.values["sheet_resistance"]) * self._sheet_modes
-        response = self.forward.respond(cells, rises, self.values, modes)
+        response = self.forward.slopes(TouchedCells(cells, rises), self.values, modes)
         shared = [
             deviation * response.by_parameter[name] for name, deviation in self._deviations.items()
         ]

@@ -13,31 +13,42 @@ admittances with positive real part, so no digits are lost and nothing overflows
 
 from __future__ import annotations
 
-from collections.abc import Collection
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import replace
 from functools import cached_property, reduce
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Complex, Real
+from ..arrays import Complex, Integer, Real
 from ..fem.circuit import Circuit, one_field
 from ..fem.error_estimate import ROUNDING
 from ..method_cache import cached_method
+from ..press.batch import PressBatch, TouchedCells
 from ..press.capacitance import lines, tile_map
 from ..press.pixels import pixel_lines
 from ..press.press import Press
+from ..press.touch import Touch
 from ..scene.contacts import Contact, Interface
-from ..scene.frequency import laplace_variable
+from ..scene.frequency import laplace_variable, slopes_of_s
 from ..scene.parts import Setup, Skin
+from ..sweeps import InputError
 from .model import DEFAULT_RTOL, GivenPress, UniformModel
-from .solution import Answer, ModelResult
+from .parameters import all_values, by_sheets, loss_of, own_values, reading_of, weights_with
+from .solution import Answer, ModelResult, Response, at_meter
+from .uniform import require_uniform
 
 
 class Line(UniformModel):
-    """The exact line: skins and presses that do not vary across it."""
+    """The exact line: skins and presses that do not vary across it.
+
+    reach: largest factor on parameters: any. modes: cosine modes are not among these.
+    """
 
     name, seconds = "line", 1e-5
+    reach, modes, cells_per_pixel = math.inf, 0, 1
 
     def __init__(self, skin: Skin, setup: Setup) -> None:
         self.skin, self.setup = skin, setup
@@ -58,9 +69,107 @@ class Line(UniformModel):
         """
         given = self._given(press, rtol)
         uniform, progress = self._uniform(given), self._progress(given, frequency, rtol)
-        Z = (self._between_two_ends if self.two_ended else self._open)(uniform, frequency)
+        Z = (self._between_two_ends if self._two_ended else self._open)(uniform, frequency)
         progress.offer(ModelResult("exact line", 0, Z, np.full((2, *Z.shape), ROUNDING)))
         return progress.answer()
+
+    @property
+    def free(self) -> tuple[str, ...]:
+        """Parameters that the impedance of the scene depends on."""
+        own = own_values(self.skin, self.setup)
+        return tuple(n for n in own if n != "contact_resistance" or self._pixels.film)
+
+    def cells(self, press: Press) -> TouchedCells:
+        """Pixels that a press touches, from 0, and the rise of each relative to the unpressed c.
+
+        Raises InputError for touches that are not whole pixels.
+        """
+        touches = [touch for touch in press.touches if isinstance(touch, Touch)]
+        if len(touches) < len(press.touches):
+            raise InputError(f"press {press}: all touches of a line must be whole pixels")
+        raised = [touch for touch in touches if touch.factor != 1]
+        cells = [max(touch.row, touch.column) - 1 for touch in raised]
+        rises = np.array([touch.factor - 1 for touch in raised])
+        return TouchedCells(np.array(cells, dtype=np.int64), rises)
+
+    def slopes(
+        self,
+        presses: TouchedCells | PressBatch,
+        at: Mapping[str, float] | None = None,
+        certify: bool = False,
+    ) -> Response:
+        """See `Model`; of a line of pixels with contacts at one end.
+
+        The chain is differentiated segment by segment. The slope by resistance follows from the
+        others: Z(a R, s) = a Z(R, a s), so that R dZ/dR = Z + s dZ/ds. certify: its error is 0.
+        """
+        pixels, values = self._pixels, all_values(self.skin, self.setup, at)
+        one = isinstance(presses, TouchedCells)
+        count = 1 if one else presses.count
+        cells, rises = presses.cells.reshape(count, -1), presses.rises.reshape(count, -1)
+        unpressed = weights_with(values)["foam"]
+        found = self._responses(pixels, cells, rises, values)
+        if one:
+            by_parameter = {name: slope[0] for name, slope in found.by_parameter.items()}
+            own = found.Z[0], by_parameter, found.by_cell[0], found.by_term[0]
+            return Response(*own, unpressed=unpressed, error=0.0)
+        of_touched = np.take_along_axis(found.by_cell, cells[:, None, None], axis=-1)
+        return replace(found, by_cell=of_touched, unpressed=unpressed, error=0.0)
+
+    def _responses(
+        self, pixels: LinePixels, cells: Integer, rises: Real, values: Mapping[str, float]
+    ) -> Response:
+        """Responses to presses, shape (press, touch): all arrays have an axis (press,) first."""
+        s, weights = laplace_variable(self.setup.frequency, loss_of(values)), weights_with(values)
+        sheets = pixels.sheets / [weights["top"], weights["bottom"]]
+        map_of_c = np.ones((len(cells), len(pixels.C)))
+        np.add.at(map_of_c, (np.arange(len(cells))[:, None], cells), rises)
+        map_of_c *= weights["foam"]
+        C = pixels.C * map_of_c[:, pixels.order]
+        Y, by_charging = chain(sheets.sum() * pixels.shares, C, s)
+        Z, turn = 1 / Y, -1 / Y**2
+        by_cell = np.empty((*Y.shape, len(pixels.C)), dtype=complex)
+        of_segment = turn[:, None] * by_charging * s * pixels.C[:, None]
+        by_cell[..., pixels.order] = of_segment.swapaxes(1, 2)
+        by_s = (by_cell @ map_of_c[:, :, None])[..., 0] / s
+        film = pixels.film / weights["films"]
+        slopes = by_sheets(-(Z + s * by_s)[None], *sheets)
+        slopes["contact_resistance"] = np.full_like(Z, film)
+        of_s = slopes_of_s(self.setup.frequency, loss_of(values))
+        slopes |= {name: by_s * slope for name, slope in of_s.items()}
+        to_Y, times = -1 / (Z + film) ** 2, len(self.setup.solved)
+
+        def everywhere(values: Complex) -> Complex:
+            return np.repeat(values[:, None], times, axis=1)
+
+        return at_meter(
+            everywhere(Z + film),
+            {name: everywhere(to_Y * slope) for name, slope in slopes.items()},
+            reading_of(self.setup, values),
+            everywhere(to_Y[..., None] * by_cell),
+        )
+
+    @cached_property
+    def _pixels(self) -> LinePixels:
+        """Segments of the unpressed line. Raises InputError if they are no pixels in a row."""
+        skin = self.skin
+        require_uniform(skin, "the line")
+        if self._no_line:
+            raise InputError(self._no_line)
+        if self._two_ended:
+            raise InputError(f"{skin.name} has contacts at both ends: slopes need those at one")
+        c, lengths = self._profile(Press())
+        pixels, edge, width = skin.pixels, self._contact.edge, self._width
+        across = pixels.rows if edge in ("left", "right") else pixels.columns
+        if across != 1:
+            raise InputError(f"{skin.name} is no line: it has {across} pixels across")
+        return LinePixels(
+            C=c * lengths * width,
+            shares=lengths / lengths.sum(),
+            order=np.arange(len(c))[:: 1 if edge in ("left", "bottom") else -1],
+            sheets=np.array(skin.sheet_resistances) * lengths.sum() / width,
+            film=sum(contact.resistance for contact in skin.contacts) / width,
+        )
 
     @cached_property
     def _no_line(self) -> str | None:
@@ -82,7 +191,7 @@ class Line(UniformModel):
         return circuit
 
     @property
-    def two_ended(self) -> bool:
+    def _two_ended(self) -> bool:
         """True if both ends have contacts."""
         return len(self._circuit.terminals) == 2
 
@@ -97,7 +206,7 @@ class Line(UniformModel):
 
     def _open(self, press: Press, frequency: Real) -> Complex:
         """Z in ohm of a line that is fed at one end, shape (interface, frequency)."""
-        c, segments = self.profile(press)
+        c, segments = self._profile(press)
         s = laplace_variable(frequency, self.skin.foam.loss)
         sheets, width = self.skin.both_sheets, self._width
         Y = np.zeros(s.shape, dtype=complex)
@@ -110,7 +219,7 @@ class Line(UniformModel):
 
     def _between_two_ends(self, press: Press, frequency: Real) -> Complex:
         """Z of interfaces that drive the first end, the second, or both tied together."""
-        c, segments = self.profile(press)
+        c, segments = self._profile(press)
         s, width = laplace_variable(frequency, self.skin.foam.loss), self._width
         sheets = self.skin.both_sheets
         line = [
@@ -122,7 +231,7 @@ class Line(UniformModel):
         ports = reduce(LinePorts.joined, [*near, *line, *far])
         return np.stack([ports.to_earth(on.high, on.low) for on in self._circuit.excitations])
 
-    def profile(self, press: Press) -> tuple[Real, Real]:
+    def _profile(self, press: Press) -> tuple[Real, Real]:
         """c in F/m² and length in m of each segment from the fed edge on, shape (segment,)."""
         c, along = self._across(press)
         from_feed = slice(None, None, 1 if self._contact.edge in ("left", "bottom") else -1)
@@ -145,6 +254,20 @@ class Line(UniformModel):
         )
         c = tile_map(self.skin, press, x, y)
         return (c.T, y) if self._contact.edge in ("bottom", "top") else (c, x)
+
+
+class LinePixels(NamedTuple):
+    """Segments of an unpressed line, from the fed end on.
+
+    C: F, shape (segment,). shares: of the length. order: pixel of each segment. sheets: resistance
+    of each whole sheet, ohm, shape (2,). film: of all contacts, ohm.
+    """
+
+    C: Real
+    shares: Real
+    order: Integer
+    sheets: Real
+    film: float
 
 
 def _at_ends(circuit: Circuit) -> bool:
@@ -283,3 +406,36 @@ def _sinh_ratio(z: Complex) -> Complex:
     q = np.sqrt(np.where(small, 1, z))
     ratio = 2 * q * np.exp(-q) / -np.expm1(-2 * q)
     return np.where(small, 1 / (1 + total), ratio)
+
+
+SMALL = 1e-2
+TAYLOR = (248 / 2835, -51 / 315, 4 / 15, -1 / 3)
+"""Coefficients of d(tanh q / q)/dz about z = q² = 0, highest power first."""
+
+
+def chain(R: Real, C: Real, s: Complex) -> tuple[Complex, Complex]:
+    """Y in S of segments in series, open at the far end, and its slopes by each segment's s C.
+
+    R in ohm, shape (segment,), and C in F, shape (..., segment), start at the fed end; s in rad/s.
+    Shapes (..., s) and (..., segment, s). The admittance at the start of a segment is Y = (Y' + p
+    T) / (1 + Y' R T), p = s C, T = tanh(q)/q, q² = R p.
+    """
+    p = C[..., None] * s
+    Y, slopes = np.zeros((*C.shape[:-1], len(s)), dtype=complex), np.zeros_like(p)
+    every_T = tanh_ratio(R[:, None] * p)
+    every_dT = R[:, None] * tanh_ratio_slope(R[:, None] * p, every_T)
+    for k in range(len(R) - 1, -1, -1):
+        T, dT = every_T[..., k, :], every_dT[..., k, :]
+        top, bottom = Y + p[..., k, :] * T, 1 + Y * R[k] * T
+        slopes[..., k + 1 :, :] *= ((bottom - top * R[k] * T) / bottom**2)[..., None, :]
+        own = (T + p[..., k, :] * dT) * bottom - top * Y * R[k] * dT
+        slopes[..., k, :] = own / bottom**2
+        Y = top / bottom
+    return Y, slopes
+
+
+def tanh_ratio_slope(z: Complex, T: Complex) -> Complex:
+    """dT/dz for T = tanh(q)/q, q² = z: (1 - T - z T²) / (2 z), by its Taylor series about 0."""
+    small = np.abs(z) < SMALL
+    away = np.where(small, 1, z)
+    return np.where(small, np.polyval(TAYLOR, np.where(small, z, 0)), (1 - T - z * T**2) / 2 / away)

@@ -4,17 +4,18 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
 from ..arrays import Real
+from ..press.batch import PressBatch, TouchedCells
 from ..press.press import Press, require_plain
 from ..press.touch import Place, place_of
 from ..progress import ProgressCallback, silent
 from ..scene.parts import Setup, Skin
 from ..sweeps import InputError
-from .solution import Answer, SolutionProgress
+from .solution import Answer, Response, SolutionProgress
 from .uniform import equivalent_press, require_uniform
 
 if TYPE_CHECKING:
@@ -159,6 +160,19 @@ class Model(Domain):
         rtol: largest relative error of Rs and Cp. Raises InputError for what the model cannot
         represent.
         """
+
+    def slopes(
+        self, presses: TouchedCells | PressBatch, at: Mapping[str, float] | None = None
+    ) -> Response:
+        """Readings at the setup's frequencies, with exact derivatives.
+
+        presses: one, or many with equally many touches, see `Response`. at: parameters that differ
+        from the scene's own. Raises InputError for unknown names, and if the model gives none.
+        """
+        raise self._unsupported("derivatives")
+
+    def _unsupported(self, what: str) -> InputError:
+        return InputError(f"{self.skin.name}: the model {self.name!r} gives no {what}")
 
     def _given(self, press: Press | GivenPress, rtol: float) -> GivenPress:
         """The press as models take it."""

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..arrays import Complex, Mask, Real
 from ..fem.error_estimate import UNIFORM, reference_susceptance, relative_difference
+from ..press.batch import PressBatch
 from ..scene.parts import Setup
 from ..sweeps.reading_quantities import GAIN_ERROR, IMPEDANCE, ReadingKind
 
@@ -239,7 +240,10 @@ class Response:
     parameter of skin, leads or touch, of the same shape. by_cell: by c of each cell over the
     scene's unpressed c, shape (interface, frequency, cell). by_term: by the weight of each term
     over that of K, shape (interface, frequency, term). by_gauge: by the factor of a touch on c of a
-    cell, as far as it changes the sheets; shape of by_cell, or 0.
+    cell, as far as it changes the sheets; shape of by_cell, or 0. unpressed: units of the rises of
+    cells over the scene's own, to multiply by_cell with. error: largest bound on the relative error
+    of Rs and Cp at the skin; None if it was not requested. Responses to many presses have a first
+    axis (press,), and only the touched cells.
     """
 
     Z: Complex
@@ -247,6 +251,25 @@ class Response:
     by_cell: Complex
     by_term: Complex
     by_gauge: Complex | float = 0.0
+    unpressed: Real | float = 1.0
+    error: float | None = None
+
+    @property
+    def by_rise(self) -> Complex:
+        """Derivative by the rise of each cell, shape of by_cell."""
+        return self.unpressed * self.by_cell + self.by_gauge
+
+
+def stacked(responses: Sequence[Response], batch: PressBatch) -> Response:
+    """Responses to presses with equally many touches, by the touched cells alone."""
+    cells, names = [own.cells for own in batch.each()], responses[0].by_parameter
+    by_rise = [own.by_rise[..., where] for own, where in zip(responses, cells, strict=True)]
+    return Response(
+        np.stack([own.Z for own in responses]),
+        {name: np.stack([own.by_parameter[name] for own in responses]) for name in names},
+        np.stack(by_rise),
+        np.stack([own.by_term for own in responses]),
+    )
 
 
 def at_meter(
@@ -264,8 +287,12 @@ def at_meter(
     """
     slopes = reading.slopes(Z)
     by_Y = slopes.times((-(Z**2)).astype(np.complex128))
+    cell, term, gauge = (by_Y.of_many(np.asarray(each)) for each in (by_cell, by_term, by_gauge))
+    of_leads = dict(slopes.by_leads)
     return Response(
         reading.at_meter(Z).astype(np.complex128),
-        {name: by_Y.of(slope) for name, slope in by_parameter.items()} | dict(slopes.by_leads),
-        *(by_Y.of_many(np.asarray(each)) for each in (by_cell, by_term, by_gauge)),
+        {name: by_Y.of(slope) for name, slope in by_parameter.items()} | of_leads,
+        cell,
+        term,
+        gauge,
     )

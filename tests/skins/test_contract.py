@@ -15,14 +15,14 @@ import pytest
 from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.models.line_slopes import LineModel
+from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.network_skin import NetworkSkin
 from rcskin.simulator.models.parameters import Variation, own_values
 from rcskin.simulator.models.reduced.cases import Case, pixel_touches
 from rcskin.simulator.models.reduced.certificate import largest_bounds
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.models.terminals import chain, read
-from rcskin.simulator.press.batch import PressBatch
+from rcskin.simulator.press.batch import PressBatch, TouchedCells
 from rcskin.simulator.press.parts import foam_parts
 from rcskin.simulator.press.pixels import pixels_with_skin
 from rcskin.simulator.press.press import press_on
@@ -200,18 +200,21 @@ def test_slopes_are_differences(library, touches, values, name):
     if name in BY_DEPTH:
         coupled, foam = forward.reduced.family.rises.coupled, foam_parts(scene.parts.skin)
         touches = [touch for touch in touches if not coupled(touch[0][touch[0] < foam])]
-    check_slopes(forward, touches, values)
+    check_slopes(forward, touches, values, name in BY_DEPTH)
 
 
 @kinds("a line")
 def test_slopes_of_the_exact_line_are_differences(library, touches, values, name):
     scene = library.scene(name)
-    model = LineModel(scene.parts.skin, scene.parts.setup)
+    model = Line(scene.parts.skin, scene.parts.setup)
     check_slopes(model, touches, values)
 
 
-def check_slopes(forward, touches, values):
-    """By parameters and touches; of one press and of presses together."""
+def check_slopes(forward, touches, values, by_depth=False):
+    """By parameters and touches; of one press and of presses together.
+
+    Of presses by depth together none is by a finger.
+    """
     foam, own = (
         foam_parts(forward.skin),
         own_values(forward.skin, forward.setup),
@@ -219,30 +222,31 @@ def check_slopes(forward, touches, values):
     values = {key: value for key, value in values.items() if key in own}
 
     def difference(step, *ends):
-        up, down = (forward.respond(*end).Z for end in ends)
+        up, down = (forward.slopes(TouchedCells(*touched), at).Z for *touched, at in ends)
         return (up - down) / (2 * step)
 
     for cells, rises in touches:
-        found = forward.respond(cells, rises, values)
+        found = forward.slopes(TouchedCells(cells, rises), values)
         by_touch = []
         for key, value in values.items():
             step = STEPS.get(key, 1e-4)
             ends = (values | {key: value + sign * step} for sign in (1, -1))
             same(found.by_parameter[key], difference(step, *((cells, rises, end) for end in ends)))
-        for cell, unpressed in zip(cells, forward.unpressed_factors(values)[cells], strict=True):
+        for cell in cells:
             step = 1e-4 if cell < foam else 1e-14
             ends = (rises + sign * step * (cells == cell) for sign in (1, -1))
             expected = difference(step, *((cells, end, values) for end in ends))
-            by_touch.append(expected / unpressed)
+            by_touch.append(expected)
             if cell < foam:
-                same((unpressed * found.by_cell + found.by_gauge)[..., cell], expected)
-        if forward.allows_batches(values):
-            together = forward.respond_together(cells[None], rises[None], values)
-            np.testing.assert_allclose(together.Z[0], found.Z, rtol=1e-9)
-            for key, slope in found.by_parameter.items():
-                same(together.by_parameter[key][0], slope)
-            for k, slope in enumerate(by_touch):
-                same(together.by_cell[0, ..., k], slope)
+                same(found.by_rise[..., cell], expected)
+        if by_depth and (cells >= foam).any():
+            continue
+        together = forward.slopes(PressBatch.of([(cells, rises)]), values)
+        np.testing.assert_allclose(together.Z[0], found.Z, rtol=1e-9)
+        for key, slope in found.by_parameter.items():
+            same(together.by_parameter[key][0], slope)
+        for k, slope in enumerate(by_touch):
+            same(together.by_rise[0, ..., k], slope)
 
 
 def same(found, expected):

@@ -17,7 +17,7 @@ from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.reduced.slopes import sensitivities, sensitivity
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.press.batch import NOTHING
+from rcskin.simulator.press.batch import NOTHING, TouchedCells
 from rcskin.simulator.press.parts import parts_of
 from rcskin.simulator.press.press import Press, parse_press, press_on
 from rcskin.simulator.press.rasterized import touched_cells
@@ -110,8 +110,8 @@ def test_bodies_and_rims_of_other_sizes_need_no_other_basis(library):
 
 def test_a_finger_among_the_values_is_one_on_every_touched_pixel(library):
     forward = library.forward(library.scene("near a virtual earth"), rtol=0.1)
-    given = forward.respond(np.array([2]), np.array([0.5]), {"finger": 3e-12}).Z
-    touched = forward.respond(np.array([2, 6]), np.array([0.5, 3e-12])).Z
+    given = forward.slopes(TouchedCells(np.array([2]), np.array([0.5])), {"finger": 3e-12}).Z
+    touched = forward.slopes(TouchedCells(np.array([2, 6]), np.array([0.5, 3e-12]))).Z
     np.testing.assert_allclose(given, touched, rtol=1e-12)
 
 
@@ -170,7 +170,7 @@ def test_slopes_by_place_are_those_of_walls_that_move_with_the_touch(library):
         scene = library.scene("walls").with_({"surroundings": {"thickness": True, "edges": edges}})
         fields, solver = FullFields(scene.parts, 2e5), Solver(scene.parts, 1e-4)
         changes = AreaRasterizer.of(scene.parts.skin, fields.grid).raised(place, touch)
-        answer = fields.respond(1 + changes["strength"], changes, scene.frequencies)
+        answer = fields.slopes(TouchedCells(1 + changes["strength"], changes), scene.frequencies)
         found.append([answer.Z, *(answer.by_parameter[name] for name in moved)])
 
         def solved(by, sign=1.0, solver=solver):

@@ -35,7 +35,7 @@ from ..parameters import (
     reading_of,
     variation_of,
 )
-from ..solution import Response, at_meter
+from ..solution import Response, at_meter, stacked
 from .cases import Case, Draw, pixel_touches, strongest_finger, touched
 from .greedy import reduce
 from .model_with_modes import FoamModeTerms
@@ -136,7 +136,12 @@ def _by_fingers(
 
 
 class Forward:
-    """Reduced model of a scene as a function of its parameters and of presses on cells."""
+    """Reduced model of a scene as a function of its parameters and of presses on cells.
+
+    reach: largest factor on parameters that it is trained for.
+    """
+
+    reach = REACH
 
     def __init__(
         self,
@@ -167,21 +172,34 @@ class Forward:
         c."""
         return pressed_cells(self.divided, press)
 
-    def respond(
+    def slopes(
         self,
-        cells: Integer,
-        rises: Real,
-        given: Mapping[str, float] | None = None,
+        presses: TouchedCells | PressBatch,
+        at: Mapping[str, float] | None = None,
+        further_terms: Real | None = None,
+        certify: bool = False,
+    ) -> Response:
+        """Readings with exact derivatives, see `Model.slopes`.
+
+        further_terms: further terms of K for one press, see `sensitivity`. certify: True adds the
+        error of one press, mesh included. Raises InputError for an unknown name, ToleranceError if
+        the scene does not reduce.
+        """
+        values = all_values(self.skin, self.setup, at)
+        if isinstance(presses, TouchedCells):
+            found = self._of_one(presses, values, further_terms)
+            return replace(found, error=self._bound(presses, values)) if certify else found
+        if self._fixed_parts(values):
+            return self._of_many(presses, values)
+        return stacked([self._of_one(own, values) for own in presses.each()], presses)
+
+    def _of_one(
+        self,
+        press: TouchedCells,
+        values: Mapping[str, float],
         further_terms: Real | None = None,
     ) -> Response:
-        """Response of one press.
-
-        given: parameters that differ from the scene's own. further_terms: further terms of K, see
-        `sensitivity`. Raises InputError for an unknown name, ToleranceError if the scene does not
-        reduce.
-        """
-        values = all_values(self.skin, self.setup, given)
-        cells, rises = self._with_finger(cells, rises, values)
+        cells, rises = self._with_finger(*press, values)
         f, skin = self.setup.frequency, self._skin(values).under(cells, rises)
         further = [np.empty((0, *skin.stiffness.shape)) if further_terms is None else further_terms]
         if _has_foam_modes(values):
@@ -195,32 +213,26 @@ class Forward:
             assert skin.weights is not None
             own = found.by_weight[..., : len(self.reduced.stiffness)] * skin.weights
             by_gauge = self._by_gauge(own, touched(self.divided.skin, cells, rises))
-        return self._at_meter(found, skin, values, len(further[0]), by_gauge)
+        response = self._at_meter(found, skin, values, len(further[0]), by_gauge)
+        unpressed = skin.unpressed_factors[: response.by_cell.shape[-1]]
+        return replace(response, unpressed=unpressed)
 
-    def allows_batches(self, given: Mapping[str, float] | None = None) -> bool:
-        """True if a press only raises M by fixed parts, as `respond_together` requires.
-
-        given: see `respond`.
-        """
-        uniform = not _has_foam_modes(given or {})
+    def _fixed_parts(self, values: Mapping[str, float]) -> bool:
+        """True if a press only raises M by fixed parts."""
+        uniform = not _has_foam_modes(values)
         return uniform and not self.reduced.touches.spread and not gauged(self.skin)
 
-    def respond_together(
-        self, cells: Integer, rises: Real, given: Mapping[str, float] | None = None
-    ) -> Response:
-        """Response of presses with equally many touches, shape (press, touch).
-
-        All arrays of the response have a first axis (press,). by_cell is by the touched cells
-        alone, shape (press, interface, frequency, touch). `allows_batches` must be True. given: see
-        `respond`.
-        """
-        values, count = all_values(self.skin, self.setup, given), cells.shape[1]
-        skin, touched = self._skin(values), self._with_finger(cells, rises, values)
+    def _of_many(self, presses: PressBatch, values: Mapping[str, float]) -> Response:
+        """Response to presses with equally many touches, by the touched cells."""
+        cells = presses.cells.reshape(presses.count, -1)
+        rises, count, skin = presses.rises.reshape(cells.shape), cells.shape[1], self._skin(values)
+        touched = self._with_finger(cells, rises, values)
         with one_blas_thread():
             found = sensitivities(skin, *touched, self.setup.frequency)
         if touched[0].shape[1] > count:
             found = replace(found, by_cell=found.by_cell[..., :count])
-        return self._at_meter(found, skin, values)
+        unpressed = skin.unpressed_factors[cells][:, None, None]
+        return replace(self._at_meter(found, skin, values), unpressed=unpressed)
 
     def _at_meter(
         self,
@@ -245,21 +257,17 @@ class Forward:
         reading = reading_of(self.setup, values)
         return at_meter(1 / found.Y, by_name, reading, found.by_cell, by_term, by_gauge)
 
-    def impedances(self, batch: PressBatch, given: Mapping[str, float] | None = None) -> Complex:
+    def solve(self, batch: PressBatch, at: Mapping[str, float] | None = None) -> Complex:
         """Readings of many presses, in ohm or gains, shape (press, interface, frequency)."""
-        values = all_values(self.skin, self.setup, given)
+        values = all_values(self.skin, self.setup, at)
         if values.get("finger"):
             batch = PressBatch.of(self._with_finger(*own, values) for own in batch.each())
         Z = self._skin(values).sweeps(batch, self.setup.frequency)
         return reading_of(self.setup, values).at_meter(Z)
 
-    def certificate(
-        self, cells: Integer, rises: Real, given: Mapping[str, float] | None = None
-    ) -> float:
-        """Largest bound on the relative error of Rs and Cp of one press at the skin, mesh
-        included."""
-        values = all_values(self.skin, self.setup, given)
-        touched = self._with_finger(cells, rises, values)
+    def _bound(self, press: TouchedCells, values: Mapping[str, float]) -> float:
+        """Largest bound on the relative error of Rs and Cp at the skin, mesh included."""
+        touched = self._with_finger(*press, values)
         bound = self._skin(values).certificate(*touched, self.setup.frequency)
         return float(bound.max()) + self.reduced.mesh_error
 
@@ -349,13 +357,6 @@ class Forward:
     def _variation(self, values: Mapping[str, float]) -> Variation:
         """Variation of these parameters without the foam's cosine modes."""
         return uniform_variation(self.divided.skin, values, self.modes)
-
-    def unpressed_factors(self, values: Mapping[str, float]) -> Real:
-        """Units of the rises of each cell over the scene's own, shape (cell,).
-
-        They are the unpressed c without the foam's cosine modes, and 1 for a finger.
-        """
-        return self._variation(all_values(self.skin, self.setup, values)).factors(self.divided.skin)
 
     @cached_property
     def _terms(self) -> StiffnessTerms:

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 from rcskin.simulator.models.parameters import (
-    FOAM_MODES,
     SHEET_MODES,
     parts_with,
 )
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.batch import PressBatch, TouchedCells
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.meter import Sweep
 from rcskin.simulator.scene.scene_files import load_scene
@@ -39,7 +39,7 @@ def forward(request, made):
 
 def test_values_are_those_of_the_full_solver(forward, moved):
     press = parse_press("1,2:1.8+2,3:2.5", 2.0)
-    response = forward.respond(*forward.cells(press), moved)
+    response = forward.slopes(forward.cells(press), moved)
     truth = Solver(parts_with(forward.parts.scene.parts, moved), 0.1 * RTOL).solve(press).Z
     np.testing.assert_allclose(response.Z.real, truth.real, rtol=RTOL)
     frequency = forward.parts.setup.frequency
@@ -68,12 +68,9 @@ def test_presses_together_are_those_one_by_one(reader, moved, touches):
     cells = np.stack([random.permutation(pixels)[:touches] for _ in range(6)])
     cells[5], rises = cells[0], random.uniform(-0.4, 2.0, cells.shape)
     waves = dict.fromkeys(SHEET_MODES, 0.1) if reader.modes > 1 else {}
-    assert reader.allows_batches(moved | waves) and not reader.allows_batches(
-        moved | dict.fromkeys(FOAM_MODES, 0.1)
-    )
-    together = reader.respond_together(cells, rises, moved | waves)
+    together = reader.slopes(PressBatch.even(cells, rises), moved | waves)
     for k in range(6):
-        alone = reader.respond(cells[k], rises[k], moved | waves)
+        alone = reader.slopes(TouchedCells(cells[k], rises[k]), moved | waves)
         np.testing.assert_allclose(together.Z[k], alone.Z, rtol=1e-10)
         of_touches = alone.by_cell[..., cells[k]]
         np.testing.assert_allclose(together.by_cell[k], of_touches, rtol=1e-8)
@@ -85,4 +82,4 @@ def test_presses_together_are_those_one_by_one(reader, moved, touches):
 def test_an_unknown_parameter_is_named(forward):
     none = np.zeros(0, dtype=np.int64)
     with pytest.raises(InputError, match="`parameter` must be one of sheet_resistance.*'sheet'"):
-        forward.respond(none, np.zeros(0), {"sheet": 1.0})
+        forward.slopes(TouchedCells(none, np.zeros(0)), {"sheet": 1.0})

@@ -64,7 +64,7 @@ MODELS = {
     "reduced": by_solver("reduced"),
     "auto": by_solver("auto"),
     "network": by_network,
-    "forward": lambda scene: Forward(scene.parts, rtol=RTOL).respond(*NOTHING).Z,
+    "forward": lambda scene: Forward(scene.parts, rtol=RTOL).slopes(NOTHING).Z,
     "fields": by_fields,
     "full fields": by_full_fields,
 }

@@ -11,6 +11,7 @@ from rcskin.simulator.calibration.prior import priors
 from rcskin.simulator.calibration.problem import LeastSquaresProblem, centered_model, difference
 from rcskin.simulator.measure.readout import ErrorModel
 from rcskin.simulator.models.parameters import own_values
+from rcskin.simulator.press.batch import TouchedCells
 
 PRESSES = ("none", "none", "1,2:1.8+1,3:2.4", "1,1:2.0")
 NAMES = ("sheet_resistance", "capacitance", "phase_exponent", "lead_inductance")
@@ -64,7 +65,7 @@ def test_chi_squared_is_that_of_the_error_models_covariance(line, read):
     asked = asked_of(line, sweeps)
     ready = centered_model(line.parts, {}, 1e-4)
     fit = solve_from(LeastSquaresProblem(asked, ready), asked.fixed)
-    Z = ready.respond(np.zeros(0, dtype=np.int64), np.zeros(0), asked.fixed).Z
+    Z = ready.slopes(TouchedCells(np.zeros(0, dtype=np.int64), np.zeros(0)), asked.fixed).Z
     off = difference(Z, asked.measurements.sweeps[0].Z)
     whitened = ErrorModel(line.readout, np.ones((1, 12), bool)).whitened(off)
     assert fit.chi_squared == pytest.approx(whitened @ whitened, rel=1e-9)
@@ -100,6 +101,6 @@ def test_a_model_about_other_values_answers_alike(line):
         "sheet_resistance": -0.2,
     }
     cells, rises = np.array([1]), np.array([0.8])
-    one, other = (model.respond(cells, rises, values) for model in (near, far))
+    one, other = (model.slopes(TouchedCells(cells, rises), values) for model in (near, far))
     np.testing.assert_allclose(other.Z, one.Z, rtol=1e-12)
-    np.testing.assert_allclose(other.by_cell, one.by_cell, rtol=1e-12)
+    np.testing.assert_allclose(other.by_rise, one.by_rise, rtol=1e-12)

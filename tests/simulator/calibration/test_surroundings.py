@@ -231,7 +231,7 @@ def test_intervals_hold_the_truth(scene, model):
             model.cells(press_on(around.parts.skin, around.press, press))
             for press in (*REST, *PRESSED)
         ]
-        Z = np.stack([model.respond(*each, truth).Z for each in cells])
+        Z = np.stack([model.slopes(each, truth).Z for each in cells])
         sweeps = build(
             Z,
             around.frequencies,

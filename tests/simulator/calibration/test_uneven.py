@@ -14,6 +14,7 @@ from rcskin.simulator.models.cosine_modes import map_of, with_foam_modes
 from rcskin.simulator.models.parameters import FOAM_MODES
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.batch import TouchedCells
 from rcskin.simulator.press.press import every_press, press_on
 from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError
@@ -59,10 +60,11 @@ def test_slopes_by_waves_are_those_of_the_answers(model):
     step = 1e-5
     cells, rises = np.array([6]), np.array([1.0])
     own = dict(TRUE, capacitance=0.2)
-    found = model.respond(cells, rises, own)
+    found = model.slopes(TouchedCells(cells, rises), own)
     for name in FOAM_MODES:
         ends = [
-            model.respond(cells, rises, own | {name: own[name] + turn}).Z for turn in (-step, step)
+            model.slopes(TouchedCells(cells, rises), own | {name: own[name] + turn}).Z
+            for turn in (-step, step)
         ]
         slope = (ends[1] - ends[0]) / (2 * step)
         scale = 1e-4 * np.abs(found.Z).max()
@@ -116,10 +118,12 @@ def test_foam_that_varies_within_pixels_is_answered_as_a_map_of_it(wide_pixels, 
     )
     for press in every_press(scene.parts.skin, scene.press)[::3]:
         cells, rises = model.cells(press)
-        Z, true = model.respond(cells, rises, TRUE).Z, solver.solve(press).Z
+        Z, true = model.slopes(TouchedCells(cells, rises), TRUE).Z, solver.solve(press).Z
         assert relative_difference(Z, true).max() <= rtol
-        assert model.certificate(cells, rises, TRUE) <= rtol
-        assert relative_difference(model.respond(cells, rises).Z, true).max() > 10 * rtol
+        assert model.slopes(TouchedCells(cells, rises), TRUE, certify=True).error <= rtol
+        assert (
+            relative_difference(model.slopes(TouchedCells(cells, rises)).Z, true).max() > 10 * rtol
+        )
 
 
 @pytest.mark.slow
@@ -182,7 +186,9 @@ def test_modes_of_the_foam_leave_a_body_behind_the_skin_as_it_is():
         {"sweep.frequencies": [1e3, 1e5], "surroundings.body": {"distance": 5e-3}}
     )
     own = {"foam_x": 0.08, "foam_y": -0.06, "body": 1.2}
-    found = Forward(scene.parts, rtol=1e-3).respond(np.array([6]), np.array([1.0]), own).Z
+    found = (
+        Forward(scene.parts, rtol=1e-3).slopes(TouchedCells(np.array([6]), np.array([1.0])), own).Z
+    )
     changed = fitted_parts(scene.parts, own)
     press = press_on(changed.skin, changed.plan.press, "2,3:2.0")
     exact = Solver(changed, 1e-4).solve(press).Z

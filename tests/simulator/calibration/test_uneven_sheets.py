@@ -14,6 +14,7 @@ from rcskin.simulator.models.parameters import FOAM_MODES, SHEET_MODES
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.models.terminals import reduced_for
+from rcskin.simulator.press.batch import TouchedCells
 from rcskin.simulator.press.press import every_press
 from rcskin.simulator.scene.scene_files import read_scene, scene_text
 from rcskin.simulator.sweeps import InputError, write
@@ -70,10 +71,11 @@ def held(found, truth):
 def test_slopes_by_waves_are_those_of_the_answers(model):
     step, cells, rises = 1e-5, np.array([3]), np.array([1.0])
     own = SHEETS | {"sheet_mismatch": 0.3, "sheet_resistance": -0.2, "foam_x": 0.1}
-    found = model.respond(cells, rises, own)
+    found = model.slopes(TouchedCells(cells, rises), own)
     for name in (*SHEET_MODES, "sheet_mismatch", "sheet_resistance", "foam_x"):
         below, above = (
-            model.respond(cells, rises, own | {name: own[name] + turn}).Z for turn in (-step, step)
+            model.slopes(TouchedCells(cells, rises), own | {name: own[name] + turn}).Z
+            for turn in (-step, step)
         )
         scale = 1e-5 * np.abs(found.Z).max()
         slope = (above - below) / (2 * step)
@@ -118,7 +120,7 @@ def test_waves_of_an_even_skin_are_zero_within_their_intervals(scene, model):
 def test_waves_of_sheets_and_of_foam_are_distinguished(scene, twin, model):
     """The foam's are constant over each pixel, as the fit has them."""
     read, presses = twin.copy(deep=True), every_press(scene.parts.skin, scene.press)
-    Z = np.stack([model.respond(*model.cells(each), SHEETS | FOAM).Z for each in presses])
+    Z = np.stack([model.slopes(model.cells(each), SHEETS | FOAM).Z for each in presses])
     read["Rs"].values, read["X"].values = Z.real, Z.imag
     read["Cp"].values = (1 / Z).imag / (2 * np.pi * scene.frequencies)
     read = read_out(read, scene.readout, np.random.default_rng(2))

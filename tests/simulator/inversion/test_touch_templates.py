@@ -14,7 +14,7 @@ from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.session_spreads import session_spreads
 from rcskin.simulator.models.solver import Solver
-from rcskin.simulator.press.batch import NOTHING, PressBatch
+from rcskin.simulator.press.batch import NOTHING, PressBatch, TouchedCells
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.press.touch import Rectangle, Touch
 from rcskin.simulator.scene.scene import Scene
@@ -134,11 +134,9 @@ def test_a_skin_is_estimated_from_its_baseline(make_scene):
 
 
 def _predicted(skin):
-    cells, rises = TOUCH
-    effect, moved = skin.of_touch(cells, rises)
-    respond = skin.forward.respond
-    nothing = np.zeros(0, dtype=np.int64), np.zeros(0)
-    touched, rest = (observed(respond(*each, skin.values).Z) for each in (TOUCH, nothing))
+    effect, moved = skin.of_touch(*TOUCH)
+    presses = TouchedCells(*TOUCH), NOTHING
+    touched, rest = (observed(skin.forward.slopes(each, skin.values).Z) for each in presses)
     return touched - rest + moved, effect
 
 
@@ -161,10 +159,9 @@ def test_an_impossible_baseline_leaves_unknowns_within_bounds(forward):
 def test_drift_is_a_small_change_of_all_foam_and_of_both_sheets(scene, forward, baseline):
     tables = templates(scene.parts, "pixel", "dataset", baseline, 20, 1e-3)
     values = UnknownSkin(forward).conditioned_on_baseline(baseline, 20).values
-    nothing = np.zeros(0, dtype=np.int64), np.zeros(0)
     for column, name in zip(tables["drift"].T, ("capacitance", "sheet_resistance"), strict=True):
         moved = values | {name: values[name] + 1e-3}
-        ahead, now = (observed(forward.respond(*nothing, v).Z) for v in (moved, values))
+        ahead, now = (observed(forward.slopes(NOTHING, v).Z) for v in (moved, values))
         np.testing.assert_allclose(column, ahead - now, rtol=0.01, atol=1e-7)
     np.testing.assert_array_equal(tables["skin"][0, 0, :, -2:], tables["drift"])
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.models.line_slopes import LineModel
+from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.parameters import (
     READER,
     own_values,
@@ -10,6 +10,7 @@ from rcskin.simulator.models.parameters import (
     reader_values,
     reading_of,
 )
+from rcskin.simulator.press.batch import TouchedCells
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text
 
@@ -34,15 +35,15 @@ def steps(scene):
 
 def test_slopes_of_a_gain_by_its_reader_are_its_derivatives(alone):
     model, press = (
-        LineModel(alone.parts.skin, alone.parts.setup),
+        Line(alone.parts.skin, alone.parts.setup),
         parse_press("1,2:2", 2.0),
     )
     cells, rises = model.cells(press)
     own, step = steps(alone)
-    slopes = model.respond(cells, rises, own).by_parameter
+    slopes = model.slopes(TouchedCells(cells, rises), own).by_parameter
     for name in READER:
         ends = [
-            model.respond(cells, rises, own | {name: own[name] + side * step[name]}).Z
+            model.slopes(TouchedCells(cells, rises), own | {name: own[name] + side * step[name]}).Z
             for side in (1, -1)
         ]
         slope = (ends[0] - ends[1]) / (2 * step[name])
