@@ -96,7 +96,7 @@ CLASSES = {
         "localization.evaluation.result",
         ("accuracy", "answered", "accuracy_of_answers", "calibration_error", "median_error"),
     ),
-    "Reduced": ("simulator.models.reduced.reduced_model", ("impedance",)),
+    "Reduced": ("simulator.models.reduced.reduced_model", ("solve", "at")),
     "Limit": ("simulator.limits.limit", ()),
     "Calibration": ("simulator.calibration.run", ("chi_squared", "rms_error", "strengths")),
     "GapFindings": ("localization.gap.gap_findings", ("summary", "write")),
