@@ -64,8 +64,9 @@ class Reduced(Projection, Tabular, Model):
 
         press: a press or its text. A touch that is no whole pixel counts in each pixel by the area
         that it covers there. frequency: Hz, by default those of the scene; the error is infinite
-        beyond those of the training. certify: False leaves the error out, which takes longer than
-        the answer. Raises InputError for a text that is no press on the scene.
+        beyond those of the training. rtol: by default its own. certify: False leaves the error out,
+        which takes longer than the answer. Raises InputError for a text that is no press on the
+        scene.
         """
         f = self.setup.frequency if frequency is None else frequency
         if isinstance(press, str):
