@@ -1,5 +1,11 @@
-"""Every page is short, has one title and is linked; every link, path and module exists."""
+"""Every page is short, has one title and is linked; every link, path and module exists.
 
+The page of the code: whoever reads it finds any law in two steps, the row and the file. Each
+public name has a page, with all arguments explained and an example that runs. The page of
+dependencies names each one that the project declares, with a reason.
+"""
+
+import inspect
 import os
 import re
 import tomllib
@@ -8,7 +14,8 @@ from importlib.util import find_spec
 
 import pytest
 import rcskin
-from rcskin.docs import generate
+from rcskin.docs import api, generate, the_code
+from rcskin.docs.dependencies import PAGE, reasons, requirements
 
 from .reading import RESULTS, ROOT, anchors, commands, links, pages, prose, text
 
@@ -87,3 +94,88 @@ def test_the_version_is_the_same_everywhere():
     latest = re.search(r"^## (\d\S*)", text("CHANGELOG.md"), flags=re.MULTILINE)[1]
     cited = re.search(r"^version: (\S+)", (ROOT / "CITATION.cff").read_text("utf-8"), flags=re.M)[1]
     assert project["version"] == latest == cited
+
+
+LAWS = {
+    "error of a reduced model": ("certificate", "residual"),
+    "touch by depth or by force": ("Equilibrium", "force"),
+    "retry": ("retries", "failed"),
+    "spread of skins over sessions": ("sheet_resistance", "lognormal"),
+    "sign of X": ("Z.imag", "X"),
+    "loss tangent": ("loss_tangent", "phase_exponent"),
+    "the cells that a touch covers": ("cells", "rise"),
+    "estimate of the error of Rs and Cp": ("Rs", "Cp"),
+    "the errors of a reading": ("noise", "session"),
+    "what no localizer can exceed": ("accuracy", "draws"),
+    "when no answer is given": ("novel", "CANNOT_TELL"),
+    "settings: set, read back, restored": ("restore", "original"),
+}
+"""What is looked for, and words of the law that its files have to hold."""
+
+
+@pytest.fixture(scope="module")
+def rows():
+    return {row: names for rows in the_code.SUBJECTS.values() for row, names in rows.items()}
+
+
+@pytest.mark.parametrize("sought", LAWS)
+def test_a_law_is_found_in_two_steps(rows, sought):
+    (names,) = (names for row, names in rows.items() if sought in row)
+    files = {the_code.ROOT / the_code.place_of(name) for name in names}
+    text = "".join(file.read_text(encoding="utf-8") for file in files)
+    for word in LAWS[sought]:
+        assert word in text, f"{word} in {files}"
+
+
+def test_a_name_that_is_gone_is_reported():
+    with pytest.raises(KeyError, match="no class or function Nothing"):
+        the_code.place_of("Nothing")
+
+
+def test_every_public_function_has_an_example():
+    names = {name for name in rcskin.__all__ if inspect.isfunction(getattr(rcskin, name))}
+    assert {*api.EXAMPLES} == names
+
+
+def test_each_name_is_in_one_group_and_has_one_page():
+    names = [name for group in api.GROUPS.values() for name in group]
+    public = {*rcskin.__all__} - {"__version__"}
+    assert len(names) == len({*names}) and public <= {*names} == {*api.EXAMPLES, *api.CLASSES}
+    paths = [path for group in api.paths().values() for path in group]
+    assert {*api.pages()} == {*paths, "api.md"} and len({path.lower() for path in paths}) == len(
+        names
+    )
+
+
+@pytest.mark.parametrize("name", api.EXAMPLES)
+def test_each_example_is_a_program(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    exec(compile(api.example(name), name, "exec"), {})
+
+
+@pytest.mark.parametrize("name", api.EXAMPLES)
+def test_every_argument_and_error_is_explained(name):
+    function = getattr(rcskin, name)
+    names = list(inspect.signature(function).parameters)
+    _, arguments, errors = api.parts(function, names)
+    assert {*arguments} == {*names} and errors
+
+
+def test_each_dependency_has_a_reason_and_somebody_who_would_miss_it():
+    declared = {each.name for own in requirements().values() for each in own}
+    assert set(reasons()) == declared
+    assert all(len(cells) == 2 and all(cells) for cells in reasons().values())
+
+
+def test_the_page_lists_each_dependency_from_the_version_that_is_declared():
+    text = PAGE.read_text(encoding="utf-8")
+    for own in requirements().values():
+        for each in own:
+            lowest = str(each.specifier).removeprefix(">=")
+            assert f"| `{each.name}` | {lowest} |" in text or _is_higher(each, text)
+
+
+def _is_higher(requirement, text):
+    """True if the page lists a lower version, which another extra allows."""
+    row = next(line for line in text.splitlines() if line.startswith(f"| `{requirement.name}`"))
+    return row.split("|")[2].strip() not in requirement.specifier

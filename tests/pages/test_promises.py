@@ -27,10 +27,10 @@ PROMISES = {
             f"{SWEEPS}test_inputs.py::test_small_files_that_declare_much_are_refused"
         ),
         "A scene opens no file on another computer.": (
-            "tests/simulator/scene/test_map_file.py::test_a_scene_opens_no_file_on_another_computer"
+            "tests/simulator/scene/test_maps.py::test_a_scene_opens_no_file_on_another_computer"
         ),
         "A scene inside sweeps or a model opens none.": (
-            "tests/simulator/scene/test_travelling.py"
+            "tests/simulator/scene/test_files.py"
             "::test_no_command_opens_a_file_that_received_sweeps_name"
         ),
         "They are read without pickle.": f"{MODELS}::test_a_file_is_read_without_pickle",

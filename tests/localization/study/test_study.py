@@ -1,15 +1,31 @@
-"""A study's table: what it holds is what solving and scoring_splits every point by itself gives."""
+"""A study's table: what it holds is what solving and scoring_splits every point by itself gives.
+
+Distances between classes in units of the meter's error, from first principles. A study that folds
+in keys of materials. Studies of what is around a skin: how far a body is, how much a cover or a
+finger holds.
+"""
 
 import numpy as np
 import pytest
 import rcskin
 from rcskin.localization.model.training import train
-from rcskin.localization.study.axis import parse_axes, scene_table
+from rcskin.localization.study.axis import Axis, find_key, parse_axes, scene_table
 from rcskin.localization.study.execution import points_of, study
-from rcskin.localization.study.point import EvaluationSettings
+from rcskin.localization.study.point import EvaluationSettings, families, impedances
 from rcskin.localization.study.report import answers
+from rcskin.localization.study.separation import (
+    class_distances,
+    in_units_of_error,
+    label_of,
+    separation,
+)
+from rcskin.simulator.fem.error_estimate import relative_difference
+from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.progress import silent
+from rcskin.simulator.scene.meter import Readout
+from rcskin.simulator.scene.scene_files import BUILTIN
+from rcskin.simulator.sweeps import InputError
 
 
 @pytest.fixture(scope="module")
@@ -139,3 +155,161 @@ def test_the_amount_of_data_is_stated_as_it_is_drawn():
         repeated.presses(scene.parts.plan)
         == f"{scene.experiment.repetitions} presses of each pixel"
     )
+
+
+FREQUENCY = np.geomspace(1e3, 1e5, 8)
+METER = Readout(magnitude_noise=0.01, phase_noise=0.002)
+
+
+def random_impedance(presses):
+    random = np.random.default_rng(1)
+    phase = random.uniform(-1.5, -0.1, (presses, 1, len(FREQUENCY)))
+    return random.uniform(1e3, 1e4, phase.shape) * np.exp(1j * phase)
+
+
+def columns(*numbers):
+    return [(number,) for number in numbers]
+
+
+def test_a_known_pair_by_hand():
+    """10 % of |Z| at one frequency is ln(1.1) / 0.01 = 9.53 errors, 10 mrad at the other 5."""
+    Z = np.array([[[100, 50j]], [[110, 50j * np.exp(-0.01j)]]])
+    readings = in_units_of_error(Z, METER, FREQUENCY)
+    told = separation(readings, columns(1, 2), FREQUENCY[:2])
+    assert told.least == pytest.approx(np.hypot(np.log(1.1) / 0.01, 5.0), rel=1e-9)
+    assert told.median == told.least
+    assert told.band_separation == pytest.approx(np.log(1.1) / 0.01)
+    assert told.band_start == told.band_stop == FREQUENCY[0]
+
+
+def test_half_the_noise_doubles_every_distance():
+    Z, labels = random_impedance(6), columns(1, 1, 2, 2, 3, 3)
+    halved = Readout(magnitude_noise=0.005, phase_noise=0.001)
+    before, after = (
+        separation(in_units_of_error(Z, r, FREQUENCY), labels, FREQUENCY) for r in (METER, halved)
+    )
+    for name in ("least", "median", "band_separation"):
+        assert getattr(after, name) == pytest.approx(2 * getattr(before, name), rel=1e-12)
+    assert (after.band_start, after.band_stop) == (before.band_start, before.band_stop)
+
+
+def test_what_is_fixed_for_a_session_does_not_matter():
+    Z, labels = random_impedance(4), columns(1, 2, 3, 4)
+    session = 1.02 * np.exp(0.01j)
+    plain, measured = (
+        class_distances(in_units_of_error(which, METER, FREQUENCY), labels)
+        for which in (Z, session * Z)
+    )
+    np.testing.assert_allclose(plain, measured, rtol=1e-9)
+
+
+def test_classes_are_as_far_apart_as_their_nearest_presses():
+    readings = np.array([0.0, 1.0, 5.0, 7.0, -4.0]).reshape(5, 1, 1)
+    told = class_distances(readings, columns(1, 1, 2, 2, 0))
+    np.testing.assert_allclose(told, [[0, 4, 9], [4, 0, 4], [9, 4, 0]])
+
+
+def test_the_best_band_is_where_neighbours_part():
+    readings = np.zeros((3, 8, 2))
+    readings[0, 5:7], readings[2, 5:7] = -1, 1
+    readings[1, 0], readings[2, 0] = 3, 3
+    told = separation(readings, columns(1, 2, 3), FREQUENCY)
+    assert (told.band_start, told.band_stop) == (FREQUENCY[5], FREQUENCY[6])
+    assert told.band_separation == pytest.approx(2)
+
+
+def test_the_skin_at_rest_is_no_neighbour_but_a_class():
+    readings = np.array([0.0, 0.5, 4.0]).reshape(3, 1, 1)
+    told = separation(readings, columns(0, 1, 2), FREQUENCY[:1])
+    assert (told.least, told.band_separation) == (0.5, 3.5)
+
+
+def test_a_class_is_a_column_a_row_or_a_pixel():
+    assert [label_of((2, 3), target) for target in ("column", "row", "pixel")] == [
+        (3,),
+        (2,),
+        (2, 3),
+    ]
+
+
+@pytest.mark.parametrize("name", ["magnitude_noise", "phase_noise"])
+def test_a_meter_without_noise_is_refused(name):
+    with pytest.raises(InputError, match=f"`readout.{name}` must be > 0"):
+        in_units_of_error(random_impedance(1), METER.model_copy(update={name: 0.0}), FREQUENCY)
+
+
+def test_a_study_may_stretch_a_skin(tmp_path):
+    """Its points are the plain scenes that the stretched ones are."""
+    path = tmp_path / "mine.toml"
+    sheet = (BUILTIN / "sheet-3x3.toml").read_text()
+    path.write_text(f"{sheet}\n[skin.stretch]\nx = 1.0\ny = 1.0\n")
+    table = scene_table(str(path))
+    axis = Axis(find_key("skin.stretch.x", table), (1.0, 1.25))
+    rest, pulled = points_of(table, [axis], EvaluationSettings())
+    assert (rest.skin.uniform, pulled.skin.uniform) == (True, True)
+    assert rest.skin.sides == (0.12, 0.12)
+    assert pulled.skin.sides == (0.15, 0.12)
+    assert pulled.skin.top.sheet_resistance == pytest.approx(1.25 * 50e3)
+
+
+AROUND = {
+    "surroundings.body": {"distance": 5e-3},
+    "surroundings.cover": {"thickness": 1e-3, "relative_permittivity": 3.0},
+    "surroundings.rim": {"mutual": 5e-12, "top": 1e-11, "bottom": 1e-11},
+    "press.finger": 5e-12,
+    "readout": "IM3523",
+}
+
+
+@pytest.fixture(scope="module")
+def touched(make_scene):
+    return make_scene(columns=2, frequencies=[1e3, 1e5]).with_(AROUND)
+
+
+@pytest.mark.parametrize(
+    ("key", "unit"),
+    [
+        ("surroundings.body.distance", "m"),
+        ("surroundings.cover.thickness", "m"),
+        ("surroundings.rim.top", "F/m"),
+        ("press.finger", "F"),
+    ],
+)
+def test_numbers_of_surroundings_are_keys_to_vary(touched, key, unit):
+    table = scene_table(touched)
+    found = find_key(key, table)
+    *_, varied = points_of(
+        table, [Axis(found, (1e-3 if unit == "m" else 7e-12,))], EvaluationSettings()
+    )
+    assert found.unit == unit
+    assert varied.scene == touched.with_({key: 1e-3 if unit == "m" else 7e-12})
+
+
+def test_pixels_are_pressed_by_the_finger_of_the_scene(touched):
+    """As the full solver has it, to the tolerance of the reduced model that studies share."""
+    nominal, rtol = EvaluationSettings().nominal(touched.parts.skin, touched.parts.plan), 1e-3
+    (skins,) = families([touched.parts], EvaluationSettings(), rtol)
+    family = skins.at(touched.parts.skin.top.sheet_resistance)
+    Z = impedances(touched.parts, nominal, family, rtol)
+    solver = Solver(touched.parts, 1e-5)
+    exact = np.stack([solver.solve(press).Z for press in nominal])
+    assert relative_difference(Z, exact).max() <= rtol
+
+
+def test_sheets_that_differ_by_one_factor_are_of_one_trained_family(touched):
+    """Foils of fixed resistance, which do not scale with the sheets, are as the full solver has
+    them."""
+    rtol, top, bottom = 1e-3, "skin.top.sheet_resistance", "skin.bottom.sheet_resistance"
+    foils = [each.model_copy(update={"resistance": 40.0}) for each in touched.contacts]
+    scene = touched.model_copy(update={"contacts": tuple(foils)})
+    own, other = touched.skin.top.sheet_resistance, touched.skin.bottom.sheet_resistance
+    scaled = [scene.with_({top: f * own, bottom: f * other}) for f in (0.07, 1.0, 13.0)]
+    points = [each.parts for each in [*scaled, scene.with_({bottom: 2 * other})]]
+    *same, differs = families(points, EvaluationSettings(), rtol)
+    assert same == [same[0]] * 3 != [differs] * 3
+    for parts, skins in zip(points[:3], same, strict=True):
+        nominal = EvaluationSettings().nominal(parts.skin, parts.plan)
+        Z = impedances(parts, nominal, skins.at(parts.skin.top.sheet_resistance), rtol)
+        solver = Solver(parts, 1e-5)
+        exact = np.stack([solver.solve(press).Z for press in nominal])
+        assert relative_difference(Z, exact).max() <= rtol

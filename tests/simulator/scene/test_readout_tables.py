@@ -1,16 +1,21 @@
-"""Errors by data sheets and by measured spreads: formulas, known examples, and refusals."""
+"""Errors by data sheets and by measured spreads: formulas, known examples, and refusals.
+
+A scene may name its meter, and is told of where it has none. Noise of readers of gains, in volts
+and in bits, against samples of a converter.
+"""
 
 import math
 
 import numpy as np
 import pytest
-from rcskin.simulator.measure.readout import flattened
+from rcskin.simulator.measure.readout import MeterSession, flattened
 from rcskin.simulator.measure.simulate import reading_error, simulate
 from rcskin.simulator.meters.accuracy_table import ReadingConditions, read_table
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
 from rcskin.simulator.scene.meter import Readout, meter_names
-from rcskin.simulator.scene.scene_files import load_scene, parse_scene, scene_text
+from rcskin.simulator.scene.meter_tables import Converter
+from rcskin.simulator.scene.scene_files import builtin_names, load_scene, parse_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 from rcskin.tests.refusals import refusal_of
 
@@ -157,3 +162,105 @@ def test_offsets_that_do_not_ascend_are_refused(edges, refusal):
         SCENE.with_(
             {"readout": {"data_sheet": {"accuracy": {"name": "x", "stop": 1e3, "band": band}}}}
         )
+
+
+OF_THE_PAPER = [name for name in builtin_names() if name.startswith(("sheet", "strip"))]
+
+
+def scene_with(readout):
+    text = scene_text(load_scene("strip-1x3").model_copy(update={"readout": Readout()}))
+    head, _, tail = text.partition("[readout]")
+    _, _, tail = tail.partition("\n\n")
+    return parse_scene(f"{readout}\n{head}{tail}", "mine.toml")
+
+
+@pytest.mark.parametrize("name", OF_THE_PAPER)
+def test_the_papers_devices_are_read_by_its_meter(name):
+    assert scene_with('readout = "IM3523"').readout == load_scene(name).readout
+
+
+def test_a_named_meter_is_written_out_in_numbers():
+    scene = scene_with('readout = "IM3523"')
+    assert not scene.readout.exact
+    assert parse_scene(scene_text(scene), "again") == scene
+
+
+def test_a_scene_without_readout_reads_without_error():
+    assert scene_with("").readout.exact
+    assert not scene_with("readout = {phase_noise = 1e-3}").readout.exact
+
+
+def test_another_meter_is_refused_with_those_there_are():
+    assert meter_names() == ["3522-50-derived", "E4980A", "IM3523"]
+    with pytest.raises(InputError, match="one of 3522-50-derived, E4980A, IM3523, got .IM35."):
+        scene_with('readout = "IM35"')
+
+
+GAIN = {"interface.1.reader": "gain", "interface.1.series_resistance": 1e6}
+STRIP = load_scene("strip-1x5")
+VOLTS = {"source_amplitude": 1.0, "noise": 2e-3, "samples": 64}
+BITS = {"source_amplitude": 1.0, "bits": 8, "full_scale": 2.5, "samples": 64}
+
+
+@pytest.mark.parametrize("given", [VOLTS, {**BITS, "noise": 5e-3}])
+def test_the_noise_is_that_of_sampled_voltages(given):
+    """Samples of a period, with noise and rounded to steps; phase and offset are random."""
+    random, count = np.random.default_rng(1), 4000
+    gain = 0.4 * np.exp(2j * np.pi * random.random((count, 1)))
+    converter = Converter(**given)
+    turn = 2 * np.pi * np.arange(converter.samples) / converter.samples
+    V = converter.source_amplitude * np.abs(gain) * np.cos(turn + np.angle(gain))
+    V = V + random.uniform(0, 0.5, (count, 1))
+    V = V + converter.noise * random.standard_normal(V.shape)
+    if converter.bits is not None:
+        step = converter.full_scale / 2**converter.bits
+        V = step * np.round(V / step)
+    found = 2 / converter.samples * (V @ np.exp(-1j * turn)) / converter.source_amplitude
+    ratio = np.log(found / gain[:, 0])
+    expected = float(converter.deviation(gain[0])[0])
+    assert np.std(ratio.real) == pytest.approx(expected, rel=0.1)
+    assert np.std(ratio.imag) == pytest.approx(expected, rel=0.1)
+
+
+def test_readings_have_the_noise_of_the_converter():
+    readout = Readout(converter=Converter(**VOLTS))
+    gain = np.full((4000, 1, 2), [0.9, 0.1j])
+    measured = MeterSession(readout, 1, np.random.default_rng(1)).measure(
+        gain, np.array([1e3, 2e3])
+    )
+    found = np.std(np.log(np.abs(measured)), axis=0)[0]
+    np.testing.assert_allclose(found, readout.converter.deviation(gain[0, 0]), rtol=0.1)
+    assert not readout.uniform and readout.noisy and not readout.exact
+    assert readout.smallest_noise == pytest.approx(readout.converter.smallest_deviation)
+
+
+def test_a_scene_keeps_its_converter():
+    scene = STRIP.with_({**GAIN, "readout": {"converter": BITS}})
+    assert parse_scene(scene_text(scene), "again") == scene
+    assert "converter" not in scene_text(STRIP)
+    assert "converter" not in STRIP.readout.model_dump_json()
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        (
+            {"readout": {"converter": VOLTS}},
+            '`readout.converter` is of interfaces with reader = "gain", got "impedance" of',
+        ),
+        (
+            {**GAIN, "readout": {"converter": {"source_amplitude": 1.0}}},
+            "`readout.converter` needs noise, in V rms, or bits with full_scale",
+        ),
+        (
+            {**GAIN, "readout": {"converter": {"source_amplitude": 1.0, "bits": 8}}},
+            "takes bits and full_scale together, got one of them",
+        ),
+        (
+            {**GAIN, "readout": {"converter": {**BITS, "full_scale": 1.0}}},
+            "`source_amplitude` must be <= 0.5 V, half of full_scale, got 1: the converter would",
+        ),
+    ],
+)
+def test_what_does_not_fit_is_refused(changes, message):
+    assert message in refusal_of(STRIP.with_, changes)

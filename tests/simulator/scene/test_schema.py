@@ -1,15 +1,25 @@
-"""Every key of a scene file refuses what its model excludes, in one line with key, value, range."""
+"""Every key of a scene file refuses what its model excludes, in one line with key, value, range.
+
+Nodes along one axis: on their lines, as narrow as asked, none much wider than its neighbour. The
+page of keys is what the models say.
+"""
 
 import math
 import re
 from copy import deepcopy
+from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Union, get_args, get_origin
 
+import numpy as np
 import pytest
 import tomli_w
+from hypothesis import given
+from hypothesis import strategies as st
 from pydantic.fields import FieldInfo
-from rcskin.simulator.scene.keys import inner, keys
+from rcskin.simulator.mesh.quadrilaterals import nodes
+from rcskin.simulator.scene.keys import inner, keys, paths
+from rcskin.simulator.scene.planar import distinct
 from rcskin.simulator.scene.randomisation import Fixed
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene, parse_scene
@@ -119,3 +129,72 @@ def test_a_table_refuses_values_and_names_what_is_missing_and_misspelt(place, ta
     if needed:
         line = refusal(place, {}, needed)
         assert all(re.search(rf"[`.]{name}\b", line) for name in needed) and "missing" in line
+
+
+LINES = st.lists(st.floats(1e-4, 1), min_size=1, max_size=5).map(lambda at: distinct([0.0, *at]))
+
+
+@given(lines=LINES, cells=st.integers(1, 3), growth=st.sampled_from([2.0, 4.0, np.inf]))
+def test_cells_grow_no_faster_than_required(lines, cells, growth):
+    at = nodes(lines, cells, {}, growth)
+    width = np.diff(at)
+    assert (width > 0).all()
+    assert np.isin(lines, at).all()
+    assert (np.maximum(width[1:] / width[:-1], width[:-1] / width[1:]) <= growth * 1.001).all()
+    assert len(at) >= cells * (len(lines) - 1) + 1
+
+
+@given(lines=LINES, width=st.floats(1e-4, 1), which=st.integers(0, 5))
+def test_cells_next_to_a_line_are_as_narrow_as_required(lines, width, which):
+    line = lines[which % len(lines)]
+    at = nodes(lines, 1, {float(line): width})
+    beside = np.flatnonzero(at == line)[0]
+    assert (np.diff(at)[max(beside - 1, 0) : beside + 1] <= width * 1.001).all()
+
+
+ROOT = Path(__file__).parents[3]
+PAGE = (ROOT / "docs" / "reference" / "keys.md").read_text(encoding="utf-8")
+
+
+def test_the_page_is_what_the_command_prints(run):
+    code, out, err = run("keys")
+    assert (code, err) == (0, "")
+    assert out == PAGE, "python docs/generate.py"
+
+
+def test_every_key_is_on_the_page():
+    names = {str(place[-1]) for place in paths(Scene)}
+    assert len(names) > 80
+    absent = {name for name in names if f"`{name}`" not in PAGE and f"`{name} = " not in PAGE}
+    assert not absent
+
+
+@pytest.mark.parametrize(
+    "row",
+    [
+        "| `length` | number | m | must be given | from 1e-5 to 1000 |",
+        "| `sheet_resistance` | number | ohm/sq | must be given | from 1e-6 to 1e12 |",
+        "| `angle` | number | rad | `0.0` | from -360 to 360 |",
+        '| `electrode` | `"top"` or `"bottom"` |  | must be given |  |',
+        "| `frequencies` | list of numbers or table | Hz | must be given | length >= 1, "
+        "length <= 100000, from 1e-6 to 1e12 |",
+        "| `phase_exponent` | number |  | `1.0` | > 0.5, <= 1 |",
+        "| `lead_resistance` | number or distribution | ohm | "
+        '`{distribution = "uniform", low = 0.0, high = 2.0}` | from 0 to 1e12 |',
+    ],
+)
+def test_a_row_has_type_unit_default_and_range(row):
+    assert any(line.startswith(row) for line in PAGE.splitlines())
+
+
+def test_every_row_has_a_meaning():
+    rows = [line for line in PAGE.splitlines() if line.startswith("| `")]
+    assert len(rows) > 250
+    assert not [row for row in rows if row.endswith("|  |")]
+    heads = {line for line in PAGE.splitlines() if line.startswith("| key ")}
+    assert all(head.endswith("| meaning |") for head in heads)
+
+
+def test_a_row_has_the_meaning_that_the_docstring_gives():
+    row = next(line for line in PAGE.splitlines() if line.startswith("| `loss_tangent` | number |"))
+    assert row.endswith("| tan d in jwC (1 - j tan d). |")
