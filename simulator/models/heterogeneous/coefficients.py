@@ -196,27 +196,22 @@ def raised_by_deflection(known: PressCoefficients) -> Raised | None:
     pressed = known.pressed
     if pressed is None or pressed.uncertainty is None:
         return None
-    return Raised(
-        known.materials,
-        known.factors,
-        pressed.deeper(1.0),
-        known.fields,
-        known.fingers,
-        least=pressed.deeper(-1),
-    )
+    return _raised(known, pressed.deeper(1.0), pressed.deeper(-1))
 
 
 def raised_by_rule(known: PressCoefficients, missed: Real) -> Raised:
     """Coefficients raised by the quadrature error of each cell, shape (cell,)."""
-    return Raised(
-        known.materials,
-        known.factors,
-        known.pressed,
-        known.fields,
-        known.fingers,
-        least=known.pressed,
-        share=missed,
-    )
+    return _raised(known, known.pressed, known.pressed, missed)
+
+
+def _raised(
+    known: PressCoefficients,
+    most: Deformation | None,
+    least: Deformation | None,
+    share: Real | None = None,
+) -> Raised:
+    given = known.materials, known.factors, most, known.fields, known.fingers
+    return Raised(*given, least=least, share=share)
 
 
 def missed(elements: Elements, known: PressCoefficients) -> Real:

@@ -153,9 +153,9 @@ class SkinInBasis:
             excited_terminals(drive, reduced.terminal_field, between, np.eye(N))
             for drive in reduced.circuit.excitations
         ]
-        rest = family.amounts(replace(case, cells=NOTHING.cells, rises=NOTHING.rises))
-        self._rest = rest[: family.parts.count]
-        self._unpressed = self._mass(self._rest), self._mass(of_air(family.skin, self._rest))
+        unpressed = family.amounts(replace(case, cells=NOTHING.cells, rises=NOTHING.rises))
+        self._amounts = unpressed[: family.parts.count]
+        self._unpressed = self._mass(self._amounts), self._mass(of_air(family.skin, self._amounts))
 
     def bounds(self, cases: Sequence[Case]) -> Real:
         """Bounds on the relative errors of Rs and Cp, shape (2, case, interface, s)."""
@@ -173,7 +173,7 @@ class SkinInBasis:
 
     def _masses(self, foam: Real) -> tuple[Real, Real]:
         """M of a press and its part in air, F."""
-        family, change = self._reduced.family, foam[: len(self._rest)] - self._rest
+        family, change = self._reduced.family, foam[: len(self._amounts)] - self._amounts
         M, air = self._unpressed
         M, air = M + self._mass(change), air + self._mass(of_air(family.skin, change))
         added_by_touches = family.added_inside(foam)

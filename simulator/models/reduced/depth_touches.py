@@ -287,7 +287,7 @@ class DepthTouches(Touches):
         """Touches on all pixels of a skin. Raises ToleranceError as `applicators` does."""
         return cls(applicators(skin, rtol), rtol)
 
-    @property
+    @cached_property
     def largest(self) -> float:
         """Rise of the factor under the deepest applicator."""
         known = self.applicators
@@ -386,10 +386,11 @@ class DepthTouches(Touches):
         self, skin: ReducedSkin, batch: PressBatch
     ) -> Iterator[tuple[Integer, Skins, PressBatch]]:
         """Each press whose touches are coupled alone, all others in groups."""
-        on_foam, each = batch.cells < skin.parts.foam, list(batch.each())
-        self._check(skin, batch.rises[on_foam])
-        pixels, coupled = batch.where(on_foam), skin.reduced.family.rises.coupled
-        alone = np.array([coupled(own.cells) for own in pixels.each()], dtype=bool)
+        pixels = batch.where(batch.cells < skin.parts.foam) if skin.parts.around else batch
+        self._check(skin, pixels.rises)
+        coupled, each = skin.reduced.family.rises.coupled, list(batch.each())
+        alone = np.diff(pixels.starts) > 1
+        alone[alone] = [coupled(pixels.one(press).cells) for press in np.flatnonzero(alone)]
         for press in np.flatnonzero(alone):
             mass, which, weights = self.terms(skin, *each[press])
             yield np.array([press]), _system(skin, mass), PressBatch.of([(which, weights)])

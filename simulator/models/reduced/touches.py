@@ -55,9 +55,9 @@ class Touches(ABC):
     spread: ClassVar[bool]
     """True if a touch changes c next to its pixel, by a shape that depends on its rise."""
 
-    @abstractmethod
     def draws(self, draw: Draw, skin: Skin) -> Draw:
         """Draws of cases that a model takes, from draws of any."""
+        return draw
 
     @abstractmethod
     def trials(self, skin: Skin, cases: Sequence[Case]) -> tuple[list[Trial], list[Case]]:
@@ -78,20 +78,20 @@ class Touches(ABC):
         unpressed: amounts without a press over the scene's own, shape (part,).
         """
 
-    @abstractmethod
     def added(self, family: Family, amounts: NDArray) -> csc_matrix | None:
         """What touches add to the sum of all parts, F, in the system's pattern; None for nothing.
 
         amounts: see `amounts`.
         """
+        return None
 
-    @abstractmethod
     def in_basis(self, reduced: Reduced) -> Reduced:
         """The model with what its touches need in its basis."""
+        return reduced
 
-    @abstractmethod
     def on(self, skin: ReducedSkin) -> Any:
         """Arrays of the touches on one skin, which it keeps as `ReducedSkin.of_touches`."""
+        return None
 
     @abstractmethod
     def terms(
@@ -114,11 +114,11 @@ class Touches(ABC):
         Both in F V², of shapes (s, part) and (s,). u: V, shape (N + n, s).
         """
 
-    @abstractmethod
     def uncertainty(
         self, skin: ReducedSkin, cells: Integer, rises: Real, s: Complex
     ) -> Real | float:
         """Relative errors of Rs and Cp of one press by the uncertainty of its shape. s: rad/s."""
+        return 0.0
 
 
 @dataclass(frozen=True)
@@ -126,10 +126,6 @@ class FactorTouches(Touches):
     """Touches by factors: each raises the parts of M that belong to its pixel."""
 
     spread: ClassVar[bool] = False
-
-    def draws(self, draw: Draw, skin: Skin) -> Draw:
-        """All draws."""
-        return draw
 
     def trials(self, skin: Skin, cases: Sequence[Case]) -> tuple[list[Trial], list[Case]]:
         """Presses by the largest rise and finger of the cases; single pixels by these."""
@@ -150,23 +146,13 @@ class FactorTouches(Touches):
         """Amount of each part, shape (part,)."""
         return parts.pressed(cells, rises) * unpressed
 
-    def added(self, family: Family, amounts: NDArray) -> None:
-        """Nothing."""
-
-    def in_basis(self, reduced: Reduced) -> Reduced:
-        """The model itself, as it has the factors of its parts."""
-        return reduced
-
-    def on(self, skin: ReducedSkin) -> None:
-        """None, as a skin has the factors of its parts."""
-
     def terms(
         self, skin: ReducedSkin, cells: Integer, rises: Real
     ) -> tuple[UnpressedMass, Integer, Real]:
         """Factors of the parts that change, see `Touches.terms`."""
         cells, rises = skin.parts.completed(cells, rises)
-        rest = skin.pressed_by(skin.reduced.factors[cells] @ skin.turn)
-        return rest, np.arange(len(cells)), rises * skin.unpressed_factors[cells]
+        mass = skin.pressed_by(skin.reduced.factors[cells] @ skin.turn)
+        return mass, np.arange(len(cells)), rises * skin.unpressed_factors[cells]
 
     def systems(
         self, skin: ReducedSkin, batch: PressBatch
@@ -180,10 +166,6 @@ class FactorTouches(Touches):
         """Derivatives of u'Mu by each part, and u'Mu itself, see `Touches.charges`."""
         squares = skin.squares(u)
         return squares, squares @ skin.map_of(cells, rises)
-
-    def uncertainty(self, skin: ReducedSkin, cells: Integer, rises: Real, s: Complex) -> float:
-        """0, as factors are exact."""
-        return 0.0
 
 
 FACTORS = FactorTouches()

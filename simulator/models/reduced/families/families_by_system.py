@@ -6,7 +6,7 @@ quadrilaterals for a torn rectangle.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import cached_property
 from itertools import repeat
@@ -22,10 +22,9 @@ from ....fem.error_estimate import SINGULAR, both
 from ....fem.galerkin import Galerkin
 from ....fem.quadrature import CellGeometry, Rule, gauss_rule, mass_terms, stiffness_terms, surface
 from ....fem.system import Films, PixelSystem, build_system, conducting, films, pixel_films
-from ....fem.unknowns import Unknowns
 from ....mesh.domain import Domain
 from ....mesh.quadrilaterals import Resolution, pixel_mesh
-from ....press.parts import Parts, foam_parts
+from ....press.parts import foam_parts
 from ....press.pixels import pixel_lines
 from ....scene.contacts import Contact
 from ....scene.parts import Skin
@@ -129,74 +128,6 @@ def _uniform_masses(system: PixelSystem, capacitance: float, pixels: int) -> Ite
         yield taken(values, system.slots[own])
 
 
-Cells = Sequence[Mask]
-"""Masks of the cells in each part of the foam, each of shape (cell,)."""
-
-
-def around(
-    parts: Parts,
-    cells: Cells,
-    circuit: Circuit,
-    elements: Elements,
-    unknowns: Unknowns,
-    coefficients: PressCoefficients,
-) -> Iterator[Part]:
-    """Parts of M around an unpressed skin.
-
-    A finger's part is for each F, a wall's for an excess of 1, all others are the scene's own.
-    """
-    values = np.zeros(len(unknowns.pattern.indices))
-    for add in _each(parts, cells, circuit, elements, unknowns, coefficients):
-        add(values)
-        slots = np.flatnonzero(values)
-        yield slots, values[slots]
-        values[slots] = 0.0
-
-
-def _each(
-    parts: Parts,
-    cells: Cells,
-    circuit: Circuit,
-    elements: Elements,
-    unknowns: Unknowns,
-    coefficients: PressCoefficients,
-) -> Iterator[Callable[[Real], None]]:
-    """Functions that add each part to values in the pattern."""
-    materials = coefficients.materials
-    skin, where = materials.skin, (elements, unknowns, materials)
-    surroundings = skin.around
-    if surroundings is None:
-        return
-    touched = circuit.field_alone(ELECTRODES.index(surroundings.touched))
-    for share in (within.astype(float) for within in cells[: parts.fingers]):
-        if share.any():
-            yield lambda M, share=share: add_finger(M, touched, 1.0, share, *where)
-        else:
-            yield lambda M: None
-    along = coefficients.along(elements.surface.x)
-    for within in cells[: parts.thickness]:
-        yield lambda M, within=within: add_thickness(M, along, *where, within)
-    for facets in _between(parts, cells, elements):
-        yield lambda M, facets=facets: add_wall(M, facets, 1.0, *where)
-    for body in surroundings.body:
-        yield lambda M, body=body: add_body(M, circuit, body, *where)
-    if surroundings.rim is not False:
-        rim = rim_densities(skin)
-        yield lambda M: add_rim(M, rim, *where)
-    if surroundings.solved:  # `Family.far`, which has no place in the pattern
-        yield lambda M: None
-
-
-def _between(parts: Parts, cells: Cells, elements: Elements) -> Iterator[Integer]:
-    """Facets of each wall."""
-    if not parts.walls.count:
-        return
-    facets, one, other = elements.across(np.argmax(cells, axis=0))
-    ends = np.stack([np.minimum(one, other), np.maximum(one, other)], axis=1)
-    for pair in parts.walls.pairs:
-        yield facets[(ends == pair).all(axis=1)]
-
-
 NOTHING: Part = (np.zeros(0, dtype=np.int64), np.zeros(0))
 """M of a part that does not exist."""
 
@@ -286,25 +217,52 @@ class HeterogeneousFamily(Family):
         return np.where(pixel < 0, rows * columns, pixel)
 
     def _masses_of_parts(self, mode: int) -> Iterator[Part]:
-        mode_at_points = mode_values(self.skin, self.elements.surface.x, mode + 1)[mode]
-        yield from self._foam(mode_at_points)
-        yield from self._around(mode)
+        """M of each part; around the foam parts have no modes but the mean.
 
-    def _around(self, mode: int) -> Iterator[Part]:
-        """Parts around the foam; in cosine modes of the foam other than the mean they are empty."""
-        parts, unknowns = self.parts, self.system.unknowns
-        if mode:
-            return repeat(NOTHING, parts.count - parts.foam)
-        where = self.circuit, self.elements, unknowns, self._coefficients
-        return around(parts, self._cells_of_parts, *where)
-
-    def _foam(self, mode_at_points: Real) -> Iterator[Part]:
-        elements, unknowns = self.elements, self.system.unknowns
-        c = self._coefficients.capacitance(elements.surface.x) * mode_at_points
+        A finger's part is for each F, a wall's for an excess of 1, all others are the scene's own.
+        """
+        x, unknowns, parts = self.elements.surface.x, self.system.unknowns, self.parts
+        c = self._coefficients.capacitance(x) * mode_values(self.skin, x, mode + 1)[mode]
         values = np.zeros(len(self.system.pattern.indices))
         for within in self._cells_of_parts:
-            add_foam(values, self.circuit.coupling, elements, unknowns, c, within)
+            add_foam(values, self.circuit.coupling, self.elements, unknowns, c, within)
             yield taken(values, unknowns.slots[within])
+        if mode:
+            yield from repeat(NOTHING, parts.count - parts.foam)
+            return
+        for add in self._around():
+            add(values)
+            slots = np.flatnonzero(values)
+            yield slots, values[slots]
+            values[slots] = 0.0
+
+    def _around(self) -> Iterator[Callable[[Real], None]]:
+        """Functions that add each part around the foam to values in the pattern."""
+        surroundings, parts, cells = self.skin.around, self.parts, self._cells_of_parts
+        where = self.elements, self.system.unknowns, self._coefficients.materials
+        if surroundings is None:
+            return
+        touched = self.circuit.field_alone(ELECTRODES.index(surroundings.touched))
+        for share in (within.astype(float) for within in cells[: parts.fingers]):
+            if share.any():
+                yield lambda M, share=share: add_finger(M, touched, 1.0, share, *where)
+            else:
+                yield lambda M: None
+        along = self._coefficients.along(self.elements.surface.x)
+        for within in cells[: parts.thickness]:
+            yield lambda M, within=within: add_thickness(M, along, *where, within)
+        if parts.walls.count:
+            facets, one, other = self.elements.across(self._part_of)
+            ends = np.stack([np.minimum(one, other), np.maximum(one, other)], axis=1)
+            for own in (facets[(ends == pair).all(axis=1)] for pair in parts.walls.pairs):
+                yield lambda M, own=own: add_wall(M, own, 1.0, *where)
+        for body in surroundings.body:
+            yield lambda M, body=body: add_body(M, self.circuit, body, *where)
+        if surroundings.rim is not False:
+            rim = rim_densities(self.skin)
+            yield lambda M: add_rim(M, rim, *where)
+        if surroundings.solved:  # `Family.far`, which has no place in the pattern
+            yield lambda M: None
 
 
 class _Cells(NamedTuple):
