@@ -390,7 +390,7 @@ class DepthTouches(Touches):
         self._check(skin, pixels.rises)
         coupled, each = skin.reduced.family.rises.coupled, list(batch.each())
         alone = np.diff(pixels.starts) > 1
-        alone[alone] = [coupled(pixels.one(press).cells) for press in np.flatnonzero(alone)]
+        alone[alone] = [coupled(pixels.one(k).cells) for k in np.flatnonzero(alone).tolist()]
         for press in np.flatnonzero(alone):
             mass, which, weights = self.terms(skin, *each[press])
             yield np.array([press]), _system(skin, mass), PressBatch.of([(which, weights)])

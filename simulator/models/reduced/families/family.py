@@ -146,26 +146,26 @@ class Family(ABC):
         self,
         weights: Weights,
         loss: Loss,
-        factors: Real,
+        amounts: Real,
         rtol: float,
         frequency: Real,
         drives: Sequence[Excitation],
     ) -> tuple[Complex, float]:
         """Z in ohm at frequencies in Hz, shape (interface, frequency), and its estimated error.
 
-        factors: see `amounts`. The error is the largest relative one of Rs and Cp, estimated by
-        elements of one order more, see `impedance_with_error`.
+        amounts: see `Touches.amounts`. The error is the largest relative one of Rs and Cp,
+        estimated by elements of one order more, see `impedance_with_error`.
         """
         spaces = (self.space_of(weights), self.mass), self.finer(weights)
         in_air = np.flatnonzero(self.parts.in_air)
 
         def with_air(factor: complex) -> NDArray:
-            found = factors.astype(type(factor))
+            found = amounts.astype(type(factor))
             found[in_air] *= factor
             return found
 
         def sweep(around: Real, tolerance: float) -> list[Swept]:
-            given = drives, around, loss, bool(factors[in_air].any()), tolerance
+            given = drives, around, loss, bool(amounts[in_air].any()), tolerance
             return [
                 swept_with_air(space, lambda p, mass=mass: mass(with_air(p)), *given)
                 for space, mass in spaces
@@ -226,26 +226,23 @@ class Family(ABC):
 
     def _with_far(self, near: csc_matrix, far: Real | None, amounts: NDArray) -> Mass:
         """M with the charges by solved surroundings, which are the last part."""
-        return (
-            near if far is None else LowRankMass(near, amounts[self.parts.count - 1] ** 0.5 * far)
-        )
+        last = self.parts.count - 1
+        return near if far is None else LowRankMass(near, amounts[last] ** 0.5 * far)
 
     @cached_property
     def far_inside(self) -> Real | None:
         """`far` of the space alone."""
         return None if self.far is None else self.space.own(self.far)
 
-    def with_films(self, films: Films, weights: Real, terms: Sequence[Films]) -> Films:
-        """Films plus the sum of weights times terms."""
+    def _films(self, weights: Real) -> Films:
+        """Films of one skin, from the weights of `film_terms`."""
+        films = self.system.films
         stiffness, current, conductance = films.stiffness.data, films.current, films.conductance
-        for weight, term in zip(weights, terms, strict=True):
+        for weight, term in zip(weights - 1, self.film_terms, strict=True):
             stiffness = stiffness + weight * term.stiffness.data
             current = current + weight * term.current
             conductance = conductance + weight * term.conductance
         return Films(self.system.pattern.matrix(stiffness), current, conductance)
-
-    def _films(self, weights: Real) -> Films:
-        return self.with_films(self.system.films, weights - 1, self.film_terms)
 
     @cached_property
     def _sheets_inside(self) -> tuple[csc_matrix, Real]:
