@@ -1,10 +1,11 @@
-"""A file of a reduced model with a flipped bit, or with arrays that do not fit, is refused."""
+"""Files of reduced models: what they hold, and those that are refused."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from rcskin.simulator.fem.circuit import two_fields
+from rcskin.simulator.models.reduced import model_file
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.reduced.model_file import load, save
 from rcskin.simulator.models.terminals import read, trained
@@ -42,6 +43,14 @@ def test_a_model_that_is_read_otherwise_is_so_in_its_file(tmp_path):
         != two_fields(scene.parts.skin, scene.parts.setup).excitations
     )
     np.testing.assert_array_equal(again.frequency, band)
+
+
+def test_a_model_of_an_earlier_layout_must_be_trained_again(model, tmp_path, monkeypatch):
+    monkeypatch.setattr(model_file, "LAYOUT", model_file.LAYOUT - 1)
+    save(model, tmp_path / "model.npz")
+    monkeypatch.undo()
+    with pytest.raises(InputError, match=r"model\.npz: .* layout is 1, .* train again"):
+        load(tmp_path / "model.npz")
 
 
 @pytest.mark.parametrize(
