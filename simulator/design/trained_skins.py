@@ -12,7 +12,7 @@ import numpy as np
 from ..arrays import Complex, Real
 from ..bounds.likelihood import Likelihood
 from ..measure.skins import DrawnSkin, drawn_skin
-from ..models.network_skin import NetworkSkin
+from ..models.network_skin import Network
 from ..models.parameters import HALF_WAVES, nominal
 from ..models.reduced.cases import Case
 from ..models.reduced.reduced_model import Reduced
@@ -44,11 +44,10 @@ class SkinReadout:
 
     def likelihood(self, frequency: Real, against_rest: int) -> Likelihood:
         """Likelihood of presses by these readings; frequency in Hz."""
-        network = NetworkSkin(self.skin, frequency)
-        wiring = network.wiring(self._readings)
+        network = Network(self.skin, self._readings)
 
         def solve(batch: PressBatch) -> Complex:
-            return network.impedances(wiring, network.admittances(batch))
+            return network.solve(batch, frequency).Z
 
         meter, skin = self.parts.meter, self.parts.skin
         return Likelihood(skin, solve, self.reading(frequency), meter, against_rest)

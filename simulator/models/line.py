@@ -35,7 +35,7 @@ from ..scene.contacts import Contact, Interface
 from ..scene.frequency import laplace_variable, slopes_of_s
 from ..scene.parts import Setup, Skin
 from ..sweeps import InputError
-from .model import DEFAULT_RTOL, GivenPress, UniformModel
+from .model import DEFAULT_RTOL, GivenPress, Presses, UniformModel
 from .parameters import all_values, by_sheets, loss_of, own_values, reading_of, weights_with
 from .solution import Answer, ModelResult, Response, at_meter
 from .uniform import require_uniform
@@ -60,9 +60,7 @@ class Line(UniformModel):
             return refused
         return self._varies(press.uniform)
 
-    def solve(
-        self, press: Press | GivenPress, frequency: Real, rtol: float = DEFAULT_RTOL
-    ) -> Answer:
+    def solve(self, press: Presses, frequency: Real, rtol: float = DEFAULT_RTOL) -> Answer:
         """See `Model`; the answer is exact to rounding.
 
         Source: chain matrices of the RC line, with paper Eqs 1-2.

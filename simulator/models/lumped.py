@@ -19,7 +19,7 @@ from ..press.press import Press
 from ..scene.frequency import laplace_variable
 from ..scene.parts import Skin
 from ..sweeps import InputError, parallel_capacitance
-from .model import DEFAULT_RTOL, GivenPress, UniformModel
+from .model import DEFAULT_RTOL, Presses, UniformModel
 from .sheet_model import SheetModel, UniformSheets
 from .solution import Answer, ModelResult
 
@@ -91,9 +91,7 @@ class Lumped(UniformModel):
         self._sheets, self._trial = sheets, trial
         self.skin, self.setup = sheets.skin, sheets.setup
 
-    def solve(
-        self, press: Press | GivenPress, frequency: Real, rtol: float = DEFAULT_RTOL
-    ) -> Answer:
+    def solve(self, press: Presses, frequency: Real, rtol: float = DEFAULT_RTOL) -> Answer:
         """See `Model`."""
         given, sheets = self._given(press, rtol), self._sheets
         uniform, progress = self._uniform(given), self._progress(given, frequency, rtol)

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
-from ..arrays import Real
+from ..arrays import Complex, Real
 from ..press.batch import PressBatch, TouchedCells
 from ..press.press import Press, require_plain
 from ..press.touch import Place, place_of
@@ -124,6 +124,10 @@ class GivenPress:
         return found.sharp, None
 
 
+Presses = Press | GivenPress | PressBatch
+"""One press, or a batch of pixels."""
+
+
 class Domain(ABC):
     """Presses that a model takes: of one that stands, or that is yet to be trained.
 
@@ -152,13 +156,11 @@ class Model(Domain):
     setup: Setup
 
     @abstractmethod
-    def solve(
-        self, press: Press | GivenPress, frequency: Real, rtol: float = DEFAULT_RTOL
-    ) -> Answer:
+    def solve(self, press: Presses, frequency: Real, rtol: float = DEFAULT_RTOL) -> Answer:
         """Answer at those frequencies, in Hz, at which the model keeps the tolerance.
 
-        rtol: largest relative error of Rs and Cp. Raises InputError for what the model cannot
-        represent.
+        press: one, or a batch of pixels where the model takes these. rtol: largest relative error
+        of Rs and Cp. Raises InputError for what the model cannot represent.
         """
 
     def slopes(
@@ -171,11 +173,20 @@ class Model(Domain):
         """
         raise self._unsupported("derivatives")
 
+    def terminals(self, presses: PressBatch, frequency: Real) -> Complex:
+        """Admittance between all terminals in S, shape (press, frequency, N, N).
+
+        frequency: Hz. Raises InputError if the model gives none.
+        """
+        raise self._unsupported("network of terminals")
+
     def _unsupported(self, what: str) -> InputError:
         return InputError(f"{self.skin.name}: the model {self.name!r} gives no {what}")
 
-    def _given(self, press: Press | GivenPress, rtol: float) -> GivenPress:
-        """The press as models take it."""
+    def _given(self, press: Presses, rtol: float) -> GivenPress:
+        """One press as models take it. Raises InputError for a batch."""
+        if isinstance(press, PressBatch):
+            raise self._unsupported("answers to a batch of presses")
         return press if isinstance(press, GivenPress) else GivenPress(self.skin, press, rtol)
 
     def _progress(self, press: GivenPress, frequency: Real, rtol: float) -> SolutionProgress:

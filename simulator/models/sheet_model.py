@@ -28,7 +28,7 @@ from ..scene.frequency import laplace_variable
 from ..scene.parts import Setup, Skin
 from ..scene.planar import NO_LINES
 from ..sweeps import InputError
-from .model import DEFAULT_RTOL, GivenPress, UniformModel
+from .model import DEFAULT_RTOL, Presses, UniformModel
 from .resolution import ResolutionHierarchy
 from .solution import Answer, ModelResult
 
@@ -157,9 +157,7 @@ class Sheet(UniformModel):
     def __init__(self, sheets: UniformSheets) -> None:
         self._sheets, self.skin, self.setup = sheets, sheets.skin, sheets.setup
 
-    def solve(
-        self, press: Press | GivenPress, frequency: Real, rtol: float = DEFAULT_RTOL
-    ) -> Answer:
+    def solve(self, press: Presses, frequency: Real, rtol: float = DEFAULT_RTOL) -> Answer:
         """See `Model`; levels that are likely not to keep the tolerance are left out."""
         given = self._given(press, rtol)
         uniform, progress = self._uniform(given), self._progress(given, frequency, rtol)

@@ -41,7 +41,7 @@ class ModelResult:
 
 @dataclass(frozen=True)
 class Answer:
-    """What one model answers of a press.
+    """What one model answers of a press; arrays of a batch have an axis (press,) before interfaces.
 
     Z: ohm, shape (interface, frequency). error: estimated relative errors of Rs and Cp, shape (2,
     interface, frequency), infinite where the model has no answer; None if it was not requested.

@@ -16,7 +16,7 @@ from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.generation import generate
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.line import Line
-from rcskin.simulator.models.network_skin import NetworkSkin
+from rcskin.simulator.models.network_skin import Network
 from rcskin.simulator.models.parameters import Variation, own_values
 from rcskin.simulator.models.reduced.cases import Case, pixel_touches
 from rcskin.simulator.models.reduced.certificate import largest_bounds
@@ -172,8 +172,7 @@ def test_a_network_has_the_readings_of_a_model_of_these(library, touches, name):
         scene.parts, ROUGH, same_sheets=False, readings=chain(scene.parts.skin)
     )
     own, batch = read(trained, scene.interfaces).at(None), PressBatch.of(touches)
-    network = NetworkSkin(own)
-    Z = network.impedances(network.wiring(scene.interfaces), network.admittances(batch))
+    Z = Network(own).solve(batch, scene.frequencies).Z
     np.testing.assert_allclose(Z, own.sweeps(batch), rtol=1e-6)
 
 

@@ -14,7 +14,7 @@ from ...fem.system import check_grid_fits
 from ...press.press import Press
 from ...scene.parts import Setup, Skin
 from ...sweeps import ToleranceError
-from ..model import DEFAULT_RTOL, GivenPress, Model, PressPlace
+from ..model import DEFAULT_RTOL, GivenPress, Model, Presses, PressPlace
 from ..solution import Answer
 from ..time_estimate import RemainingTime
 from .coefficients import raised_by_deflection
@@ -100,9 +100,7 @@ class Elements(Model):
         """See `Domain`: uniform skins and presses, which elements on pixels solve."""
         return None if press.uniform is None else "skin and press are uniform"
 
-    def solve(
-        self, press: Press | GivenPress, frequency: Real, rtol: float = DEFAULT_RTOL
-    ) -> Answer:
+    def solve(self, press: Presses, frequency: Real, rtol: float = DEFAULT_RTOL) -> Answer:
         """See `Model`; it stops where the finest mesh does not keep the tolerance."""
         given = self._given(press, rtol)
         finer, progress = self.meshes(given, rtol), self._progress(given, frequency, rtol)

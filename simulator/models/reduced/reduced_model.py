@@ -9,12 +9,12 @@ import numpy as np
 
 from ...arrays import Mask, Real
 from ...notebook_display import SmallChart, Tabular
-from ...press.batch import TouchedCells
+from ...press.batch import PressBatch, TouchedCells
 from ...press.press import Press, press_on
 from ...press.rasterized import needs_factors, touched_cells
 from ...scene.parts import SceneParts, Setup, Skin
 from ...sweeps import InputError
-from ..model import GivenPress, Model
+from ..model import GivenPress, Model, Presses
 from ..parameters import Variation
 from ..solution import Answer, ModelResult
 from .pixel_presses import applied
@@ -55,30 +55,31 @@ class Reduced(Projection, Tabular, Model):
 
     def solve(
         self,
-        press: Press | GivenPress | str,
+        press: Presses | str,
         frequency: Real | None = None,
         rtol: float | None = None,
         certify: bool = True,
     ) -> Answer:
         """Answer for the scene's own skin, with its certified error, which includes the mesh.
 
-        press: a press or its text. A touch that is no whole pixel counts in each pixel by the area
-        that it covers there. frequency: Hz, by default those of the scene; the error is infinite
-        beyond those of the training. rtol: by default its own. certify: False leaves the error out,
-        which takes longer than the answer. Raises InputError for a text that is no press on the
-        scene.
+        press: a press, its text, or a batch of pixels. A touch that is no whole pixel counts in
+        each pixel by the area that it covers there. frequency: Hz, by default those of the scene;
+        the error is infinite beyond those of the training. rtol: by default its own. certify: False
+        leaves the error out, which takes longer than the answer. Raises InputError for a text that
+        is no press on the scene.
         """
         f = self.setup.frequency if frequency is None else frequency
         if isinstance(press, str):
             press = press_on(self.skin, self.parts.plan.press, press)
         rtol = self.rtol if rtol is None else rtol
+        if isinstance(press, PressBatch):
+            return self._batch(press, f, certify)
         touched, uncertainty = self._pressed(self._given(press, rtol))
         within, (low, high) = self._trained_at(f), self.frequency[[0, -1]]
         Z = np.empty((len(self._own.combination.weights), len(f)), dtype=np.complex128)
         for some in filter(np.any, (within, ~within)):
             Z[:, some] = self._own.sweep(*touched, f[some])
-        name = f"reduced to {self.size} vectors, {self.circuit.description}"
-        served = ((name, self.size),) * len(f)
+        served = ((self._description, self.size),) * len(f)
         if not certify:
             return Answer(Z, None, served)
         error = np.full((2, *Z.shape), np.inf)
@@ -86,7 +87,7 @@ class Reduced(Projection, Tabular, Model):
         if within.any():
             bound = self._own.certificate(*touched, f[within]) + KRYLOV_SHARE * self.rtol
             error[:, :, within] = bound + self.mesh_error + uncertainty
-            result = ModelResult(name, self.size, Z[:, within], error[:, :, within])
+            result = ModelResult(self._description, self.size, Z[:, within], error[:, :, within])
             if (result.error > rtol).any():
                 rejected.append(result.shortfall(f[within], rtol))
         if not within.all():
@@ -107,6 +108,19 @@ class Reduced(Projection, Tabular, Model):
     @cached_property
     def _own(self) -> ReducedSkin:
         return self.at(None)
+
+    @property
+    def _description(self) -> str:
+        return f"reduced to {self.size} vectors, {self.circuit.description}"
+
+    def _batch(self, presses: PressBatch, frequency: Real, certify: bool) -> Answer:
+        Z, served = self._own.sweeps(presses, frequency), ((self._description, self.size),)
+        if not certify:
+            return Answer(Z, None, served * len(frequency))
+        bounds = [self._own.certificate(*each, frequency) for each in presses.each()]
+        error = np.stack(bounds, axis=1) + KRYLOV_SHARE * self.rtol + self.mesh_error
+        error[..., ~self._trained_at(frequency)] = np.inf
+        return Answer(Z, error, served * len(frequency))
 
     def _trained_at(self, frequency: Real) -> Mask:
         """True for frequencies in Hz between those of the training."""

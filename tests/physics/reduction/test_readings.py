@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.models.network_skin import NetworkSkin
+from rcskin.simulator.models.network_skin import Network
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.models.terminals import chain, read, trained
@@ -118,19 +118,18 @@ def test_a_reading_of_unknown_contacts_is_refused(model):
 def test_a_network_gives_all_readings_at_once(scene, model):
     """One, two and so many touches that the kernel solves in the basis."""
     skin = read(model, scene.interfaces).at(None)
-    network = NetworkSkin(skin)
     cells, rises = np.array([0, 5, 1, 0, 1, 2, 3, 4, 5]), np.array([1.0, -0.4, 2.0, *[0.5] * 6])
     batch = PressBatch(cells, rises, np.array([0, 1, 3, 9, 9]))
-    found = network.impedances(network.wiring(scene.interfaces), network.admittances(batch))
+    found = Network(skin).solve(batch, scene.frequencies).Z
     assert relative_error(found, skin.sweeps(batch), scene) <= 1e-6
 
 
 def test_terminals_at_one_potential_are_in_parallel(scene, model):
     """Y of tied pairs is the sum over both terminals' currents, each at 1 V."""
-    network = NetworkSkin(model.at(None))
-    Y = network.conductance + network.admittances(ONE_PRESS)[0]
+    tied = interfaces({"tied": READINGS["tied"]})
+    network = Network(model.at(None), tied)
+    Y = network.terminals(ONE_PRESS, scene.frequencies)[0]
     tops = [k for k, foil in enumerate(scene.contacts) if foil.electrode == "top"]
-    tied = network.wiring(interfaces({"tied": READINGS["tied"]}))
-    Z = network.impedances(tied, network.admittances(ONE_PRESS))[0, 0]
+    Z = network.solve(ONE_PRESS, scene.frequencies).Z[0, 0]
     current = Y[:, tops][:, :, tops].sum(axis=(1, 2))
     np.testing.assert_allclose(1 / Z, current, rtol=1e-9)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import FullFields
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.models.network_skin import NetworkSkin
+from rcskin.simulator.models.network_skin import Network
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.reduced.greedy import reduce
 from rcskin.simulator.models.solution_fields import fields
@@ -43,9 +43,8 @@ def by_solver(model):
 
 
 def by_network(scene):
-    network = NetworkSkin(trained(scene.parts, RTOL).at(None))
-    wiring = network.wiring(scene.interfaces)
-    return network.impedances(wiring, network.admittances(PressBatch.of([NOTHING])))[0]
+    network = Network(trained(scene.parts, RTOL).at(None))
+    return network.solve(PressBatch.of([NOTHING]), scene.frequencies).Z[0]
 
 
 def by_fields(scene):
