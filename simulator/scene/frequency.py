@@ -47,9 +47,9 @@ def laplace_variable(frequency: ArrayLike, loss: Loss = LOSSLESS) -> Complex:
 def laplace_variable_in(library: Any, f: Any, loss: Loss) -> Any:
     """As `laplace_variable`, of numpy's arrays or of tensors of a library with `exp` and `log`."""
     s = 2 * math.pi * f * (loss.tangent + 1j)
-    if np.ndim(loss.exponent) or loss.exponent != 1:
+    if not isinstance(loss.exponent, float | int) or loss.exponent != 1:
         s = s * (1j * f / REFERENCE) ** (loss.exponent - 1)
-    if np.ndim(loss.exponent_slope) or loss.exponent_slope:
+    if not isinstance(loss.exponent_slope, float | int) or loss.exponent_slope:
         s = s * library.exp(loss.exponent_slope * _square_of_decades(library, f))
     return s + loss.leak
 
