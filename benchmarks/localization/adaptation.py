@@ -28,11 +28,11 @@ from rcskin.benchmarks.localization.twins import (
     Twin,
     built,
     every_pixel,
+    few_of_each,
     simulated,
 )
 from rcskin.localization.adaptation.class_adaptation import checked_classifier, fine_tuned
 from rcskin.localization.evaluation.evaluation import score
-from rcskin.localization.inputs.samples import Samples
 from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train
 from rcskin.simulator.dataset.skin_model import reduced
@@ -113,12 +113,6 @@ def recorded(trial: Trial, family: Reduced, number: int) -> xr.Dataset:
 def family_scene(trial: Trial) -> Scene:
     """The twins' own."""
     return built(trial.believed)
-
-
-def few_of_each(samples: Samples, count: int) -> Samples:
-    """The first so many of each class."""
-    first = [np.flatnonzero(samples.y == each)[:count] for each in np.unique(samples.y)]
-    return samples.part(np.sort(np.concatenate(first)))
 
 
 def rows(case: Case, model: Model, sweeps: xr.Dataset, touches: tuple[int, ...]) -> list[dict]:

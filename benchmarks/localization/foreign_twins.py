@@ -22,10 +22,17 @@ from rcskin.benchmarks.accuracy.foreign_skin import ForeignSkin, Patch
 from rcskin.benchmarks.accuracy.static_elements import Grid, body
 from rcskin.benchmarks.accuracy.static_solve import Solved, Static, block_of
 from rcskin.benchmarks.localization.twin_meters import recorded
-from rcskin.benchmarks.localization.twins import CHANGE, SEED, WHOLE, Bench, Trial, Twin
+from rcskin.benchmarks.localization.twins import (
+    CHANGE,
+    SEED,
+    WHOLE,
+    Bench,
+    Trial,
+    Twin,
+    few_of_each,
+)
 from rcskin.localization.adaptation.class_adaptation import adapt_classes
 from rcskin.localization.inputs.baselines import read_first
-from rcskin.localization.inputs.samples import Samples
 from rcskin.localization.model.localizer_file import load as load_model
 from rcskin.localization.model.localizer_file import save as save_model
 from rcskin.localization.model.localizer_model import Model
@@ -298,7 +305,7 @@ def kept_family(folder: Path, training: str, scene: Scene) -> Reduced:
 def after_touches(model: Model, sweeps: xr.Dataset, touches: int) -> tuple[Model, xr.Dataset]:
     """The model adapted by some touches of each class, and the sweeps without these."""
     samples = model.samples(sweeps)
-    few = _few_of_each(samples, touches)
+    few = few_of_each(samples, touches)
     used = np.intersect1d(few.rows, np.flatnonzero(sweeps["press"].values != "none"))
     others = np.setdiff1d(np.arange(sweeps.sizes["sweep"]), used)
     return adapt_classes(model, few).model, sweeps.isel(sweep=others)
@@ -316,11 +323,6 @@ def _simulated(scene: Scene, training: str, count: int, folder: Path) -> xr.Data
     plan = DatasetPlan(scene.parts, count, SEED, TRAINING_RTOL)
     generate(plan, path, training=Training(lambda *_: family, save, load))
     return read_first(path, count).load()
-
-
-def _few_of_each(samples: Samples, count: int) -> Samples:
-    each = [np.flatnonzero(samples.y == label)[:count] for label in np.unique(samples.y)]
-    return samples.part(np.sort(np.concatenate(each)))
 
 
 def _file_name(name: str) -> str:

@@ -22,6 +22,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 from rcskin.localization.inputs.baselines import read_first
+from rcskin.localization.inputs.samples import Samples
 from rcskin.localization.inputs.targets import labels, positions
 from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train
@@ -507,3 +508,9 @@ def localized(trial: Trial, sweeps: xr.Dataset) -> dict[str, Model]:
         )
         for name in trial.estimators
     }
+
+
+def few_of_each(samples: Samples, count: int) -> Samples:
+    """The first so many sweeps of each class."""
+    first = [np.flatnonzero(samples.y == each)[:count] for each in np.unique(samples.y)]
+    return samples.part(np.sort(np.concatenate(first)))
