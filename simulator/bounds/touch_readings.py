@@ -32,7 +32,7 @@ from ..sweeps.free_space import check_memory
 from .likelihood import Likelihood
 from .touches.pixel_touches import (
     DepthPixelTouches,
-    PixelTouches,
+    SharpPixelTouches,
     middles,
     rasterized_with_fingers,
     touches_around_pixels,
@@ -267,7 +267,7 @@ class TouchReadings(Likelihood):
         return pressed_by_factors(self.parts.divided(CELLS), "a limit", spread=False)
 
     @cached_property
-    def _touches(self) -> PixelTouches:
+    def _touches(self) -> SharpPixelTouches | DepthPixelTouches:
         assert self._size is not None
         grid = self.parts.skin.grid(CELLS)
         skin, press = self.parts.skin, self.parts.plan.press

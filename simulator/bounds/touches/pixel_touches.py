@@ -6,7 +6,7 @@ Chebyshev nodes; twice as many nodes give the error.
 
 from __future__ import annotations
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,18 +30,10 @@ RTOL = 1e-4
 """Largest error of interpolation, over the largest rise of a cell."""
 
 
-class PixelTouches(Protocol):
-    """Square touches around the middles of a scene's pixels."""
-
-    def rasterized(self, batch: PressBatch, /) -> PressBatch:
-        """Touches of pixels by rises, as touches of cells."""
-        ...
-
-
 def touches_around_pixels(
     skin: Skin, pressing: Pressing, grid: tuple[int, int], size: float, strongest: float
-) -> PixelTouches:
-    """Square touches of one size on a grid of cells.
+) -> SharpPixelTouches | DepthPixelTouches:
+    """Square touches of one size around the middles of a scene's pixels, on a grid of cells.
 
     size: of a side, m. grid: rows and columns of cells. strongest: largest rise.
     """
@@ -51,9 +43,13 @@ def touches_around_pixels(
 
 
 def rasterized_with_fingers(
-    skin: Skin, grid: tuple[int, int], touches: PixelTouches, batch: PressBatch, size: float
+    skin: Skin,
+    grid: tuple[int, int],
+    touches: SharpPixelTouches | DepthPixelTouches,
+    batch: PressBatch,
+    size: float,
 ) -> PressBatch:
-    """Result of `PixelTouches.rasterized` for presses that may have fingers, see `Parts`.
+    """Touches of pixels by rises, as touches of cells; they may have fingers, see `Parts`.
 
     size: of a side, m.
     """
@@ -99,7 +95,7 @@ class SharpPixelTouches:
         self._middles = np.array(middles(skin))
 
     def rasterized(self, batch: PressBatch) -> PressBatch:
-        """See `PixelTouches`."""
+        """Touches of pixels by rises, as touches of cells."""
         pixel, rises = by_touch(batch)
         x, y = np.moveaxis(self._middles[pixel], -1, 0)
         counts, size = np.diff(batch.starts), self._size
@@ -123,7 +119,7 @@ class DepthPixelTouches:
         self._cache: dict[int, _Depths] = {}
 
     def rasterized(self, batch: PressBatch) -> PressBatch:
-        """See `PixelTouches`.
+        """Touches of pixels by rises, as touches of cells.
 
         Raises InputError where the foam cannot be pressed so far, and ToleranceError where the
         interpolation between depths does not converge.

@@ -145,12 +145,17 @@ def _add_samples(
     share = along * across / (length * width) * rows * columns
     flat, before, change = all_flat(contacts), 0, 0.0
     limited, added, cut = False, 0.0, -1 if cell[0] < 0 else cells.cut[cell]
+    left, wide = cells.x[cell[1]], cells.x[cell[1] + 1] - cells.x[cell[1]]
+    low, high = cells.y[cell[0]], cells.y[cell[0] + 1] - cells.y[cell[0]]
     for k in range(counts[1]):
         at_y = sides[2] + (k + 0.5) * across
         for m in range(counts[0]):
             at_x = sides[0] + (m + 0.5) * along
-            if cut >= 0 and not _on_skin(at_x, at_y, cell, cells):
-                continue
+            if cut >= 0:
+                row = min(int((at_y - low) / high * SAMPLES), SAMPLES - 1)
+                column = min(int((at_x - left) / wide * SAMPLES), SAMPLES - 1)
+                if not cells.mask[cut, row, column]:
+                    continue
             over = contacts_over(contacts, by, own.strain, foam, at_x, at_y) if flat else -1
             if over & (over - 1) == 0:
                 continue
@@ -168,15 +173,6 @@ def _add_samples(
     if added != 0.0:
         total[cell] += added / skin_of_cell(cell[0], cell[1], cells)
     return limited
-
-
-@compiled()
-def _on_skin(at_x: float, at_y: float, cell: tuple[int, int], cells: GridCells) -> bool:
-    """True if the sample around a position in a cut cell (row, column) is on the skin."""
-    (i, j), x, y = cell, cells.x, cells.y
-    row = min(int((at_y - y[i]) / (y[i + 1] - y[i]) * SAMPLES), SAMPLES - 1)
-    column = min(int((at_x - x[j]) / (x[j + 1] - x[j]) * SAMPLES), SAMPLES - 1)
-    return cells.mask[cells.cut[i, j], row, column]
 
 
 @compiled()
