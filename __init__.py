@@ -24,10 +24,17 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from .localization.api.analysis import calibrate, gap, limits, study
-from .localization.api.arguments import plot, read, write
-from .localization.api.localizer import evaluate, features, load_model, localize, train
-from .localization.api.simulation import dataset, load, measured, reduce, sweep
+from .localization.api import features, load_model, write
+from .localization.commands.evaluate import evaluate
+from .localization.commands.gap import gap
+from .localization.commands.localize import localize
+from .localization.commands.train import train
+from .localization.study.command import study
+from .simulator.calibration.command import calibrate
+from .simulator.check.command import plot
+from .simulator.dataset.command import dataset
+from .simulator.limits.command import limits
+from .simulator.simulation import load, measured, read, reduce, sweep
 
 if TYPE_CHECKING:
     __version__: str

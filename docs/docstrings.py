@@ -11,6 +11,7 @@ SHAPE = re.compile(r"(?:,|\band)? ?\bshape (\([^)]*\)(?: or \([^)]*\))?)")
 UNIT = re.compile(r"(?:^|, )(ohm|Hz|Pa|rad|F|N|m|s)(?=[,.;]|$)")
 ERROR = re.compile(r"(\w+Error) (.*?)(?:, (?=\w+Error)|\. |\.?$)")
 SHORT_TYPES = (
+    (r"\bSweeps\b", "xr.Dataset | str | Path"),
     (r"AnyDistribution \| Mapping\[str, object\]", "Mapping"),
     (r"Vary", "Mapping | Sequence[str] | str"),
     (r"\b(Target|PixelTarget|EstimatorName|Quantity|ModelName|Kind)\b|Literal\[.*?\]", "str"),

@@ -2,16 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
+from ..simulator.requests.number_ranges import PORT, SEED, any_finite
 from ..simulator.requests.options import complete_scene
+from ..simulator.requests.request import Request, Writing, argument, typed
+from ..simulator.requests.typer_commands import add_commands
 from ..simulator.safe_text import say
-from .options import Accuracy, Baud, ControlAddress, Interfaces, ReaderFile, Resource, Timeout
-from .record_command import gather, record
+from .options import (
+    ACCURACY_TABLE,
+    BAUD,
+    CONTROL_ADDRESS,
+    INTERFACES,
+    READER_FILE,
+    RESOURCE,
+    TIMEOUT,
+)
+from .record_command import Gather, Record
 
 if TYPE_CHECKING:
     from .virtual.instrument import Instrument
@@ -31,172 +43,185 @@ app = typer.Typer(
 )
 
 
-@app.command(epilog="Example: rcskin meter serve --scene sheet-5x5")
-def serve(
-    scene: Annotated[
-        str | None,
-        typer.Option(help="A built-in scene, or a path.", autocompletion=complete_scene),
-    ] = None,
-    recorded: Annotated[
-        list[Path] | None, typer.Option(help="Play recorded sweeps instead of a scene.")
-    ] = None,
-    interface: Interfaces = None,
-    host: Annotated[str, typer.Option(help="Address to listen at.")] = "127.0.0.1",
-    port: Annotated[int, typer.Option(help="TCP port; 0 takes any free one.")] = 3500,
-    control_port: Annotated[int, typer.Option(help="TCP port for commands such as press.")] = 3501,
-    script: Annotated[
-        Path | None, typer.Option(help="Presses with times: lines `SECONDS PRESS`.")
-    ] = None,
-    random: Annotated[
-        float | None, typer.Option(help="Press at random every so many seconds.")
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Seed of the session's errors and presses.")] = 1,
-    pace: Annotated[float, typer.Option(help="Factor on measuring times: 1 real, 0 none.")] = 1,
-    accuracy: Accuracy = None,
-    model: Annotated[
-        str, typer.Option(help="Model to imitate: IM3523, E4980A, E4980AL, 4284A or E4990A.")
-    ] = "IM3523",
-    reader: ReaderFile = None,
-    page: Annotated[
-        bool, typer.Option("--page", help="Serve a page that presses the skin.")
-    ] = False,
-    page_port: Annotated[
-        int | None, typer.Option(help="TCP port of the page; default: any free one.")
-    ] = None,
-) -> None:
+class Serve(Request, example="meter serve --scene sheet-5x5"):
     """Serve a virtual meter, or reader of lines, on TCP until interrupted."""
-    from .event_counter import counted_events
-    from .reader.line_format import read_line_format
-    from .virtual import served_skin, serving
 
-    served = _served_skin(scene, recorded, interface, seed)
-    press_routines = serving.routines(served, script, random, seed)
-    if reader is None:
-        device = _virtual_meter(served, pace, accuracy, model)
-    else:
-        device = served_skin.reader(served, read_line_format(reader), pace)
-    page_options = _page_options(served, page, page_port)
+    scene: str | None = typed("A built-in scene, or a path.", complete=complete_scene, default=None)
+    recorded: Sequence[Path] | None = typed(
+        "Play recorded sweeps instead of a scene.", default=None
+    )
+    interface: Sequence[str] | None = typed(INTERFACES, default=None)
+    host: str = typed("Address to listen at.", default="127.0.0.1")
+    port: int = typed("TCP port; 0 takes any free one.", within=PORT, default=3500)
+    control_port: int = typed("TCP port for commands such as press.", within=PORT, default=3501)
+    script: Path | None = typed("Presses with times: lines `SECONDS PRESS`.", default=None)
+    random: float | None = typed(
+        "Press at random every so many seconds.", within=any_finite("s"), default=None
+    )
+    seed: int = typed("Seed of the session's errors and presses.", within=SEED, default=1)
+    pace: float = typed("Factor on measuring times: 1 real, 0 none.", default=1)
+    accuracy: Path | None = typed(ACCURACY_TABLE, default=None)
+    model: str = typed(
+        "Model to imitate: IM3523, E4980A, E4980AL, 4284A or E4990A.", default="IM3523"
+    )
+    reader: Path | None = typed(READER_FILE, default=None)
+    page: bool = typed("Serve a page that presses the skin.", default=False)
+    page_port: int | None = typed(
+        "TCP port of the page; default: any free one.", within=PORT, default=None
+    )
 
-    def on_listening(ports: Ports) -> None:
-        resource = ports.line_resource if reader else ports.resource
-        say(f"{resource}  control 127.0.0.1:{ports.control}")
+    def run(self) -> None:
+        from .event_counter import counted_events
+        from .reader.line_format import read_line_format
+        from .virtual import served_skin, serving
 
-    with counted_events(lambda text: say(f"rcskin: {text}", err=True)) as device.report:
-        device.report_failure = partial(device.report, "failed readings")
-        serving.serve(device, press_routines, on_listening, host, port, control_port, page_options)
+        served = _served_skin(self.scene, self.recorded, self.interface, self.seed)
+        press_routines = serving.routines(served, self.script, self.random, self.seed)
+        if self.reader is None:
+            device = _virtual_meter(served, self.pace, self.accuracy, self.model)
+        else:
+            device = served_skin.reader(served, read_line_format(self.reader), self.pace)
+        page_options = _page_options(served, self.page, self.page_port)
+
+        def on_listening(ports: Ports) -> None:
+            resource = ports.line_resource if self.reader else ports.resource
+            say(f"{resource}  control 127.0.0.1:{ports.control}")
+
+        with counted_events(lambda text: say(f"rcskin: {text}", err=True)) as device.report:
+            device.report_failure = partial(device.report, "failed readings")
+            serving.serve(
+                device,
+                press_routines,
+                on_listening,
+                self.host,
+                self.port,
+                self.control_port,
+                page_options,
+            )
 
 
-app.command(epilog=f"Example: rcskin meter record sheet-5x5 --resource {VIRTUAL} -o run.nc")(record)
-app.command("gather", epilog="Example: rcskin meter gather run.nc -o so-far.nc")(gather)
-
-
-@app.command()
-def identify(
-    resources: Annotated[
-        list[str] | None, typer.Argument(help="VISA resources; default: all found.")
-    ] = None,
-    timeout: Timeout = 2.0,
-    baud: Baud = 9600,
-) -> None:
+class Identify(Request):
     """List the meters that answer, with their resources."""
-    from .meter.link.discovery import find_resources, probe
 
-    names = resources or find_resources()
-    answers = [(name, probe(name, timeout, baud)) for name in names]
-    for name, answer in answers:
-        say(answer.failure or f"{name}  {answer.identity}")
-    if not names:
-        say("no VISA resource found; name the meter's TCP socket", err=True)
-    if not any(answer.identity for _, answer in answers):
-        raise typer.Exit(1)
+    resources: Sequence[str] | None = argument("VISA resources; default: all found.", default=None)
+    timeout: float = typed(TIMEOUT, default=2.0)
+    baud: int = typed(BAUD, default=9600)
+
+    def run(self) -> int:
+        from .meter.link.discovery import find_resources, probe
+
+        names = self.resources or find_resources()
+        answers = [(name, probe(name, self.timeout, self.baud)) for name in names]
+        for name, answer in answers:
+            say(answer.failure or f"{name}  {answer.identity}")
+        if not names:
+            say("no VISA resource found; name the meter's TCP socket", err=True)
+        return int(not any(answer.identity for _, answer in answers))
 
 
-@app.command("new-reader", epilog="Example: rcskin meter new-reader reader.toml")
-def new_reader(
-    output: Annotated[Path, typer.Argument(help="READER.toml, a new file to edit.")],
-) -> None:
+class NewReader(Writing, example="meter new-reader reader.toml"):
     """Start a description of a reader's lines: a commented file with every key."""
-    from .reader.line_format import write_new_format
 
-    write_new_format(output)
-    say(f"{output}: edit it, then give it to record or live by --reader")
+    output: Path = argument("READER.toml, a new file to edit.")
+
+    def run(self) -> None:
+        from .reader.line_format import write_new_format
+
+        write_new_format(self.output)
+        say(f"{self.output}: edit it, then give it to record or live by --reader")
 
 
-@app.command(epilog=f"Example: rcskin meter correct open --resource {VIRTUAL}")
-def correct(
-    kind: Annotated[str, typer.Argument(help="Correction: open or short.")],
-    resource: Resource,
-    extent: Annotated[str, typer.Option(help="ALL, SPOT (Hioki) or OFF.")] = "ALL",
-    timeout: Timeout = 5.0,
-    baud: Baud = 9600,
-) -> None:
+class Correct(Request, example="meter correct open --resource TCPIP0::127.0.0.1::3500::SOCKET"):
     """Acquire the open or short correction, or end it."""
-    from ..simulator.sweeps import InputError
-    from .meter.correction import correct as acquire
-    from .meter.instruments import open_meter
-    from .meter.lcr_meter import LcrMeter
-    from .meter.restoring.termination import interruptible, orderly_termination
-    from .record.managed_meter import ManagedMeter
 
-    with orderly_termination() as report:
-        station = ManagedMeter(lambda: open_meter(resource, timeout, baud), report=report)
-        with station, interruptible():
-            meter = station.ready()
-            if not isinstance(meter, LcrMeter):
-                raise InputError(f"{resource}: {meter.model} has no open or short correction")
-            acquire(meter, kind.lower(), extent.upper())
-            state = meter.open_correction, meter.short_correction
-        say(f"open correction {state[0]}, short correction {state[1]}")
+    kind: str = argument("Correction: open or short.")
+    resource: str = typed(RESOURCE)
+    extent: str = typed("ALL, SPOT (Hioki) or OFF.", default="ALL")
+    timeout: float = typed(TIMEOUT, default=5.0)
+    baud: int = typed(BAUD, default=9600)
+
+    def run(self) -> None:
+        from ..simulator.sweeps import InputError
+        from .meter.correction import correct as acquire
+        from .meter.instruments import open_meter
+        from .meter.lcr_meter import LcrMeter
+        from .meter.restoring.termination import interruptible, orderly_termination
+        from .record.managed_meter import ManagedMeter
+
+        with orderly_termination() as report:
+            station = ManagedMeter(
+                lambda: open_meter(self.resource, self.timeout, self.baud), report=report
+            )
+            with station, interruptible():
+                meter = station.ready()
+                if not isinstance(meter, LcrMeter):
+                    raise InputError(
+                        f"{self.resource}: {meter.model} has no open or short correction"
+                    )
+                acquire(meter, self.kind.lower(), self.extent.upper())
+                state = meter.open_correction, meter.short_correction
+            say(f"open correction {state[0]}, short correction {state[1]}")
 
 
-@app.command(epilog="Example: rcskin meter press 2,3")
-def press(
-    press: Annotated[
-        str, typer.Argument(help="ROW,COLUMN[:FACTOR][:FINGER], joined by '+', or none.")
-    ],
-    control: ControlAddress = CONTROL,
-) -> None:
+class Press(Request, example="meter press 2,3"):
     """Press the skin of a running virtual meter until the next press."""
-    from .control_client import send_request
 
-    say(send_request(control, "press", press=press))
-    if depths := send_request(control, "depths"):
-        say(f"rcskin: note: {depths}", err=True)
+    press: str = argument("ROW,COLUMN[:FACTOR][:FINGER], joined by '+', or none.")
+    control: str = typed(CONTROL_ADDRESS, default=CONTROL)
+
+    def run(self) -> None:
+        from .control_client import send_request
+
+        say(send_request(self.control, "press", press=self.press))
+        if depths := send_request(self.control, "depths"):
+            say(f"rcskin: note: {depths}", err=True)
 
 
-@app.command()
-def select(
-    interface: Annotated[str, typer.Argument(help="Interface of the served skin.")],
-    control: ControlAddress = CONTROL,
-) -> None:
+class Select(Request):
     """Connect a running virtual meter to another interface of its skin."""
-    from .control_client import send_request
 
-    say(send_request(control, "select", interface=interface))
+    interface: str = argument("Interface of the served skin.")
+    control: str = typed(CONTROL_ADDRESS, default=CONTROL)
+
+    def run(self) -> None:
+        from .control_client import send_request
+
+        say(send_request(self.control, "select", interface=self.interface))
 
 
-@app.command(epilog="Example: rcskin meter misbehave late --times 2")
-def misbehave(
-    kind: Annotated[
-        str,
-        typer.Argument(
-            help="drop, late, silent, garbage, half, status, correction, forget, slow, stuck; of "
-            "a reader: restart, miscount, repeat, interleave, endless, nan."
-        ),
-    ],
-    times: Annotated[int, typer.Option(help="Number of faults.")] = 1,
-    seconds: Annotated[float, typer.Option(help="Delay of late and slow, s.")] = 2.0,
-    status: Annotated[int, typer.Option(help="Status code of the failed reading.")] = 7,
-    control: ControlAddress = CONTROL,
-) -> None:
+class Misbehave(Request, example="meter misbehave late --times 2"):
     """Make a running virtual meter fail at its next answers."""
-    from .control_client import send_request
 
-    send_request(control, "misbehave", kind=kind, times=times, seconds=seconds, status=status)
+    kind: str = argument(
+        "drop, late, silent, garbage, half, status, correction, forget, slow, stuck; of "
+        "a reader: restart, miscount, repeat, interleave, endless, nan."
+    )
+    times: int = typed("Number of faults.", default=1)
+    seconds: float = typed("Delay of late and slow, s.", within=any_finite("s"), default=2.0)
+    status: int = typed("Status code of the failed reading.", default=7)
+    control: str = typed(CONTROL_ADDRESS, default=CONTROL)
+
+    def run(self) -> None:
+        from .control_client import send_request
+
+        send_request(
+            self.control,
+            "misbehave",
+            kind=self.kind,
+            times=self.times,
+            seconds=self.seconds,
+            status=self.status,
+        )
+
+
+add_commands(app, Serve, Record, Gather, Identify, NewReader, Correct, Press, Select, Misbehave)
 
 
 def _served_skin(
-    scene: str | None, recorded: list[Path] | None, interfaces: list[str] | None, seed: int
+    scene: str | None,
+    recorded: Sequence[Path] | None,
+    interfaces: Sequence[str] | None,
+    seed: int,
 ) -> ServedSkin:
     from ..simulator.requests.requested_scene import note_if_noise_free, requested_scene
     from ..simulator.sweeps import InputError, read_joined

@@ -7,23 +7,23 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
-import typer
-
-from ..simulator.requests.options import SceneName
+from ..simulator.requests.number_ranges import REPETITIONS, SHARE, AllowedRange, any_finite
+from ..simulator.requests.options import SCENE
+from ..simulator.requests.request import Writing, argument, typed
 from ..simulator.safe_text import say, terminal
 from .options import (
-    Accuracy,
-    Baud,
-    Drift,
-    Interfaces,
-    ReaderFile,
-    Settle,
-    Source,
-    SwitchName,
-    SwitchWith,
-    Timeout,
+    ACCURACY_TABLE,
+    BAUD,
+    DRIFT,
+    INTERFACES,
+    READER_FILE,
+    SETTLE_TIME,
+    SOURCE,
+    SWITCH_NAME,
+    SWITCH_WITH,
+    TIMEOUT,
 )
 
 if TYPE_CHECKING:
@@ -33,110 +33,128 @@ if TYPE_CHECKING:
     from .record.recording_terminal import RecordingScreen
 
 
-def record(
-    scene: SceneName,
-    resource: Source,
-    output: Annotated[Path, typer.Option("--output", "-o", help="OUT.nc or OUT.csv.")],
-    repetitions: Annotated[int, typer.Option(help="Sweeps of each pixel.")] = 6,
-    order: Annotated[Path | None, typer.Option(help="File with one press per line.")] = None,
-    unattended: Annotated[bool, typer.Option("--unattended", help="Never ask.")] = False,
-    control: Annotated[
-        str | None, typer.Option(help="Press by the virtual meter at HOST:PORT.")
-    ] = None,
-    press_with: Annotated[
-        str | None, typer.Option(help="Command that presses; {press} is replaced.")
-    ] = None,
-    retries: Annotated[int, typer.Option(help="Repetitions of a sweep without a person.")] = 3,
-    interface: Interfaces = None,
-    switch: SwitchName = None,
-    switch_with: SwitchWith = None,
-    settle: Settle = None,
-    speed: Annotated[
-        str | None, typer.Option(help="FAST to SLOW2 (Hioki), SHORT to LONG (Keysight).")
-    ] = None,
-    averaging: Annotated[int | None, typer.Option(help="Readings averaged, 1-256.")] = None,
-    level: Annotated[str | None, typer.Option(help="V, CV or CC.")] = None,
-    amplitude: Annotated[float | None, typer.Option(help="Amplitude of the level, V or A.")] = None,
-    range_: Annotated[
-        float | None,
-        typer.Option("--range", help="Range 1-10 (Hioki) or ohm (Keysight); 0: automatic."),
-    ] = None,
-    delay: Annotated[float | None, typer.Option(help="Delay after the trigger, s.")] = None,
-    cable: Annotated[int | None, typer.Option(help="Cable length, m.")] = None,
-    repeatability: Annotated[
-        float, typer.Option(help="Allowed change of |Z| between repetitions.")
-    ] = 0.05,
-    drift: Drift = 0.05,
-    session: Annotated[
-        str, typer.Option(help="Name of this mounting; default: the start time.")
-    ] = "",
-    same_mounting: Annotated[
-        bool, typer.Option("--same-mounting", help="Continue days later without a question.")
-    ] = False,
-    timeout: Timeout = 5.0,
-    baud: Baud = 9600,
-    accuracy: Accuracy = None,
-    reader: ReaderFile = None,
-) -> None:
+class Record(
+    Writing, example="meter record sheet-5x5 --resource TCPIP0::127.0.0.1::3500::SOCKET -o run.nc"
+):
     """Record sweeps of a scene's presses. The same command continues a stopped recording."""
-    from ..simulator.requests.requested_scene import requested_scene, warn_of_earth
-    from ..simulator.sweeps import checked_output, sizes_text
-    from .event_counter import EventCounter
-    from .meter.restoring.termination import interruptible, orderly_termination
-    from .record.recorder import RecordingTask
-    from .record.recorder import record as record_task
-    from .record.recording_journal import RecordingJournal
-    from .record.recording_output import explain_resuming, finish, summary_remarks
-    from .record.source_options import SourceOptions, source_setup
-    from .record.sweep_checks import SweepLimits
-    from .switch.switch_options import switch_from_options
 
-    checked_output(output)
-    requested = requested_scene(scene)
-    interfaces = requested.parts.setup.checked_names(interface)
-    options = SourceOptions(resource, timeout, baud, accuracy, reader)
-    if not (interface or switch or switch_with or options.is_reader):
-        _check_one_interface(requested.parts.skin, requested.parts.setup)
-    steps = _steps(order, requested.parts.skin, repetitions)
-    settings = _settings(speed, averaging, level, amplitude, range_, delay, cable)
-    several = len(interfaces) > 1
-    header = header_of(requested.parts, interfaces, steps, settings, session)
-    faults = EventCounter(lambda text: say(f"rcskin: {text}", err=True))
-    source = source_setup(
-        options,
-        header.by_interface,
-        report=faults,
-        settings=settings,
-        kind=requested.parts.setup.kind,
+    scene: str = argument(SCENE)
+    resource: str = typed(SOURCE)
+    output: Path = typed("OUT.nc or OUT.csv.", "--output", "-o")
+    repetitions: int = typed("Sweeps of each pixel.", within=REPETITIONS, default=6)
+    order: Path | None = typed("File with one press per line.", default=None)
+    unattended: bool = typed("Never ask.", default=False)
+    control: str | None = typed("Press by the virtual meter at HOST:PORT.", default=None)
+    press_with: str | None = typed("Command that presses; {press} is replaced.", default=None)
+    retries: int = typed(
+        "Repetitions of a sweep without a person.",
+        within=AllowedRange(0, 1000, "after so many failures, check the meter"),
+        default=3,
     )
-    screen, operator, ask = _operator(unattended, control, press_with, retries, steps, several)
-    task = RecordingTask(
-        header,
-        output,
-        source.connect,
-        source.table,
-        SweepLimits(
-            repeatability=repeatability,
-            drift=drift,
-            two_terminal=requested.parts.skin.two_terminal and source.checks_laws,
-        ),
-        same_mounting,
-        source.switch_or(
-            lambda: switch_from_options(switch, switch_with, settle, interfaces, ask),
-            any((switch, switch_with, settle is not None)),
-        ),
-        conditions=source.conditions,
+    interface: Sequence[str] | None = typed(INTERFACES, default=None)
+    switch: str | None = typed(SWITCH_NAME, default=None)
+    switch_with: str | None = typed(SWITCH_WITH, default=None)
+    settle: float | None = typed(SETTLE_TIME, default=None)
+    speed: str | None = typed("FAST to SLOW2 (Hioki), SHORT to LONG (Keysight).", default=None)
+    averaging: int | None = typed("Readings averaged, 1-256.", default=None)
+    level: str | None = typed("V, CV or CC.", default=None)
+    amplitude: float | None = typed(
+        "Amplitude of the level, V or A.", within=any_finite(None), default=None
     )
-    warn_of_earth(scene, requested.parts.skin)
-    journal = RecordingJournal(output)
-    with orderly_termination() as report, journal.lock(), explain_resuming(journal):
-        checked_output(output)
-        with screen:
-            header, entries = record_task(replace(task, report=report), operator)
-            faults.close()
-        with interruptible():
-            sweeps = finish(journal, header, dict(enumerate(entries)))
-        say("; ".join([f"{sizes_text(sweeps.sizes)} -> {output}", *summary_remarks(entries)]))
+    range_: float | None = typed(
+        "Range 1-10 (Hioki) or ohm (Keysight); 0: automatic.",
+        "--range",
+        within=any_finite("ohm"),
+        default=None,
+    )
+    delay: float | None = typed("Delay after the trigger, s.", within=any_finite("s"), default=None)
+    cable: int | None = typed("Cable length, m.", within=any_finite("m"), default=None)
+    repeatability: float = typed(
+        "Allowed change of |Z| between repetitions.", within=SHARE, default=0.05
+    )
+    drift: float = typed(DRIFT, default=0.05)
+    session: str = typed("Name of this mounting; default: the start time.", default="")
+    same_mounting: bool = typed("Continue days later without a question.", default=False)
+    timeout: float = typed(TIMEOUT, default=5.0)
+    baud: int = typed(BAUD, default=9600)
+    accuracy: Path | None = typed(ACCURACY_TABLE, default=None)
+    reader: Path | None = typed(READER_FILE, default=None)
+
+    def run(self) -> None:
+        from ..simulator.requests.requested_scene import requested_scene, warn_of_earth
+        from ..simulator.sweeps import checked_output, sizes_text
+        from .event_counter import EventCounter
+        from .meter.restoring.termination import interruptible, orderly_termination
+        from .record.recorder import RecordingTask
+        from .record.recorder import record as record_task
+        from .record.recording_journal import RecordingJournal
+        from .record.recording_output import explain_resuming, finish, summary_remarks
+        from .record.source_options import SourceOptions, source_setup
+        from .record.sweep_checks import SweepLimits
+        from .switch.switch_options import switch_from_options
+
+        checked_output(self.output)
+        requested = requested_scene(self.scene)
+        interfaces = requested.parts.setup.checked_names(self.interface)
+        options = SourceOptions(self.resource, self.timeout, self.baud, self.accuracy, self.reader)
+        if not (self.interface or self.switch or self.switch_with or options.is_reader):
+            _check_one_interface(requested.parts.skin, requested.parts.setup)
+        steps = _steps(self.order, requested.parts.skin, self.repetitions)
+        settings = _settings(
+            self.speed,
+            self.averaging,
+            self.level,
+            self.amplitude,
+            self.range_,
+            self.delay,
+            self.cable,
+        )
+        several = len(interfaces) > 1
+        header = header_of(requested.parts, interfaces, steps, settings, self.session)
+        faults = EventCounter(lambda text: say(f"rcskin: {text}", err=True))
+        source = source_setup(
+            options,
+            header.by_interface,
+            report=faults,
+            settings=settings,
+            kind=requested.parts.setup.kind,
+        )
+        screen, operator, ask = _operator(
+            self.unattended, self.control, self.press_with, self.retries, steps, several
+        )
+        task = RecordingTask(
+            header,
+            self.output,
+            source.connect,
+            source.table,
+            SweepLimits(
+                repeatability=self.repeatability,
+                drift=self.drift,
+                two_terminal=requested.parts.skin.two_terminal and source.checks_laws,
+            ),
+            self.same_mounting,
+            source.switch_or(
+                lambda: switch_from_options(
+                    self.switch, self.switch_with, self.settle, interfaces, ask
+                ),
+                any((self.switch, self.switch_with, self.settle is not None)),
+            ),
+            conditions=source.conditions,
+        )
+        warn_of_earth(self.scene, requested.parts.skin)
+        journal = RecordingJournal(self.output)
+        with orderly_termination() as report, journal.lock(), explain_resuming(journal):
+            checked_output(self.output)
+            with screen:
+                header, entries = record_task(replace(task, report=report), operator)
+                faults.close()
+            with interruptible():
+                sweeps = finish(journal, header, dict(enumerate(entries)))
+            say(
+                "; ".join(
+                    [f"{sizes_text(sweeps.sizes)} -> {self.output}", *summary_remarks(entries)]
+                )
+            )
 
 
 def header_of(
@@ -259,30 +277,30 @@ def _press_nothing(step: PressStep) -> None:
     """Leave the skin untouched."""
 
 
-def gather(
-    recording: Annotated[Path, typer.Argument(help="Output file of the recording.")],
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="Another OUT.nc or OUT.csv.")
-    ] = None,
-) -> None:
+class Gather(Writing, example="meter gather run.nc -o so-far.nc"):
     """Write the sweeps that a recording or a live session has so far.
 
     The recording can continue afterwards.
     """
-    from ..simulator.sweeps import InputError, checked_output, sizes_text
-    from .record.recording_journal import RecordingJournal
-    from .record.recording_output import write_all
 
-    journal = RecordingJournal(recording)
-    header = journal.header()
-    entries = journal.entries(header) if header else {}
-    if header is None or not entries:
-        raise InputError(f"{journal.folder}: holds no sweep of a recording")
-    path = checked_output(output or recording)
-    sweeps = write_all(path, header, entries)
-    whole = f" of {len(header.order)}" if header.order else ""
-    say(f"{len(entries)}{whole} sweeps: {sizes_text(sweeps.sizes)} -> {path}")
-    _warn_if_meter_changed(journal)
+    recording: Path = argument("Output file of the recording.")
+    output: Path | None = typed("Another OUT.nc or OUT.csv.", "--output", "-o", default=None)
+
+    def run(self) -> None:
+        from ..simulator.sweeps import InputError, checked_output, sizes_text
+        from .record.recording_journal import RecordingJournal
+        from .record.recording_output import write_all
+
+        journal = RecordingJournal(self.recording)
+        header = journal.header()
+        entries = journal.entries(header) if header else {}
+        if header is None or not entries:
+            raise InputError(f"{journal.folder}: holds no sweep of a recording")
+        path = checked_output(self.output or self.recording)
+        sweeps = write_all(path, header, entries)
+        whole = f" of {len(header.order)}" if header.order else ""
+        say(f"{len(entries)}{whole} sweeps: {sizes_text(sweeps.sizes)} -> {path}")
+        _warn_if_meter_changed(journal)
 
 
 def _warn_if_meter_changed(journal: RecordingJournal) -> None:

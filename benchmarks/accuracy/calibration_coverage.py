@@ -27,8 +27,8 @@ from rcskin.hardware.meter.meter_reading import MeterReading, parse_reading
 from rcskin.hardware.record.operators import parse_step
 from rcskin.hardware.virtual.hioki import HiokiSettings, measurement_text
 from rcskin.hardware.virtual.measurement import MeasurementSetup
+from rcskin.simulator.calibration.command import Options
 from rcskin.simulator.calibration.fit import model_tolerance
-from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.prior import Kind, Prior, priors
 from rcskin.simulator.calibration.problem import Model, model_of

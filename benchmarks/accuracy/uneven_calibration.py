@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 from rcskin.benchmarks.bench import Run, launch
-from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.command import Options
 from rcskin.simulator.calibration.run import Calibration, calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
@@ -113,7 +113,7 @@ def calibrated(
     presses = every_press(parts.skin, scene.press)
     twin = simulate(Solver(made, RTOL), presses).assign_attrs(scene=scene_text(scene))
     names = (*FITTED, *SHEET_MODES)
-    asked = Options(names, ("others",), strengths=False, uneven_sheets=True)
+    asked = Options(fit=names, fix=("others",), fixed_strength=True, uneven_sheets=True)
     return calibrate(scene, read_out(twin, scene.readout, random), asked, model=model)
 
 

@@ -42,7 +42,7 @@ from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.inversion.estimators import estimators
 from rcskin.localization.learners.registry import Estimator
 from rcskin.localization.model.localizer_model import Model
-from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.command import Options
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.chart_style import COLOURS, chart
 from rcskin.simulator.dataset.skin_model import reduced

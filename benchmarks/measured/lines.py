@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import pandas as pd
 from rcskin.benchmarks.bench import HERE, Run, launch
-from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.command import Options
 from rcskin.simulator.calibration.results.estimates import FittedQuantity
 from rcskin.simulator.calibration.run import Calibration, calibrate
 from rcskin.simulator.calibration.student import FAR_OFF
@@ -39,10 +39,10 @@ LEADS = ("lead_resistance", "lead_inductance")
 IDEAL_LINE = ("sheet_resistance", "capacitance", *LEADS)
 CONSTANT_PHASE = (*IDEAL_LINE, "phase_exponent")
 MODELS: Mapping[str, Options] = {
-    "lumped": Options(("capacitance", *LEADS), ("others",), robust=False, trials=False),
-    "ideal line": Options(IDEAL_LINE, ("others",), robust=False, trials=False),
-    "constant phase": Options(CONSTANT_PHASE, ("others",), robust=False, trials=False),
-    "best": Options(trials=False),
+    "lumped": Options(fit=("capacitance", *LEADS), fix=("others",), robust=False),
+    "ideal line": Options(fit=IDEAL_LINE, fix=("others",), robust=False),
+    "constant phase": Options(fit=CONSTANT_PHASE, fix=("others",), robust=False),
+    "best": Options(),
 }
 """Fits of every sweep: three by least squares, and that of `rcskin calibrate` without options."""
 NESTED = ("lumped", "ideal line", "constant phase")
@@ -133,7 +133,7 @@ def _fitted(file: Path, published: pd.DataFrame) -> Fitted:
     scene = line_scene()
     lumped = scene.with_({"skin.sheet_resistance": 1e-3})
     own = {
-        model: calibrate(lumped if model == "lumped" else scene, sweeps, options)
+        model: calibrate(lumped if model == "lumped" else scene, sweeps, options, trials=False)
         for model, options in MODELS.items()
     }
     known = published.loc[file.name].to_dict() if file.name in published.index else {}

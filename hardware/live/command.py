@@ -2,24 +2,33 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
+from ...simulator.requests.number_ranges import (
+    MILLIMETRES,
+    PORT,
+    SECONDS,
+    SHARE,
+    SPEED,
+    SWEEPS,
+    any_finite,
+)
+from ...simulator.requests.request import Writing, typed
 from ...simulator.safe_text import say
 from ..options import (
-    Accuracy,
-    Baud,
-    Drift,
-    ReaderFile,
-    Settle,
-    Source,
-    SwitchName,
-    SwitchWith,
-    Timeout,
+    ACCURACY_TABLE,
+    BAUD,
+    DRIFT,
+    READER_FILE,
+    SETTLE_TIME,
+    SOURCE,
+    SWITCH_NAME,
+    SWITCH_WITH,
+    TIMEOUT,
 )
 
 if TYPE_CHECKING:
@@ -32,156 +41,141 @@ if TYPE_CHECKING:
 MAX_BASELINES = 1000
 
 
-def live(
-    model: Annotated[Path, typer.Option(help="A trained model, .npz.")],
-    resource: Source,
-    interface: Annotated[
-        str | None, typer.Option(help="Connected interface; default: the model's.")
-    ] = None,
-    switch: SwitchName = None,
-    switch_with: SwitchWith = None,
-    settle: Settle = None,
-    rest: Annotated[
-        int, typer.Option(help="Number of unpressed sweeps, if the model needs any.")
-    ] = 3,
-    rest_file: Annotated[
-        list[Path] | None, typer.Option(help="Files with unpressed sweeps (press none).")
-    ] = None,
-    sweeps: Annotated[int | None, typer.Option(help="End after this number of answers.")] = None,
-    plain: Annotated[
-        bool, typer.Option("--plain", help="Print a line per answer, as in a pipe.")
-    ] = False,
-    log: Annotated[
-        Path | None, typer.Option(help="Write all sweeps and answers: OUT.nc or .csv.")
-    ] = None,
-    drift: Drift = 0.05,
-    patience: Annotated[
-        float, typer.Option(help="Give up after so many seconds without a sweep.")
-    ] = 30.0,
-    timeout: Timeout = 2.0,
-    baud: Baud = 9600,
-    accuracy: Accuracy = None,
-    reader: ReaderFile = None,
-    force: Annotated[
-        bool, typer.Option("--anyway", help="Accept unpressed sweeps of another skin.")
-    ] = False,
-    filtered: Annotated[
-        bool, typer.Option("--filter", help="Combine successive sweeps, with any model.")
-    ] = False,
-    touch_lasts: Annotated[float, typer.Option(help="Duration of a touch, s, with --filter.")] = 2,
-    touch_every: Annotated[
-        float, typer.Option(help="Time from a touch to the next, s, with --filter.")
-    ] = 5,
-    touch_speed: Annotated[
-        float, typer.Option(help="Speed of a moving touch, mm/s, with --filter.")
-    ] = 20,
-    adaptive: Annotated[
-        bool,
-        typer.Option(
-            "--adaptive",
-            help="Choose each next reading until certain: model-based, -adapted.",
-        ),
-    ] = False,
-    certain: Annotated[
-        float | None,
-        typer.Option(help="Probability needed to answer (--filter) or to stop (--adaptive)."),
-    ] = None,
-    within: Annotated[
-        float,
-        typer.Option(help="Largest radius of a position's 95 % region, mm, with --adaptive."),
-    ] = 10.0,
-    page: Annotated[
-        bool, typer.Option("--page", help="Serve a page that shows the session.")
-    ] = False,
-    port: Annotated[
-        int | None, typer.Option(help="TCP port of the page; default: any free one.")
-    ] = None,
-) -> None:
+class Live(Writing, example="live --model columns.npz --resource TCPIP0::127.0.0.1::3500::SOCKET"):
     """Localize touches live. A pipe gets time, answer, probability and latency in ms."""
-    from ...localization.filtering.chain import TouchDynamics
-    from ...simulator.sweeps import InputError
-    from ..event_counter import EventCounter
-    from ..meter.restoring.termination import orderly_termination
-    from ..record.source_options import SourceOptions, source_setup
-    from ..record.sweep_checks import SweepLimits
-    from ..switch.switch_options import switch_from_options
-    from .displays.session_displays import other_displays, session_display
-    from .live_localizer import localizer_of
-    from .live_meter import LiveMeter
-    from .live_session import LiveSession
-    from .session_log import SessionLog
-    from .touch_answer import frequencies_of
 
-    _check_options(sweeps, log, port if not page else None, certain, filtered, adaptive)
-    journal = _session_journal(log) if log else None
-    touching = TouchDynamics(touch_lasts, touch_every, touch_speed) if filtered else None
-    localizer = localizer_of(model, touching, adaptive, certain, within)
-    _check_interface(localizer.model, interface)
-    options = SourceOptions(resource, timeout, baud, accuracy, reader)
-    if options.is_reader and adaptive:
-        raise InputError("--adaptive chooses readings, and a reader of lines sends whole sweeps")
-    shown: list[SessionDisplay] = []
-    faults = EventCounter(lambda text: shown[0].note(text))
-    source = source_setup(
-        options,
-        frequencies_of(localizer.model),
-        follows=True,
-        report=faults,
-        kind=localizer.parts.setup.kind,
+    model: Path = typed("A trained model, .npz.")
+    resource: str = typed(SOURCE)
+    interface: str | None = typed("Connected interface; default: the model's.", default=None)
+    switch: str | None = typed(SWITCH_NAME, default=None)
+    switch_with: str | None = typed(SWITCH_WITH, default=None)
+    settle: float | None = typed(SETTLE_TIME, default=None)
+    rest: int = typed("Number of unpressed sweeps, if the model needs any.", default=3)
+    rest_file: Sequence[Path] | None = typed(
+        "Files with unpressed sweeps (press none).", default=None
     )
-    connect = partial(
-        LiveMeter,
-        localizer,
-        source.connect,
-        source.table,
-        SweepLimits(
-            drift=drift, two_terminal=localizer.parts.skin.two_terminal and source.checks_laws
-        ),
-        patience,
-        source.switch_or(
-            lambda: switch_from_options(switch, switch_with, settle, localizer.model.interfaces),
-            any((switch, switch_with, settle is not None)),
-        ),
-        journal=journal,
-        conditions=source.conditions,
+    sweeps: int | None = typed("End after this number of answers.", within=SWEEPS, default=None)
+    plain: bool = typed("Print a line per answer, as in a pipe.", default=False)
+    log: Path | None = typed("Write all sweeps and answers: OUT.nc or .csv.", default=None)
+    drift: float = typed(DRIFT, default=0.05)
+    patience: float = typed(
+        "Give up after so many seconds without a sweep.", within=any_finite("s"), default=30.0
     )
-    baseline = _baseline(localizer, rest, rest_file, force)
-    kept = SessionLog(journal)
-    others = other_displays(localizer, port or 0 if page else None)
-    try:
-        with orderly_termination() as report, journal.lock() if journal else nullcontext():
-            link = connect(report=report)
-            with others as more, session_display(localizer, plain, more) as (show, key):
-                shown.append(show)
-                _run(LiveSession(localizer, link, baseline, show, kept, key), sweeps)
-    finally:
-        if kept.summary:
-            say(kept.summary, err=True)
+    timeout: float = typed(TIMEOUT, default=2.0)
+    baud: int = typed(BAUD, default=9600)
+    accuracy: Path | None = typed(ACCURACY_TABLE, default=None)
+    reader: Path | None = typed(READER_FILE, default=None)
+    force: bool = typed("Accept unpressed sweeps of another skin.", "--anyway", default=False)
+    filtered: bool = typed("Combine successive sweeps, with any model.", "--filter", default=False)
+    touch_lasts: float = typed("Duration of a touch, s, with --filter.", within=SECONDS, default=2)
+    touch_every: float = typed(
+        "Time from a touch to the next, s, with --filter.", within=SECONDS, default=5
+    )
+    touch_speed: float = typed(
+        "Speed of a moving touch, mm/s, with --filter.", within=SPEED, default=20
+    )
+    adaptive: bool = typed(
+        "Choose each next reading until certain: model-based, -adapted.", default=False
+    )
+    certain: float | None = typed(
+        "Probability needed to answer (--filter) or to stop (--adaptive).",
+        within=SHARE,
+        default=None,
+    )
+    within: float = typed(
+        "Largest radius of a position's 95 % region, mm, with --adaptive.",
+        within=MILLIMETRES,
+        default=10.0,
+    )
+    page: bool = typed("Serve a page that shows the session.", default=False)
+    port: int | None = typed(
+        "TCP port of the page; default: any free one.", within=PORT, default=None
+    )
 
+    def run(self) -> None:
+        from ...localization.filtering.chain import TouchDynamics
+        from ...simulator.sweeps import InputError
+        from ..event_counter import EventCounter
+        from ..meter.restoring.termination import orderly_termination
+        from ..record.source_options import SourceOptions, source_setup
+        from ..record.sweep_checks import SweepLimits
+        from ..switch.switch_options import switch_from_options
+        from .displays.session_displays import other_displays, session_display
+        from .live_localizer import localizer_of
+        from .live_meter import LiveMeter
+        from .live_session import LiveSession
+        from .session_log import SessionLog
+        from .touch_answer import frequencies_of
 
-def _check_options(
-    sweeps: int | None,
-    log: Path | None,
-    port: int | None,
-    certain: float | None,
-    filtered: bool,
-    adaptive: bool,
-) -> None:
-    """Raises InputError for options that exclude each other. port: None with a page."""
-    from ...simulator.sweeps import InputError
-
-    if sweeps is not None and sweeps < 1:
-        raise InputError(f"`sweeps` must be at least 1, got {sweeps}")
-    if adaptive and log:
-        raise InputError(
-            "--log and --adaptive exclude each other: --adaptive measures parts of sweeps"
+        self._check_together()
+        journal = _session_journal(self.log) if self.log else None
+        touching = (
+            TouchDynamics(self.touch_lasts, self.touch_every, self.touch_speed)
+            if self.filtered
+            else None
         )
-    if certain is not None and not (filtered or adaptive):
-        raise InputError(
-            "--certain needs --filter or --adaptive; otherwise give it to `rcskin train`"
+        localizer = localizer_of(self.model, touching, self.adaptive, self.certain, self.within)
+        _check_interface(localizer.model, self.interface)
+        options = SourceOptions(self.resource, self.timeout, self.baud, self.accuracy, self.reader)
+        if options.is_reader and self.adaptive:
+            raise InputError(
+                "--adaptive chooses readings, and a reader of lines sends whole sweeps"
+            )
+        shown: list[SessionDisplay] = []
+        faults = EventCounter(lambda text: shown[0].note(text))
+        source = source_setup(
+            options,
+            frequencies_of(localizer.model),
+            follows=True,
+            report=faults,
+            kind=localizer.parts.setup.kind,
         )
-    if port is not None:
-        raise InputError("--port needs --page")
+        connect = partial(
+            LiveMeter,
+            localizer,
+            source.connect,
+            source.table,
+            SweepLimits(
+                drift=self.drift,
+                two_terminal=localizer.parts.skin.two_terminal and source.checks_laws,
+            ),
+            self.patience,
+            source.switch_or(
+                lambda: switch_from_options(
+                    self.switch, self.switch_with, self.settle, localizer.model.interfaces
+                ),
+                any((self.switch, self.switch_with, self.settle is not None)),
+            ),
+            journal=journal,
+            conditions=source.conditions,
+        )
+        baseline = _baseline(localizer, self.rest, self.rest_file, self.force)
+        kept = SessionLog(journal)
+        others = other_displays(localizer, self.port or 0 if self.page else None)
+        try:
+            with orderly_termination() as report, journal.lock() if journal else nullcontext():
+                link = connect(report=report)
+                with others as more, session_display(localizer, self.plain, more) as (show, key):
+                    shown.append(show)
+                    _run(LiveSession(localizer, link, baseline, show, kept, key), self.sweeps)
+        finally:
+            if kept.summary:
+                say(kept.summary, err=True)
+
+    def _check_together(self) -> None:
+        """Raises InputError for options that exclude each other."""
+        from ...simulator.sweeps import InputError
+
+        if self.adaptive and self.log:
+            raise InputError(
+                "--log and --adaptive exclude each other: --adaptive measures parts of sweeps"
+            )
+        if self.certain is not None and not (self.filtered or self.adaptive):
+            raise InputError(
+                "--certain needs --filter or --adaptive; otherwise give it to `rcskin train`"
+            )
+        if self.port is not None and not self.page:
+            raise InputError("--port needs --page")
 
 
 def _session_journal(log: Path) -> RecordingJournal:
@@ -211,7 +205,7 @@ def _run(session: LiveSession, answers: int | None) -> None:
 
 
 def _baseline(
-    localizer: LiveLocalizer, wanted: int, files: list[Path] | None, force: bool
+    localizer: LiveLocalizer, wanted: int, files: Sequence[Path] | None, force: bool
 ) -> LiveBaseline:
     from ...simulator.sweeps import InputError
     from .live_baseline import LiveBaseline

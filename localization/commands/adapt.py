@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
+from ...simulator.requests.request import Writing, argument, typed
 from ...simulator.safe_text import say
-from . import options
+from .options import ANYWAY, MAX_SWEEPS, MAX_SWEEPS_READ, REST
 
 EXTRA_FIGURES = ("calibration error", "median error, mm", "90 % error, mm")
 """Figures that are shown next to the rates."""
@@ -18,20 +18,7 @@ if TYPE_CHECKING:
     from ..adaptation.class_adaptation import Adaptation
 
 
-@options.with_option_names
-def adapt(
-    model: Annotated[Path, typer.Argument(help="MODEL.npz.")],
-    touches: Annotated[
-        list[Path],
-        typer.Argument(
-            help="Sweeps of a few touches of each class, or at known places: FILE.nc ..."
-        ),
-    ],
-    output: Annotated[Path, typer.Option("--output", "-o", help="BETTER.npz.")],
-    rest: options.Rest = None,
-    most: options.MaxSweeps = options.MAX_SWEEPS_READ,
-    anyway: options.Anyway = False,
-) -> None:
+class Adapt(Writing, example="adapt columns.npz run.nc -o better.npz"):
     """Adapt a model to your skin by a few touches whose places are known.
 
     A model that learned from sweeps is corrected by an offset for each class,
@@ -41,31 +28,42 @@ def adapt(
     sessions are held out in turn if there are several. The model that is
     written is fitted to all touches.
     """
-    from ...simulator.sweeps import InputError, checked_output
-    from ..adaptation.class_adaptation import adapt_classes
-    from ..adaptation.position_adaptation import adapt_positions
-    from ..inputs.baselines import read_first
-    from ..model.localizer_file import ENDING, save
-    from .model_notes import load_model_for
 
-    checked_output(output, (ENDING,))
-    known = read_first(touches, most)
-    baselines = None if rest is None else read_first(rest, most)
-    loaded = load_model_for(known, touches, model, any_skin=anyway)
-    samples = loaded.samples(known, baselines)
-    try:
-        if samples.problem.continuous:
-            counted = loaded.gate and loaded.gate.samples(known, baselines)
-            found = adapt_positions(loaded, samples, counted)
-        else:
-            found = adapt_classes(loaded, samples)
-    except InputError as error:
-        files = ", ".join(map(str, touches))
-        raise InputError(f"{files} for {model}: {error}") from error
-    save(output, found.model.with_fingerprints(known.isel(sweep=samples.rows)))
-    for line in _report_lines(found):
-        say(line)
-    say(f"model: adapted by {len(samples.X)} sweeps -> {output}")
+    model: Path = argument("MODEL.npz.")
+    touches: Sequence[Path] = argument(
+        "Sweeps of a few touches of each class, or at known places: FILE.nc ..."
+    )
+    output: Path = typed("BETTER.npz.", "--output", "-o")
+    rest: Sequence[Path] | None = typed(REST, default=None)
+    most: int = typed(MAX_SWEEPS, default=MAX_SWEEPS_READ)
+    anyway: bool = typed(ANYWAY, default=False)
+
+    def run(self) -> None:
+        from ...simulator.sweeps import InputError, checked_output
+        from ..adaptation.class_adaptation import adapt_classes
+        from ..adaptation.position_adaptation import adapt_positions
+        from ..inputs.baselines import read_first
+        from ..model.localizer_file import ENDING, save
+        from .model_notes import load_model_for
+
+        checked_output(self.output, (ENDING,))
+        known = read_first(self.touches, self.most)
+        baselines = None if self.rest is None else read_first(self.rest, self.most)
+        loaded = load_model_for(known, self.touches, self.model, any_skin=self.anyway)
+        samples = loaded.samples(known, baselines)
+        try:
+            if samples.problem.continuous:
+                counted = loaded.gate and loaded.gate.samples(known, baselines)
+                found = adapt_positions(loaded, samples, counted)
+            else:
+                found = adapt_classes(loaded, samples)
+        except InputError as error:
+            files = ", ".join(map(str, self.touches))
+            raise InputError(f"{files} for {self.model}: {error}") from error
+        save(self.output, found.model.with_fingerprints(known.isel(sweep=samples.rows)))
+        for line in _report_lines(found):
+            say(line)
+        say(f"model: adapted by {len(samples.X)} sweeps -> {self.output}")
 
 
 def _report_lines(found: Adaptation) -> list[str]:

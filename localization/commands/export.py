@@ -2,63 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated
 
-import typer
-
-from . import options
+from ...simulator.requests.request import Writing, argument, typed
 
 FORMATS = "netcdf, csv, parquet, mcap or lerobot"
 
 
-@options.with_option_names
-def export(
-    data: Annotated[
-        Path,
-        typer.Argument(
-            help="A data set, DATA.zarr, sweeps, .nc or .csv, or a trained model, MODEL.npz."
-        ),
-    ],
-    output: Annotated[
-        Path,
-        typer.Option(
-            "--output",
-            "-o",
-            help="OUT.nc, OUT.csv, OUT.parquet, OUT.mcap, or a folder; of a model OUT.onnx or "
-            "OUT.c.",
-        ),
-    ],
-    format_: Annotated[
-        str | None,
-        typer.Option(
-            "--format",
-            help=f"{FORMATS}; default: by the ending of OUT.",
-            autocompletion=lambda: FORMATS.replace(" or ", ", ").split(", "),
-        ),
-    ] = None,
-    single: Annotated[
-        bool,
-        typer.Option(
-            "--single", help="Model: compute in single precision, for accelerators without double."
-        ),
-    ] = False,
-    unguarded: Annotated[
-        bool,
-        typer.Option(
-            "--unguarded",
-            help="Model: leave out the guards, which answer 'cannot tell' to sweeps unlike the "
-            "training.",
-        ),
-    ] = False,
-    compare: Annotated[
-        list[Path] | None,
-        typer.Option(
-            help="Model: sweeps on which the graph is compared with the model; default: simulated."
-        ),
-    ] = None,
-) -> None:
+class Export(Writing, example="export skins.zarr -o skins.csv"):
     """Write a data set, sweeps or a trained model in a format of other programs.
 
     NetCDF keeps everything. CSV is the long form of sweeps, a line for each
@@ -73,16 +25,54 @@ def export(
     OUT.h, for a microcontroller. Models that invert the simulator cannot be
     exported.
     """
-    from .export_model import export_model
 
-    of_sweeps = {"--format": format_}
-    of_models = {"--single": single, "--unguarded": unguarded, "--compare": compare}
-    if data.suffix == ".npz":
-        _refuse_options(data, of_sweeps, "sweeps, and this is a model")
-        export_model(data, output, single=single, guarded=not unguarded, compare=compare)
-    else:
-        _refuse_options(data, of_models, "a model, MODEL.npz, and these are sweeps")
-        _export_sweeps(data, output, format_)
+    data: Path = argument(
+        "A data set, DATA.zarr, sweeps, .nc or .csv, or a trained model, MODEL.npz."
+    )
+    output: Path = typed(
+        "OUT.nc, OUT.csv, OUT.parquet, OUT.mcap, or a folder; of a model OUT.onnx or OUT.c.",
+        "--output",
+        "-o",
+    )
+    format_: str | None = typed(
+        f"{FORMATS}; default: by the ending of OUT.",
+        "--format",
+        complete=lambda: FORMATS.replace(" or ", ", ").split(", "),
+        default=None,
+    )
+    single: bool = typed(
+        "Model: compute in single precision, for accelerators without double.", default=False
+    )
+    unguarded: bool = typed(
+        "Model: leave out the guards, which answer 'cannot tell' to sweeps unlike the training.",
+        default=False,
+    )
+    compare: Sequence[Path] | None = typed(
+        "Model: sweeps on which the graph is compared with the model; default: simulated.",
+        default=None,
+    )
+
+    def run(self) -> None:
+        from .export_model import export_model
+
+        of_sweeps = {"--format": self.format_}
+        of_models = {
+            "--single": self.single,
+            "--unguarded": self.unguarded,
+            "--compare": self.compare,
+        }
+        if self.data.suffix == ".npz":
+            _refuse_options(self.data, of_sweeps, "sweeps, and this is a model")
+            export_model(
+                self.data,
+                self.output,
+                single=self.single,
+                guarded=not self.unguarded,
+                compare=self.compare,
+            )
+        else:
+            _refuse_options(self.data, of_models, "a model, MODEL.npz, and these are sweeps")
+            _export_sweeps(self.data, self.output, self.format_)
 
 
 def _refuse_options(data: Path, given: Mapping[str, object], purpose: str) -> None:

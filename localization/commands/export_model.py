@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def export_model(
-    path: Path, output: Path, *, single: bool, guarded: bool, compare: list[Path] | None
+    path: Path, output: Path, *, single: bool, guarded: bool, compare: Sequence[Path] | None
 ) -> None:
     """Write the model in the file at `path` as an ONNX graph or as C code.
 
@@ -67,7 +68,7 @@ def _write_code(model: Model, parts: PortableModel, source: Path, header: Path) 
 
 
 def _write_graph(
-    model: Model, parts: PortableModel, output: Path, single: bool, compare: list[Path] | None
+    model: Model, parts: PortableModel, output: Path, single: bool, compare: Sequence[Path] | None
 ) -> tuple[str, str]:
     """Write an ONNX graph. Returns texts on its size, and on its inputs and the comparison."""
     from ...simulator.sweeps import whole_file
@@ -88,7 +89,7 @@ def _compared(
     model: Model,
     parts: PortableModel,
     output: Path,
-    files: list[Path] | None,
+    files: Sequence[Path] | None,
     single: bool,
 ) -> str:
     """Text on the comparison of a graph with its model."""

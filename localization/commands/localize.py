@@ -4,37 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
+from ...simulator.requests.argument_types import sweeps_of, typed_paths
+from ...simulator.requests.number_ranges import SECONDS, SPEED
+from ...simulator.requests.request import Writing, argument, function, option, typed
 from ...simulator.safe_text import say
-from . import options
+from .model_notes import model_of
+from .options import (
+    ANYWAY,
+    MAX_SWEEPS,
+    MAX_SWEEPS_READ,
+    MODEL,
+    REST,
+    SWEEPS,
+    TOUCH_EVERY,
+    TOUCH_LASTS,
+    TOUCH_SPEED,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ...simulator.requests.argument_types import Sweeps
     from ..model.localizer_model import Model
+    from ..trust.answers import Answers
 
 
-@options.with_option_names
-def localize(
-    model: Annotated[Path, typer.Argument(help="MODEL.npz.")],
-    sweeps: Annotated[list[Path], typer.Argument(help=options.SWEEPS)],
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="OUT.csv, instead of the terminal.")
-    ] = None,
-    rest: options.Rest = None,
-    most: options.MaxSweeps = options.MAX_SWEEPS_READ,
-    anyway: options.Anyway = False,
-    filtered: options.Filtered = False,
-    touch_lasts: options.TouchLasts = options.TOUCH_LASTS,
-    touch_every: options.TouchEvery = options.TOUCH_EVERY,
-    touch_speed: options.TouchSpeed = options.TOUCH_SPEED,
-    pace: Annotated[
-        float, typer.Option(help="Seconds from sweep to sweep, if the file has no times.")
-    ] = 0.4,
-) -> None:
+class Localize(Writing, example="localize columns.npz all.nc"):
     """Localize the press of each sweep, with its probability.
 
     The table has a line for each sweep: the answer or 'cannot tell', and the
@@ -44,32 +41,70 @@ def localize(
     answer resembles: 'cannot tell: like a dead foil'.
     --filter works with any model.
     """
-    from ...simulator.report.files import write_rows
-    from ...simulator.sweeps import checked_output
-    from ...simulator.sweeps.csv_cells import guarded
-    from ..inputs.baselines import read_first
-    from ..trust.answers import CANNOT_TELL
-    from .model_notes import load_model_for, note_known_sweeps
 
-    if output is not None:
-        checked_output(output, (".csv",))
-    baselines = None if rest is None else read_first(rest, most)
-    loaded = read_first(sweeps, most)
-    localizer = load_model_for(loaded, sweeps, model, any_skin=anyway)
-    if filtered:
-        touching = touch_lasts, touch_every, touch_speed
-        header, rows = _filtered_answers(localizer, loaded, baselines, touching, pace)
-    else:
-        header, rows = _table(localizer, loaded, baselines)
-    _note_unguarded(localizer, loaded, baselines)
-    note_known_sweeps(localizer, loaded, model)
-    if output is not None:
-        write_rows(output, header, rows)
-        silent = sum(row[2].startswith(CANNOT_TELL) for row in rows)
-        say(f"answers: {len(rows)} sweeps, {silent} without an answer -> {output}")
-        return
-    for row in (header, *rows):
-        say(",".join(f'"{cell}"' if "," in cell else cell for cell in map(guarded, row)))
+    model: Model | str | Path = argument(MODEL)
+    sweeps: Sweeps = argument(SWEEPS)
+    output: Path | None = typed("OUT.csv, instead of the terminal.", "--output", "-o", default=None)
+    rest: Sweeps | None = option(REST, default=None, kw_only=False)
+    most: int = typed(MAX_SWEEPS, default=MAX_SWEEPS_READ)
+    anyway: bool = typed(ANYWAY, default=False)
+    filtered: bool = typed(
+        "Combine sweeps over time: a touch comes, moves and goes.", "--filter", default=False
+    )
+    touch_lasts: float = typed(
+        "Mean duration of a touch in seconds, with --filter.", within=SECONDS, default=TOUCH_LASTS
+    )
+    touch_every: float = typed(
+        "Mean seconds from a touch to the next, with --filter.", within=SECONDS, default=TOUCH_EVERY
+    )
+    touch_speed: float = typed(
+        "Speed of a touch in mm/s, with --filter.", within=SPEED, default=TOUCH_SPEED
+    )
+    pace: float = typed(
+        "Seconds from sweep to sweep, if the file has no times.", within=SECONDS, default=0.4
+    )
+
+    def run(self) -> None:
+        from ...simulator.report.files import write_rows
+        from ...simulator.sweeps import checked_output
+        from ...simulator.sweeps.csv_cells import guarded
+        from ..inputs.baselines import read_first
+        from ..trust.answers import CANNOT_TELL
+        from .model_notes import load_model_for, note_known_sweeps
+
+        if self.output is not None:
+            checked_output(self.output, (".csv",))
+        (path,), files = typed_paths(self.model), typed_paths(self.sweeps)
+        baselines = None if self.rest is None else read_first(typed_paths(self.rest), self.most)
+        loaded = read_first(files, self.most)
+        localizer = load_model_for(loaded, files, path, any_skin=self.anyway)
+        if self.filtered:
+            touching = self.touch_lasts, self.touch_every, self.touch_speed
+            header, rows = _filtered_answers(localizer, loaded, baselines, touching, self.pace)
+        else:
+            header, rows = _table(localizer, loaded, baselines)
+        _note_unguarded(localizer, loaded, baselines)
+        note_known_sweeps(localizer, loaded, path)
+        if self.output is not None:
+            write_rows(self.output, header, rows)
+            silent = sum(row[2].startswith(CANNOT_TELL) for row in rows)
+            say(f"answers: {len(rows)} sweeps, {silent} without an answer -> {self.output}")
+            return
+        for row in (header, *rows):
+            say(",".join(f'"{cell}"' if "," in cell else cell for cell in map(guarded, row)))
+
+    def result(self) -> Answers:
+        """Localize the press of each sweep: class or "cannot tell", and its probability.
+
+        A sweep with a reading that is no finite number gets "cannot tell".
+
+        Raises InputError for sweeps unlike those of the training.
+        """
+        baselines = None if self.rest is None else sweeps_of(self.rest, "rest")
+        return model_of(self.model).answers(sweeps_of(self.sweeps), baselines)
+
+
+localize = function(Localize)
 
 
 def _note_unguarded(model: Model, sweeps: xr.Dataset, rest: xr.Dataset | None) -> None:
@@ -96,13 +131,10 @@ def _filtered_answers(
     pace: float,
 ) -> tuple[list[str], list[list[str]]]:
     """Header and rows with --filter: each answer uses its sweep and all previous ones."""
-    from ...simulator.sweeps import InputError
     from ..filtering.chain import TouchDynamics
     from ..filtering.follower import Follower
     from ..inputs.targets import COORDINATES
 
-    if not pace > 0:
-        raise InputError(f"`pace` must be above 0 s, got {pace:g}")
     answers = Follower(model, TouchDynamics(*touching)).follow_all(sweeps, rest, pace)
     header = ["sweep", "press", "answer", "probability", "changed"]
     if model.target == "position":

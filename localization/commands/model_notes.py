@@ -15,6 +15,17 @@ if TYPE_CHECKING:
     from ..model.localizer_model import Model
 
 
+def model_of(given: Model | str | Path) -> Model:
+    """The model itself, or the one in the file. Raises InputError if it is neither."""
+    from ...simulator.requests.argument_types import refuse
+    from ..model.localizer_file import load
+    from ..model.localizer_model import Model
+
+    if isinstance(given, str | Path):
+        return load(given)
+    return given if isinstance(given, Model) else refuse("model", "a Model or a path", given)
+
+
 def load_model_for(
     sweeps: xr.Dataset,
     files: Sequence[Path],
@@ -59,7 +70,7 @@ def accuracy_meaning(problem: LocalizationProblem, scored: str, sweeps: xr.Datas
     return accuracy_text(problem.target, features, scored, noisy=noisy)
 
 
-def note_features(requested: str | None, used: Sequence[str]) -> None:
+def note_features(requested: str | Sequence[str] | None, used: Sequence[str]) -> None:
     """Print a note if the features are a default other than changes from the unpressed skin."""
     from ..inputs.features import RELATIVE, names_beside
 

@@ -2,32 +2,37 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
+from ...simulator.requests.argument_types import sweeps_of, typed_paths
+from ...simulator.requests.request import Writing, argument, function, option, typed
 from ...simulator.safe_text import say
-from . import options
+from .options import (
+    CERTAIN,
+    ESTIMATOR,
+    INTERFACES,
+    MAX_SWEEPS,
+    MAX_SWEEPS_READ,
+    QUANTITIES,
+    REST,
+    SWEEPS,
+    TARGET,
+    TUNE,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from ...simulator.progress import ProgressCallback
+    from ...simulator.requests.argument_types import Sweeps
+    from ..inputs.targets import Target
+    from ..inversion.estimators import EstimatorName
     from ..model.localizer_model import Model
 
 
-@options.with_option_names
-def train(
-    sweeps: Annotated[list[Path], typer.Argument(help=options.SWEEPS)],
-    output: Annotated[Path, typer.Option("--output", "-o", help="MODEL.npz.")],
-    target: options.Target = "column",
-    name: options.Name = None,
-    quantities: options.Quantities = None,
-    interface: options.Interfaces = None,
-    certain: options.Certain = None,
-    tune: options.Tune = False,
-    most: options.MaxSweeps = options.MAX_SWEEPS_READ,
-) -> None:
+class Train(Writing, example="train skins.zarr -o columns.npz"):
     """Train a localizer on sweeps whose presses are known.
 
     Probabilities, or standard deviations of positions, are calibrated on
@@ -35,31 +40,66 @@ def train(
     unlike the training is 'cannot tell'. "Nothing pressed" is a possible
     answer only if the training has sweeps of the unpressed skin.
     """
-    from ...simulator.progress import on_terminal
-    from ...simulator.sweeps import checked_output
-    from ..inputs.baselines import read_first
-    from ..model.localizer_file import ENDING, save
-    from ..model.training import train as train_model
-    from .model_notes import note_features
 
-    checked_output(output, (ENDING,))
-    known = read_first(sweeps, most, lazy=True)
-    with on_terminal() as progress:
-        model = train_model(
-            known,
-            target,
-            name,
-            quantities=quantities,
-            interfaces=interface,
-            certain=certain,
-            tune=tune,
+    sweeps: Sweeps = argument(SWEEPS)
+    output: Path = typed("MODEL.npz.", "--output", "-o")
+    target: Target = option(TARGET, default="column", kw_only=False)
+    estimator: EstimatorName | None = option(ESTIMATOR, default=None, kw_only=False)
+    quantities: str | Sequence[str] | None = option(QUANTITIES, default=None)
+    interfaces: Sequence[str] | None = option(INTERFACES, default=None)
+    rest: Sweeps | None = option(REST, default=None)
+    certain: float | None = option(CERTAIN, default=None)
+    tune: bool = option(TUNE, default=False)
+    most: int = typed(MAX_SWEEPS, default=MAX_SWEEPS_READ)
+
+    def run(self) -> None:
+        from ...simulator.progress import on_terminal
+        from ...simulator.sweeps import checked_output
+        from ..inputs.baselines import read_first
+        from ..model.localizer_file import ENDING, save
+        from .model_notes import note_features
+
+        checked_output(self.output, (ENDING,))
+        known = read_first(typed_paths(self.sweeps), self.most, lazy=True)
+        rest = None if self.rest is None else read_first(typed_paths(self.rest), self.most)
+        with on_terminal() as progress:
+            model = self._model(known, rest, progress)
+        save(self.output, model)
+        note_features(self.quantities, model.quantities)
+        for line in [*_model_lines(model), *_meaning(model, known), *_hints(model, known)]:
+            say(f"{self.output}: {line}")
+        say(f"model: {_size(model)} -> {self.output}")
+
+    def result(self) -> Model:
+        """Train a model that predicts the `target` of sweeps like these.
+
+        Raises InputError for a value that does not fit the sweeps, and if all sweeps are of one
+        class.
+        """
+        from ...simulator.progress import silent
+
+        rest = None if self.rest is None else sweeps_of(self.rest, "rest")
+        return self._model(sweeps_of(self.sweeps), rest, silent)
+
+    def _model(
+        self, sweeps: xr.Dataset, rest: xr.Dataset | None, progress: ProgressCallback
+    ) -> Model:
+        from ..model.training import train as trained
+
+        return trained(
+            sweeps,
+            self.target,
+            self.estimator,
+            quantities=self.quantities,
+            interfaces=self.interfaces,
+            rest=rest,
+            certain=self.certain,
+            tune=self.tune,
             progress=progress,
         )
-    save(output, model)
-    note_features(quantities, model.quantities)
-    for line in [*_model_lines(model), *_meaning(model, known), *_hints(model, known)]:
-        say(f"{output}: {line}")
-    say(f"model: {_size(model)} -> {output}")
+
+
+train = function(Train)
 
 
 def _model_lines(model: Model) -> list[str]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...simulator.arrays import Real
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.errors import named
 from ..inputs.features import names_beside
 from ..inputs.samples import LocalizationProblem
 from ..learners.registry import learners
@@ -77,7 +78,7 @@ def portable(model: Model, *, guarded: bool = True) -> PortableModel:
         able = ", ".join(learners())
         raise InputError(
             f"{model.source}: a model of {model.estimator} computes with the simulator and cannot "
-            f"be exported; models of {able} can: train one with --estimator"
+            f"be exported; models of {able} can: train one with {named('estimator')}"
         )
     guards = learned.guards if guarded else None
     changes = None if guards is None else guards.changes

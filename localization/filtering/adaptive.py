@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...simulator.arrays import Complex, Real
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.errors import named
 from ...simulator.sweeps.schema import taken_of
 from ..inputs.baselines import mean_baselines
 from ..inputs.features import at_interfaces
@@ -215,7 +216,7 @@ class AdaptivePolicy:
                 f"{model.estimator} of {model.target}"
             )
         if certain is not None and not 0 < certain < 1:
-            raise InputError(f"`certain` must be between 0 and 1, got {certain:g}")
+            raise InputError(f"{named('certain')} must be between 0 and 1, got {certain:g}")
         if not 0 < within < np.inf:
             raise InputError(f"`within` must be above 0 mm, got {within:g}")
         self.model, self.certain = model, certain or CERTAIN

@@ -15,6 +15,7 @@ from ...simulator.arrays import Integer, Mask
 from ...simulator.measure.simulate import ReadingError, reading_error
 from ...simulator.scene.scene_files import scene_of_sweeps
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.errors import named
 from ..inversion.estimators import chosen
 from ..learners.registry import Estimator
 from .distance import ReadingDeviation, meter_error
@@ -126,7 +127,8 @@ def _splits(
     found = {k: touch_splits(pixel, kept, k, options.draws, options.seed) for k in TOUCHES}
     if found[0] is None:
         raise InputError(
-            "no sweep is left to test: record more sweeps, or set `calibration_touches` below "
+            f"no sweep is left to test: record more sweeps, or set "
+            f"{named('calibration_touches')} below "
             f"{options.calibration_touches}"
         )
     splits = {
@@ -175,6 +177,6 @@ def _check_learnable(samples: PairedSamples, estimator: Estimator) -> None:
     count, target = np.unique(samples.y).size, samples.problem.target
     if count < 2:
         raise InputError(
-            f"`target` {target}: the simulated sweeps must have 2 classes, got {count}"
+            f"{named('target')} {target}: the simulated sweeps must have 2 classes, got {count}"
         )
     estimator.check(samples.problem)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...simulator.arrays import Integer, Mask, Real
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.errors import named
 from ..adaptation.class_adaptation import checked_classifier, fine_tuned
 from ..evaluation.confusion import Confusion, compare, over_folds, together
 from ..evaluation.evaluation import ClassScore, score, unchecked
@@ -44,7 +45,7 @@ def reserved_for_calibration(row: Integer, column: Integer, touches: int, sessio
     InputError if `touches` is below 0.
     """
     if touches < 0:
-        raise InputError(f"`calibration_touches` must be >= 0, got {touches}")
+        raise InputError(f"{named('calibration_touches')} must be >= 0, got {touches}")
     reserved = np.zeros(row.size, dtype=bool)
     for each in np.unique(session):
         rest = np.flatnonzero((row == 0) & (session == each))

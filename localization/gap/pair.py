@@ -12,6 +12,7 @@ from ...simulator.measure.simulate import resimulated
 from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import scene_of_sweeps, scene_text
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.errors import named
 from ...simulator.sweeps.reading_quantities import kind_of
 from ...simulator.sweeps.reading_subset import read_mask, restricted, with_named_interface
 from ...simulator.sweeps.same_skin import check_same_skin, same_frequencies
@@ -244,7 +245,8 @@ def _at_frequencies_of(
     if scene is None:
         raise InputError(
             f"the simulated sweeps have {f.size} frequencies of {f[0]:.6g} to {f[-1]:.6g} Hz, the "
-            f"others {g.size} of {g[0]:.6g} to {g[-1]:.6g} Hz; give --scene to simulate them again"
+            f"others {g.size} of {g[0]:.6g} to {g[-1]:.6g} Hz; give {named('scene')} to simulate "
+            "them again"
         )
     notes.append("The presses were simulated again at the other side's frequencies.")
     anew = resimulated(simulated, scene.parts, g)

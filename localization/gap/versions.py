@@ -9,6 +9,7 @@ import numpy as np
 
 from ...simulator.measure.simulate import read_by_meter, resimulated
 from ...simulator.sweeps import InputError, ToleranceError
+from ...simulator.sweeps.errors import named
 from .pair import SweepPair, pixel_of
 
 if TYPE_CHECKING:
@@ -82,7 +83,7 @@ def _before(pair: SweepPair, seed: int) -> tuple[Version, list[str]]:
 def _why_not_calibrated(pair: SweepPair, reserved: Mask) -> str:
     """Reason why there is no calibration, empty if there is one."""
     if pair.scene is None:
-        return "No calibration and no causes: the scene is unknown; give it with --scene."
+        return f"No calibration and no causes: the scene is unknown; give it with {named('scene')}."
     return "" if reserved.any() else "No calibration: no sweeps are left for it."
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.errors import named
 from ...simulator.sweeps.reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, ReadingKind, kind_of
 from ...simulator.sweeps.schema import complex_readings, taken_of
 from .baselines import check_baselines, finite_sweeps, has_baseline_before, log_baselines
@@ -263,7 +264,9 @@ def at_interfaces(sweeps: xr.Dataset, interfaces: Sequence[str] | None) -> xr.Da
         if name not in there:
             raise InputError(f"the sweeps have no interface {name!r}, only {', '.join(there)}")
     if not interfaces or len(set(interfaces)) < len(interfaces):
-        raise InputError(f"`interfaces` must name each once, at least one, got {list(interfaces)}")
+        raise InputError(
+            f"{named('interfaces')} must name each once, at least one, got {list(interfaces)}"
+        )
     return sweeps.isel(interface=[there.index(name) for name in interfaces])
 
 
@@ -273,9 +276,13 @@ def checked_quantities(quantities: Quantities) -> tuple[str, ...]:
         quantities = [name.strip() for name in quantities.split(",")]
     for name in quantities:
         if name not in QUANTITIES:
-            raise InputError(f"`quantities` must be of {', '.join(QUANTITIES)}, got {name!r}")
+            raise InputError(
+                f"{named('quantities')} must be of {', '.join(QUANTITIES)}, got {name!r}"
+            )
     if not quantities or len(set(quantities)) < len(quantities):
-        raise InputError(f"`quantities` must name each once, at least one, got {list(quantities)}")
+        raise InputError(
+            f"{named('quantities')} must name each once, at least one, got {list(quantities)}"
+        )
     return tuple(quantities)
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...simulator.measure.sweep_touches import counts_of
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.errors import named
 from ...simulator.sweeps.reading_quantities import kind_of
 from ..parts.plain import Plain
 from .baselines import check_baselines, finite_sweeps
@@ -254,13 +255,15 @@ def samples_of(
     """
     fitting = has_target(sweeps, target)
     if not fitting.any():
-        raise InputError(f"no sweep has a press with a `target` {target}")
+        raise InputError(f"no sweep has a press with a {named('target')} {target}")
     names = chosen_quantities(quantities, sweeps, rest)
     X, rows = available_features(sweeps, names, interfaces=interfaces, rest=rest)
     usable = rows[fitting[rows]]
     if not usable.size:
         check_baselines(sweeps, rows)
-        raise InputError(f"no sweep with a `target` {target} has a baseline sweep before it")
+        raise InputError(
+            f"no sweep with a {named('target')} {target} has a baseline sweep before it"
+        )
     some, used = sweeps.isel(sweep=usable), at_interfaces(sweeps, interfaces)
     problem = LocalizationProblem(
         target=target,  # pyright: ignore[reportArgumentType]

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...simulator.measure.sweep_touches import MAX_TOUCHES, counts_of, pressed_pixels, touches_of
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.errors import named
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,7 +40,7 @@ def labels(sweeps: xr.Dataset, target: str = "column") -> Integer | NDArray[np.s
     Raises InputError for another target, or a sweep whose press has no such label.
     """
     if target not in CLASSES:
-        raise InputError(f"`target` must be one of {', '.join(CLASSES)}, got {target!r}")
+        raise InputError(f"{named('target')} must be one of {', '.join(CLASSES)}, got {target!r}")
     if target == "touches":
         return counts_of(sweeps)
     if target == "pair":
@@ -74,7 +75,7 @@ def has_target(sweeps: xr.Dataset, target: str) -> Mask:
     Raises InputError for a target that is not one of TARGETS, or a press with invalid syntax.
     """
     if target not in TARGETS:
-        raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")
+        raise InputError(f"{named('target')} must be one of {', '.join(TARGETS)}, got {target!r}")
     if target in PIXELS:
         return (sweeps["row"].values >= 0) & (sweeps["column"].values >= 0)
     if target == "pair":

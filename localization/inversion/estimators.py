@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...simulator.arrays import Real
 from ...simulator.scene.scene_files import carried_scene
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.errors import named
 from ..inputs.baselines import MIN_BASELINES
 from ..inputs.features import NAMES, OF_IMPEDANCE, FeatureNames, names_beside
 from ..inputs.samples import LocalizationProblem
@@ -59,15 +60,16 @@ def chosen(name: str | None, target: str) -> Estimator:
     Raises InputError for an unknown target, an unknown name, or one that cannot predict the target.
     """
     if target not in TARGETS:
-        raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")
+        raise InputError(f"{named('target')} must be one of {', '.join(TARGETS)}, got {target!r}")
     known = estimators()
     able = [each.name for each in known.values() if target in each.targets]
     name = name or DEFAULT_ESTIMATORS[target]
     if name in REMOVED:
-        raise InputError(f"`estimator` {removal_message(name)}")
+        raise InputError(f"{named('estimator')} {removal_message(name)}")
     if name not in able:
         raise InputError(
-            f"`estimator` must be one of {', '.join(able)} for `target` {target}, got {name!r}"
+            f"{named('estimator')} must be one of {', '.join(able)} for {named('target')} "
+            f"{target}, got {name!r}"
         )
     return known[name]
 
@@ -110,7 +112,7 @@ def _check_features(problem: LocalizationProblem, name: str, names: FeatureNames
     takes = (*names.relative, *(names.baseline if name == MODEL_ADAPTED else ()))
     if problem.quantities != takes:
         raise InputError(
-            f"`estimator` {name} takes the features {','.join(takes)}, "
+            f"{named('estimator')} {name} takes the features {','.join(takes)}, "
             f"got {','.join(problem.quantities)}"
         )
 
@@ -121,12 +123,12 @@ def _check(problem: LocalizationProblem, name: str) -> None:
         _check_features(problem, name, names)
     scene = carried_scene(problem.scene)
     if scene is None:
-        raise InputError(f"`estimator` {name} needs the scene, which the sweeps lack")
+        raise InputError(f"{named('estimator')} {name} needs the scene, which the sweeps lack")
     _check_features(problem, name, NAMES[scene.parts.setup.kind.name])
     known = tuple(each.name for each in scene.interfaces)
     if problem.interfaces != known:
         raise InputError(
-            f"`estimator` {name} takes all interfaces of the scene, {', '.join(known)}, "
+            f"{named('estimator')} {name} takes all interfaces of the scene, {', '.join(known)}, "
             f"got {', '.join(problem.interfaces)}"
         )
     every = problem.frequencies
@@ -137,6 +139,7 @@ def _check(problem: LocalizationProblem, name: str) -> None:
     whole = np.ones((len(known), len(problem.frequencies)), dtype=bool)
     if not np.array_equal(taken, problem.taken or whole):
         raise InputError(
-            f"`estimator` {name} takes each interface at its `frequencies` of the scene, and the "
+            f"{named('estimator')} {name} takes each interface at its `frequencies` of the "
+            "scene, and the "
             "sweeps have others"
         )

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...simulator.arrays import Real
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.errors import named
 from ..inputs.features import ABSOLUTE, BASELINE, READ, RELATIVE
 from ..inputs.samples import LocalizationProblem
 from ..parts.parts import Components, Decoding, KernelSum, PairwiseSVMs, Scaling
@@ -79,7 +80,8 @@ def curve_and_absolute(
     blocks = problem.blocks
     if all(name in BASELINE for name in problem.quantities):
         raise InputError(
-            f"`estimator` gaussian needs features of a press, got {','.join(problem.quantities)}"
+            f"{named('estimator')} gaussian needs features of a press, got "
+            f"{','.join(problem.quantities)}"
         )
     curve, absolute = (
         np.array([k for name in names for k in blocks[name]], dtype=np.intp)

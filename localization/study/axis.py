@@ -18,6 +18,7 @@ from ...simulator.scene.scene import BOTH, Scene
 from ...simulator.scene.scene_files import BUILTIN, builtin_names, load_scene
 from ...simulator.scene.validation import one_line, unit_of
 from ...simulator.sweeps import InputError, inputs
+from ...simulator.sweeps.errors import named
 from ...simulator.sweeps.units import quantity
 
 KeyPath = tuple[str | int, ...]
@@ -176,14 +177,16 @@ def _is_geometric(values: Sequence[float]) -> bool:
 def parse_axes(texts: Sequence[str], table: Mapping[str, Any]) -> list[Axis]:
     """One or two axes of a scene's table, each written in SYNTAX; raises InputError."""
     if not 1 <= len(texts) <= 2:
-        raise InputError(f"--vary must be given once or twice, got {len(texts)} times")
+        raise InputError(f"{named('vary')} must be given once or twice, got {len(texts)} times")
     axes = [parse_axis(text, table) for text in texts]
     for place in axes[0].key.places:
         if any(place in other.key.places for other in axes[1:]):
-            raise InputError(f"--vary: {texts[0]} and {texts[1]} set the same number of the scene")
+            raise InputError(
+                f"{named('vary')}: {texts[0]} and {texts[1]} set the same number of the scene"
+            )
     points = math.prod(len(axis.values) for axis in axes)
     if points > MAX_POINTS:
-        raise InputError(f"--vary must make at most {MAX_POINTS} points, got {points}")
+        raise InputError(f"{named('vary')} must make at most {MAX_POINTS} points, got {points}")
     return axes
 
 
@@ -191,23 +194,29 @@ def parse_axis(text: str, table: Mapping[str, Any]) -> Axis:
     """The axis written in SYNTAX; raises InputError that names the key and what is allowed."""
     name, equals, written = (part.strip() for part in text.partition("="))
     if not (name and equals and written):
-        raise InputError(f"--vary {text!r}: must be {SYNTAX}")
+        raise InputError(f"{named('vary')} {text!r}: must be {SYNTAX}")
     key = find_key(name, table)
     parts = written.split(":")
     if len(parts) == 1:
         return Axis(key, _distinct(text, [_number(text, key, part) for part in written.split(",")]))
     first, last = (_number(text, key, part) for part in parts[:2])
     if not first < last:
-        raise InputError(f"--vary {text!r}: START must be < STOP, got {first:g} and {last:g}")
+        raise InputError(
+            f"{named('vary')} {text!r}: START must be < STOP, got {first:g} and {last:g}"
+        )
     return _whole_range(text, key, parts) if key.whole else _real_range(text, key, parts)
 
 
 def _whole_range(text: str, key: Key, parts: Sequence[str]) -> Axis:
     if len(parts) != 2:
-        raise InputError(f"--vary {text!r}: {key.name} is a whole number: {key.name}=START:STOP")
+        raise InputError(
+            f"{named('vary')} {text!r}: {key.name} is a whole number: {key.name}=START:STOP"
+        )
     first, last = (int(_number(text, key, part)) for part in parts)
     if last - first >= MAX_VALUES:
-        raise InputError(f"--vary {text!r}: at most {MAX_VALUES} values, got {last - first + 1}")
+        raise InputError(
+            f"{named('vary')} {text!r}: at most {MAX_VALUES} values, got {last - first + 1}"
+        )
     return Axis(key, tuple(range(first, last + 1)))
 
 
@@ -215,16 +224,19 @@ def _real_range(text: str, key: Key, parts: Sequence[str]) -> Axis:
     spacing = parts[3].strip() if len(parts) == 4 else "log"
     if len(parts) not in (3, 4) or spacing not in ("log", "linear"):
         raise InputError(
-            f"--vary {text!r}: {key.name} is a real number: {key.name}=START:STOP:POINTS[:log|"
+            f"{named('vary')} {text!r}: {key.name} is a real number: "
+            f"{key.name}=START:STOP:POINTS[:log|"
             "linear]"
         )
     first, last = (_number(text, key, part) for part in parts[:2])
     if not (parts[2].strip().isdecimal() and 2 <= int(parts[2]) <= MAX_VALUES):
         raise InputError(
-            f"--vary {text!r}: POINTS must be from 2 to {MAX_VALUES}, got {parts[2]!r}"
+            f"{named('vary')} {text!r}: POINTS must be from 2 to {MAX_VALUES}, got {parts[2]!r}"
         )
     if spacing == "log" and first <= 0:
-        raise InputError(f"--vary {text!r}: START must be > 0 for log spacing, got {first:g}")
+        raise InputError(
+            f"{named('vary')} {text!r}: START must be > 0 for log spacing, got {first:g}"
+        )
     space = np.geomspace if spacing == "log" else np.linspace
     return Axis(key, tuple(space(first, last, int(parts[2])).tolist()), spacing == "log")
 
@@ -236,11 +248,13 @@ def _number(text: str, key: Key, written: str) -> float:
         value = math.nan
     if not math.isfinite(value):
         allowed = "whole numbers" if key.whole else "finite numbers"
-        raise InputError(f"--vary {text!r}: {key.name} takes {allowed}, got {written.strip()!r}")
+        raise InputError(
+            f"{named('vary')} {text!r}: {key.name} takes {allowed}, got {written.strip()!r}"
+        )
     return value
 
 
 def _distinct(text: str, values: list[float]) -> tuple[float, ...]:
     if len(set(values)) < len(values):
-        raise InputError(f"--vary {text!r}: a value is given twice")
+        raise InputError(f"{named('vary')} {text!r}: a value is given twice")
     return tuple(sorted(values))

@@ -18,6 +18,7 @@ from ...simulator.models.validity import warnings
 from ...simulator.processes import map_in_order, worker_pool
 from ...simulator.progress import ProgressCallback
 from ...simulator.scene.parts import SceneParts
+from ...simulator.sweeps.errors import named
 from .axis import Axis, with_values
 from .point import (
     MAX_RTOL,
@@ -97,7 +98,7 @@ def study(
     rtol = fitting_rtol(points) if rtol is None else rtol
     progress("accuracy", 0, len(points))
     with worker_pool(
-        workers, NEEDED, "too little memory may be the cause; fewer --workers"
+        workers, NEEDED, f"too little memory may be the cause; fewer {named('workers')}"
     ) as pool:
         findings = _scored(points, trial, rtol, progress, pool, workers)
     attributes = {

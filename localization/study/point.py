@@ -26,6 +26,7 @@ from ...simulator.press.press import Press, every_press, pressed_factor
 from ...simulator.scene.parts import Meter, Plan, Pressing, SceneParts, Skin
 from ...simulator.scene.randomisation import DrawnPress
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.errors import named
 from ..evaluation.evaluation import held_out_accuracies
 from .separation import (
     TARGETS,
@@ -68,20 +69,24 @@ class EvaluationSettings:
     def check(self, parts: SceneParts) -> None:
         """Raise InputError if a scene's presses cannot be drawn or scored."""
         if self.target not in TARGETS:
-            raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {self.target!r}")
+            raise InputError(
+                f"{named('target')} must be one of {', '.join(TARGETS)}, got {self.target!r}"
+            )
         if not 1 <= self.draws <= 1000:
-            raise InputError(f"`draws` must be from 1 to 1000, got {self.draws}")
+            raise InputError(f"{named('draws')} must be from 1 to 1000, got {self.draws}")
         require_noise_for_study(parts.meter.readout)
         check_cells(parts.skin, parts.plan)
         nominal = self.nominal(parts.skin, parts.plan)
         sizes = Counter(label_of(press.pixel, self.target) for press in nominal)
         if len(sizes) < 2:
-            raise InputError(f"need at least 2 classes of `target` {self.target}, got {len(sizes)}")
+            raise InputError(
+                f"need at least 2 classes of {named('target')} {self.target}, got {len(sizes)}"
+            )
         least = min(sizes.values()) * parts.plan.repetitions
         if self.repeated and least < FOLDS:
             raise InputError(
                 f"`experiment.repetitions` must give at least {FOLDS} presses of each class of "
-                f"`target` {self.target}, got {least}"
+                f"{named('target')} {self.target}, got {least}"
             )
         check_fits(parts.setup, self.plan(parts, 0, MAX_RTOL).sweeps)
 

@@ -15,6 +15,7 @@ from ...simulator.progress import ProgressCallback, silent
 from ...simulator.scene.parts import SceneParts
 from ...simulator.scene.scene import Scene
 from ...simulator.sweeps import InputError, checked_output
+from ...simulator.sweeps.errors import named
 from ...simulator.sweeps.output_files import replacing
 from . import execution
 from .axis import READY_MADE, Axis, axes_of, find_key, scene_table, with_values
@@ -23,8 +24,6 @@ from .report import ENDINGS, answers, describe_experiment, draw_study, spacing, 
 
 if TYPE_CHECKING:
     import xarray as xr
-
-MAX_WORKERS = 256
 
 
 def with_study_settings(
@@ -43,17 +42,6 @@ def with_study_settings(
     return new
 
 
-def checked_workers(count: int | None) -> int:
-    """The number of processes, one for each core for None. Raises InputError."""
-    if count is None:
-        from joblib import cpu_count
-
-        return cpu_count()
-    if not 1 <= count <= MAX_WORKERS:
-        raise InputError(f"--workers must be from 1 to {MAX_WORKERS}, got {count}")
-    return count
-
-
 def _read_up_to(limit: float, interfaces: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """The interfaces, without those of their own frequencies that are above a limit."""
     kept = []
@@ -61,7 +49,7 @@ def _read_up_to(limit: float, interfaces: list[dict[str, Any]]) -> list[dict[str
         own = [f for f in each.get("frequencies", ()) if f <= limit]
         if "frequencies" in each and not own:
             raise InputError(
-                f"--max-frequency {limit:g} Hz is below all `frequencies` of interface "
+                f"{named('max_frequency')} {limit:g} Hz is below all `frequencies` of interface "
                 f"{each['name']}"
             )
         kept.append({**each, "frequencies": own} if own else each)
@@ -72,7 +60,7 @@ def _up_to(limit: float, frequencies: Any) -> Any:
     lowest = frequencies["start"] if isinstance(frequencies, dict) else min(frequencies)
     if not (math.isfinite(limit) and limit > lowest):
         raise InputError(
-            f"--max-frequency must be finite and > {lowest:g} Hz, where the scene begins, "
+            f"{named('max_frequency')} must be finite and > {lowest:g} Hz, where the scene begins, "
             f"got {limit:g}"
         )
     if isinstance(frequencies, dict):

@@ -12,6 +12,7 @@ import numpy as np
 from ...simulator.notebook_display import Tabular
 from ...simulator.report.page import Rate
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.errors import named
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -218,7 +219,7 @@ def threshold_of(probability: Real, right: Mask, certain: float) -> float:
     reaches it.
     """
     if not 0 < certain < 1:
-        raise InputError(f"`certain` must be between 0 and 1, got {certain:g}")
+        raise InputError(f"{named('certain')} must be between 0 and 1, got {certain:g}")
     confidence = 1 - (1 - CONFIDENCE) / len(SHARES)
     best = 0.0
     for threshold in np.quantile(probability, 1 - np.array(SHARES), method="higher"):
@@ -228,7 +229,8 @@ def threshold_of(probability: Real, right: Mask, certain: float) -> float:
             return float(threshold)
         best = max(best, least)
     raise InputError(
-        f"`certain` {certain:g} cannot be reached: of {right.size} held-out sweeps, the most "
+        f"{named('certain')} {certain:g} cannot be reached: of {right.size} held-out sweeps, the "
+        "most "
         f"probable answers are right at a rate of {100 * best:.1f} % or more with "
         f"{100 * CONFIDENCE:g} % confidence"
     )

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...simulator.sweeps import InputError
+from ...simulator.sweeps.errors import named
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -157,10 +158,12 @@ def _check_number(folds: int, y: NDArray, groups: Integer | None) -> None:
     least = sizes.argmin()
     if not 2 <= folds <= sizes[least]:
         raise InputError(
-            f"`folds` must be from 2 to the {sizes[least]} sweeps of class {classes[least]}, "
+            f"{named('folds')} must be from 2 to the {sizes[least]} sweeps of class "
+            f"{classes[least]}, "
             f"got {folds}"
         )
     if groups is not None and folds > np.unique(groups).size:
         raise InputError(
-            f"`folds` must be at most the number of groups, {np.unique(groups).size}, got {folds}"
+            f"{named('folds')} must be at most the number of groups, {np.unique(groups).size}, "
+            f"got {folds}"
         )

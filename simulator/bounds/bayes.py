@@ -28,6 +28,7 @@ from ..progress import ProgressCallback, silent, tracked
 from ..scene.parts import SceneParts, Skin
 from ..scene.randomisation import AnyDistribution
 from ..sweeps import InputError
+from ..sweeps.errors import named
 from .likelihood import Likelihood
 from .posterior import Templates, axes_of, in_tiles, posterior, posterior_of_tiles, starts_of
 from .touch_readings import Hypothesis, TouchReadings, hypotheses
@@ -257,7 +258,9 @@ class CommonDraws:
         Raises InputError for a target other than column, row, pixel and pair.
         """
         if target not in TARGETS:
-            raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")
+            raise InputError(
+                f"{named('target')} must be one of {', '.join(TARGETS)}, got {target!r}"
+            )
         self._skin, self._seed = parts.skin, seed
         self._among = hypotheses(parts.skin, parts.plan, target)
         random = np.random.default_rng(seed)

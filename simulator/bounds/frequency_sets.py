@@ -11,6 +11,7 @@ from ..models.line import interrogation_frequency
 from ..scene.frequency import parse_band
 from ..scene.parts import Setup, Skin
 from ..sweeps import InputError
+from ..sweeps.errors import named
 from ..sweeps.units import quantity
 
 EQUATION_6, LOGARITHMIC, OPTIMAL = "Eq. 6", "log spacing", "optimal"
@@ -74,7 +75,8 @@ def chosen_band(text: str | None, setup: Setup) -> tuple[float, float]:
     low, high = parse_band(text or ":", own_band(setup))
     if not (0 < low and high < math.inf):
         raise InputError(
-            f"--band must be LOW:HIGH in Hz with 0 < LOW < HIGH < inf, got {low:g}:{high:g}"
+            f"{named('band')} must be LOW:HIGH in Hz with 0 < LOW < HIGH < inf, got "
+            f"{low:g}:{high:g}"
         )
     return low, high
 

@@ -28,6 +28,7 @@ from ..progress import ProgressCallback, silent, tracked
 from ..scene.parts import Plan, Pressing, SceneParts, Skin
 from ..scene.randomisation import AnyDistribution
 from ..sweeps import InputError
+from ..sweeps.errors import named
 from ..sweeps.free_space import check_memory
 from .likelihood import Likelihood
 from .touches.pixel_touches import (
@@ -105,12 +106,14 @@ def hypotheses(skin: Skin, plan: Plan, target: str, size: float | None = None) -
     InputError for another target, or too few pixels.
     """
     if target not in TARGETS:
-        raise InputError(f"`target` must be one of {', '.join(TARGETS)}, got {target!r}")
+        raise InputError(f"{named('target')} must be one of {', '.join(TARGETS)}, got {target!r}")
     pixels = [
         divmod(number, skin.pixels.columns) for number in pixel_coverage(skin).numbers.tolist()
     ]
     if target in ("pair", "touches") and len(pixels) < 2:
-        raise InputError(f"`target` {target} needs two pixels or more, {skin.name} has one")
+        raise InputError(
+            f"{named('target')} {target} needs two pixels or more, {skin.name} has one"
+        )
     found = _pressed(plan, target, pixels)
     if plan.press.finger:
         found = [_with_fingers(skin, plan.press, each, size) for each in found]

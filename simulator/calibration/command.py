@@ -3,87 +3,94 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from functools import cached_property
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
-from ..requests.options import Charts, SceneName
+from ..requests.argument_types import scene_of, sweeps_of, typed_paths
+from ..requests.number_ranges import SESSION
+from ..requests.options import CHARTS, SCENE
+from ..requests.request import Request, Writing, argument, function, option, typed
 from ..safe_text import say, terminal
 
+if TYPE_CHECKING:
+    import xarray as xr
 
-def calibrate(
-    scene: SceneName,
-    measured: Annotated[
-        list[Path], typer.Argument(help="Sweeps: FILE.nc, FILE.zarr or FILE.csv; joined.")
-    ],
-    output: Annotated[
-        Path, typer.Option("--output", "-o", help="Folder for calibrated.toml, tables and charts.")
-    ] = Path("calibration"),
-    fit: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="A parameter to fit; may be repeated. Others keep the scene's values, and their "
-            "uncertainty widens the intervals. Default: all."
-        ),
-    ] = None,
-    fix: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="A parameter that is known and keeps the scene's value; may be repeated. others: "
-            "all that --fit does not name."
-        ),
-    ] = None,
-    band: Annotated[str | None, typer.Option(help="LOW:HIGH in Hz; either may be absent.")] = None,
-    session: Annotated[int | None, typer.Option(help="Use sweeps of this session only.")] = None,
-    fixed_strength: Annotated[
-        bool, typer.Option("--fixed-strength", help="Use the stated strengths of presses.")
-    ] = False,
-    prior: Annotated[
-        str,
-        typer.Option(
-            help="Prior knowledge: wide (within a factor of ten), or session (as the scene's "
-            "dataset.session draws)."
-        ),
-    ] = "wide",
-    uneven: Annotated[
-        bool,
-        typer.Option(
-            "--uneven",
-            help="Fit cosine modes of the foam's capacitance too: foam_x, foam_y, foam_xy. With "
-            "--prior session, also where dataset.session draws a smooth foam_pattern.",
-        ),
-    ] = False,
-    uneven_sheets: Annotated[
-        bool,
-        typer.Option(
-            "--uneven-sheets",
-            help="Fit cosine modes of each sheet's conductance too: top_x, top_y, top_xy, "
-            "bottom_x, bottom_y, bottom_xy. Where one field describes both sheets, only their sum "
-            "is identified.",
-        ),
-    ] = False,
-    also: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="Fit body (its distance), rim, finger or leak (of the foam) too, although the "
-            "scene does not state it; or series_resistance, load_capacitance or load_conductance "
-            "of readers of gains; may be repeated."
-        ),
-    ] = None,
-    robust: Annotated[
-        bool | None,
-        typer.Option(
-            "--robust/--no-robust",
-            help="Student's t errors of readings, so that a few far off do not move the fit, or "
-            "normal ones. Default: the likelier of both.",
-        ),
-    ] = None,
-    charts: Charts = "png",
-    force: Annotated[
-        bool, typer.Option("--anyway", help="Use sweeps that were recorded for another skin.")
-    ] = False,
-) -> None:
+    from ..requests.argument_types import Sweeps
+    from ..scene.scene import Scene
+    from .prior import Kind
+    from .run import Calibration
+
+
+class Options(Request):
+    """The parameters to fit, and the part of the sweeps to fit them to."""
+
+    fit: Sequence[str] = option(
+        "A parameter to fit; may be repeated. Others keep the scene's values, and their "
+        "uncertainty widens the intervals. Default: all.",
+        called="names of parameters to fit. Others keep the scene's values, and their uncertainty "
+        "widens the intervals. Default: all.",
+        default=(),
+    )
+    fix: Sequence[str] = option(
+        "A parameter that is known and keeps the scene's value; may be repeated. others: all that "
+        "--fit does not name.",
+        called='names of parameters that are known and keep the scene\'s values, or "others": all '
+        "that `fit` does not name.",
+        default=(),
+    )
+    band: str | tuple[float, float] | None = option(
+        "LOW:HIGH in Hz; either may be absent.",
+        called="lowest and highest frequency to use, Hz.",
+        default=None,
+    )
+    session: int | None = option("Use sweeps of this session only.", within=SESSION, default=None)
+    fixed_strength: bool = option("Use the stated strengths of presses.", default=False)
+    prior: Kind = option(
+        "Prior knowledge: wide (within a factor of ten), or session (as the scene's "
+        "dataset.session draws).",
+        among=("wide", "session"),
+        called='"wide" (within a factor of ten) or "session" (as the scene\'s dataset.session '
+        "draws).",
+        default="wide",
+    )
+    uneven: bool = option(
+        "Fit cosine modes of the foam's capacitance too: foam_x, foam_y, foam_xy. With --prior "
+        "session, also where dataset.session draws a smooth foam_pattern.",
+        called="True also fits cosine modes of the foam's capacitance: foam_x, foam_y, foam_xy.",
+        default=False,
+    )
+    uneven_sheets: bool = option(
+        "Fit cosine modes of each sheet's conductance too: top_x, top_y, top_xy, bottom_x, "
+        "bottom_y, bottom_xy. Where one field describes both sheets, only their sum is identified.",
+        default=False,
+    )
+    also: Sequence[str] = option(
+        "Fit body (its distance), rim, finger or leak (of the foam) too, although the scene does "
+        "not state it; or series_resistance, load_capacitance or load_conductance of readers of "
+        "gains; may be repeated.",
+        called='any of "body" (its distance), "rim", "finger" and "leak" (of the foam) that are '
+        'fitted too, although the scene does not state them; or "series_resistance", '
+        '"load_capacitance" and "load_conductance" of readers of gains.',
+        default=(),
+    )
+    robust: bool | None = option(
+        "Student's t errors of readings, so that a few far off do not move the fit, or normal "
+        "ones. Default: the likelier of both.",
+        "--robust/--no-robust",
+        default=None,
+    )
+
+    @cached_property
+    def frequencies(self) -> tuple[float, float] | None:
+        """Lowest and highest frequency, Hz. Raises InputError."""
+        from ..scene.frequency import parse_band
+
+        return parse_band(self.band, (0.0, math.inf)) if isinstance(self.band, str) else self.band
+
+
+class Calibrate(Options, Writing, example="calibrate sheet-5x5 run.nc -o found"):
     """Fit a scene's parameters to measured sweeps, unpressed and pressed.
 
     Parameters: sheet_resistance, sheet_mismatch, capacitance,
@@ -102,52 +109,72 @@ def calibrate(
     from the scene.
     """
 
-    from ..chart_style import checked_ending
-    from ..progress import on_terminal
-    from ..requests.requested_scene import requested_scene, warn_of_earth
-    from ..scene.frequency import parse_band
-    from ..scene.scene_files import scene_text
-    from ..sweeps import checked_folder, read_joined
-    from ..sweeps.same_skin import check_same_skin
-    from .fit_options import Options
-    from .prior import checked_kind
-    from .results.explanations import explanations
-    from .results.report import WRITTEN, correlations, table, write_remarks, write_report
-    from .run import calibrate as calibrated
-    from .run import tried
-
-    folder, ending = checked_folder(output, *WRITTEN), checked_ending(charts)
-    options = Options(
-        tuple(fit or ()),
-        tuple(fix or ()),
-        None if band is None else parse_band(band, (0.0, math.inf)),
-        session,
-        not fixed_strength,
-        checked_kind(prior),
-        uneven,
-        uneven_sheets,
-        tuple(also or ()),
-        robust,
-        trials=False,
+    scene: Scene | str | Path = argument(SCENE)
+    sweeps: Sweeps = argument(
+        "Sweeps: FILE.nc, FILE.zarr or FILE.csv; joined.",
+        "measured",
+        called="measured sweeps, or the path of their file.",
     )
-    loaded, sweeps = requested_scene(scene), read_joined(measured)
-    names = ", ".join(each.name for each in measured)
-    if not force:
-        check_same_skin(str(sweeps.attrs.get("scene", "")), scene_text(loaded), names)
-    with on_terminal() as progress:
-        calibration = calibrated(loaded, sweeps, options, progress=progress)
-    written = write_report(calibration, names, folder, ending)
-    console = terminal()
-    console.print(table(calibration))
-    if len(calibration.intervals) > 1:
-        console.print(correlations(calibration, console))
-    told = explanations(calibration)
-    say(*told, f"{folder}: {', '.join(written)}")
-    with on_terminal() as progress:
-        calibration = tried(calibration, progress)
-    write_remarks(calibration, names, folder)
-    for line in explanations(calibration):
-        if line not in told:
-            say(line)
-    if not also:
-        warn_of_earth(scene, loaded.parts.skin)
+    output: Path = typed(
+        "Folder for calibrated.toml, tables and charts.",
+        "--output",
+        "-o",
+        default=Path("calibration"),
+    )
+    charts: str = typed(CHARTS, default="png")
+    anyway: bool = option("Use sweeps that were recorded for another skin.", default=False)
+
+    def run(self) -> None:
+        from ..chart_style import checked_ending
+        from ..progress import on_terminal
+        from ..requests.requested_scene import requested_scene, warn_of_earth
+        from ..sweeps import checked_folder, read_joined
+        from .results.explanations import explanations
+        from .results.report import WRITTEN, correlations, table, write_remarks, write_report
+        from .run import calibrate as calibrated
+        from .run import tried
+
+        folder, ending = checked_folder(self.output, *WRITTEN), checked_ending(self.charts)
+        files, name = typed_paths(self.sweeps), str(self.scene)
+        loaded, sweeps = requested_scene(name), read_joined(files)
+        names = ", ".join(each.name for each in files)
+        self._check_skin(loaded, sweeps, names)
+        with on_terminal() as progress:
+            calibration = calibrated(loaded, sweeps, self, progress=progress, trials=False)
+        written = write_report(calibration, names, folder, ending)
+        console = terminal()
+        console.print(table(calibration))
+        if len(calibration.intervals) > 1:
+            console.print(correlations(calibration, console))
+        told = explanations(calibration)
+        say(*told, f"{folder}: {', '.join(written)}")
+        with on_terminal() as progress:
+            calibration = tried(calibration, progress)
+        write_remarks(calibration, names, folder)
+        for line in explanations(calibration):
+            if line not in told:
+                say(line)
+        if not self.also:
+            warn_of_earth(name, loaded.parts.skin)
+
+    def result(self) -> Calibration:
+        """Fit the parameters of a scene to measured sweeps, with their uncertainties.
+
+        Raises InputError if sweeps and scene do not match, ToleranceError if no model reaches the
+        tolerance.
+        """
+        from .run import calibrate as calibrated
+
+        scene, sweeps = scene_of(self.scene), sweeps_of(self.sweeps)
+        self._check_skin(scene, sweeps, "sweeps")
+        return calibrated(scene, sweeps, self)
+
+    def _check_skin(self, scene: Scene, sweeps: xr.Dataset, names: str) -> None:
+        from ..scene.scene_files import scene_text
+        from ..sweeps.same_skin import check_same_skin
+
+        if not self.anyway:
+            check_same_skin(str(sweeps.attrs.get("scene", "")), scene_text(scene), names)
+
+
+calibrate = function(Calibrate)

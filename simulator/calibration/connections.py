@@ -17,6 +17,7 @@ from ..press.touch import Indentation, Touch, place_of
 from ..progress import ProgressCallback, silent
 from ..scene.parts import Setup, Skin
 from ..sweeps import InputError, ToleranceError
+from ..sweeps.errors import named
 from .fit import EXPLAINED, Fit, best_of_starts, initial_values, model_tolerance, solve_from
 from .fit_options import FitSpec
 from .measurements import Measurements, SessionSweep
@@ -107,7 +108,7 @@ def try_connections(
         if scaled.chi_squared < WORTH * stated.chi_squared:
             remarks.append(
                 f"a source of {scaled.values[SOURCE]:.3g} times the stated voltage would leave "
-                f"{_share(scaled, stated)}; fit it with --also {SOURCE}"
+                f"{_share(scaled, stated)}; fit it with {named('also')} {SOURCE}"
             )
             stated = scaled
     best: tuple[Connection | None, Fit] = None, stated

@@ -18,7 +18,7 @@ from ..press.press import pressed_factor
 from ..scene.meter import Readout
 from ..sweeps import InputError
 from .measurements import Measurements, SessionSweep
-from .prior import Kind, Prior
+from .prior import Prior
 from .student import StudentT
 
 OTHERS = "others"
@@ -72,34 +72,6 @@ def candidates(
         [name for name in unknown if name in chosen],
         [name for name in unknown if name not in chosen],
     )
-
-
-@dataclass(frozen=True)
-class Options:
-    """The parameters to fit, and the part of the sweeps to fit them to.
-
-    fit: names of parameters, where empty all unknown ones; others keep the scene's values and
-    count as unknown. fix: names of parameters that are known and keep the scene's values, or
-    OTHERS. band: lowest and highest frequency, Hz. session: number of the only session that is
-    used. strengths: True if the strengths of presses are unknown too, around the stated ones with
-    the scene's spread. prior: see `prior`. uneven, uneven_sheets: True if cosine modes of the foam,
-    or of both sheets, are parameters too. also: those of EFFECTS that are parameters although the
-    scene does not have them. robust: True for Student's t errors of readings, False for normal
-    ones, None for the likelier of both. trials: True if physics that the scene lacks is tried where
-    the fit does not explain the readings.
-    """
-
-    fit: tuple[str, ...] = ()
-    fix: tuple[str, ...] = ()
-    band: tuple[float, float] | None = None
-    session: int | None = None
-    strengths: bool = True
-    prior: Kind = "wide"
-    uneven: bool = False
-    uneven_sheets: bool = False
-    also: tuple[str, ...] = ()
-    robust: bool | None = None
-    trials: bool = True
 
 
 @dataclass(frozen=True)

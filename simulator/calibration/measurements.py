@@ -18,6 +18,7 @@ from ..press.touch import Touch, place_of
 from ..scene.meter_tables import ReadoutErrors
 from ..scene.parts import Pressing, SceneParts, Setup, Skin
 from ..sweeps import InputError
+from ..sweeps.errors import named
 from ..sweeps.inputs import objects
 from ..sweeps.press_text import displayed_press
 from ..sweeps.reading_quantities import IMPEDANCE, MAGNITUDE, kind_of
@@ -140,7 +141,7 @@ def _of_session(sweeps: xr.Dataset, session: int) -> xr.Dataset:
     there = sorted({int(each) for each in sweeps["session"].values})
     if session not in there:
         known = ", ".join(map(str, there))
-        raise InputError(f"`session` must be one of {known}, got {session}")
+        raise InputError(f"{named('session')} must be one of {known}, got {session}")
     return sweeps.isel(sweep=sweeps["session"].values == session)
 
 
@@ -149,7 +150,7 @@ def _within(sweeps: xr.Dataset, band: tuple[float, float]) -> xr.Dataset:
     inside = (f >= band[0]) & (f <= band[1])
     if not inside.any():
         raise InputError(
-            f"`band` must contain frequencies of the sweeps, {f[0]:g} to {f[-1]:g} Hz, "
+            f"{named('band')} must contain frequencies of the sweeps, {f[0]:g} to {f[-1]:g} Hz, "
             f"got {band[0]:g} to {band[1]:g} Hz"
         )
     return sweeps.isel(frequency=inside)

@@ -15,8 +15,9 @@ from ..models.parameters import EFFECTS, own_values
 from ..progress import ProgressCallback, silent
 from ..scene.parts import SceneParts
 from ..sweeps import InputError, ToleranceError
+from .command import Options
 from .fit import EXPLAINED, Fit, best_fit, model_tolerance, solve_from
-from .fit_options import FitSpec, Options, candidates
+from .fit_options import FitSpec, candidates
 from .measurements import measurements_of
 from .prior import Prior, effect_prior, noise_of, priors
 from .problem import CenteredModel, LeastSquaresProblem, Model, checked_model, difference, model_of
@@ -94,14 +95,14 @@ def gap_by_parameter(
     and with the best of EFFECTS. Arguments and errors: see `calibrate`; `options.fit`, where given,
     restricts the parameters.
     """
-    data = measurements_of(parts, sweeps, options.band, options.session)
+    data = measurements_of(parts, sweeps, options.frequencies, options.session)
     readout, known = noise_of(data).readout, priors(data, options.prior)
     spec = FitSpec(
         data,
         readout,
         {},
         own_values(data.parts.skin, data.parts.setup),
-        options.strengths,
+        not options.fixed_strength,
     )
     own = checked_model(model, data.parts.skin, data.parts.setup) if model else None
     centered = CenteredModel(own or model_of(data.parts, model_tolerance(readout), progress), {})

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal
 
 import numpy as np
 
@@ -25,7 +25,6 @@ from ..models.parameters import (
 from ..models.session_spreads import SessionSpread, session_spreads
 from ..scene.meter import Readout
 from ..scene.parts import Plan, Setup
-from ..sweeps import InputError
 from .measurements import Measurements
 
 Kind = Literal["wide", "session"]
@@ -50,14 +49,6 @@ class Prior:
     deviation: float
     low: float = -math.inf
     high: float = math.inf
-
-
-def checked_kind(name: str) -> Kind:
-    """Returns the name if it is a kind of prior. Raises InputError otherwise."""
-    for known in get_args(Kind):
-        if name == known:
-            return known
-    raise InputError(f"`prior` must be one of {', '.join(get_args(Kind))}, got {name!r}")
 
 
 def priors(

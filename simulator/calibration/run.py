@@ -19,10 +19,11 @@ from ..progress import ProgressCallback, silent
 from ..scene.parts import Plan, Setup, Skin
 from ..scene.scene import Scene
 from ..sweeps import InputError
+from .command import Options
 from .connections import Connection, Measure, try_connections
 from .distributions import Distributions
 from .fit import Fit, best_fit, capacitance_offset, certificate_limit, fitted_parts, model_tolerance
-from .fit_options import FitSpec, Options, candidates
+from .fit_options import FitSpec, candidates
 from .measurements import Measurements, measurements_of
 from .misfit import IdealComparison, compare_with_ideal
 from .physics_trials import misfit_trials
@@ -204,12 +205,13 @@ def calibrate(
     *,
     model: Model | None = None,
     progress: ProgressCallback = silent,
+    trials: bool = True,
 ) -> Calibration:
     """Fits a scene to sweeps, unpressed ones and presses of pixels, at all their interfaces.
 
     model: a trained model of the scene at the sweeps' interfaces and frequencies, if there is one:
     training is the slow part. progress: see `ProgressCallback`. The result has the remarks of
-    `tried` unless `options.trials` is False.
+    `tried` unless `trials` is False.
     Raises InputError where sweeps and scene do not match, ToleranceError where no model reaches its
     tolerance.
     """
@@ -219,7 +221,7 @@ def calibrate(
     pressed_by_factors(parts, "a calibration")
 
     def measure(setup: Setup) -> Measurements:
-        return measurements_of(parts.read(setup), sweeps, options.band, options.session)
+        return measurements_of(parts.read(setup), sweeps, options.frequencies, options.session)
 
     job = _CalibrationRun(measure(parts.setup), options, also, model, progress)
     if model is None and (other := job.connection(parts.setup, measure)):
@@ -251,7 +253,7 @@ def calibrate(
         left_over=left_over,
         not_fitted=tuple(job.not_fitted),
     )
-    return tried(found, progress) if options.trials else found
+    return tried(found, progress) if trials else found
 
 
 def tried(calibration: Calibration, progress: ProgressCallback = silent) -> Calibration:
@@ -346,7 +348,7 @@ class _CalibrationRun:
             self.noise.readout,
             {name: self.priors[name] for name in self.names},
             {name: value for name, value in own.items() if name not in self.names},
-            self.options.strengths,
+            not self.options.fixed_strength,
             self._tail,
         )
 

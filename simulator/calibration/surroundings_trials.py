@@ -20,6 +20,7 @@ from ..scene.parts import SceneParts, Setup, Skin
 from ..scene.surroundings import Body, Rim, Surroundings
 from ..surroundings.rim import rim_densities
 from ..sweeps import InputError, ToleranceError
+from ..sweeps.errors import named
 from .fit import EXPLAINED, Fit, LinearSteps, Step, certificate_limit, fitted_parts, solve_from
 from .fit_options import FitSpec
 from .prior import FINGER, Prior, effect_prior
@@ -52,7 +53,7 @@ def with_effects(parts: SceneParts, names: Sequence[str]) -> SceneParts:
     """
     for name in names:
         if name not in ADDABLE:
-            raise InputError(f"`also` must be one of {', '.join(ADDABLE)}, got {name!r}")
+            raise InputError(f"{named('also')} must be one of {', '.join(ADDABLE)}, got {name!r}")
     for name in names:
         if name in READER and not parts.setup.gain:
             raise InputError(
@@ -129,7 +130,7 @@ def trial_remarks(fit: Fit, freedom: float, progress: ProgressCallback = silent)
     lines = [
         f"{effects.text_of(name, step.amplitude)} in addition would reduce chi-squared per degree "
         f"of freedom from {left:.3g} to {step.left * fit.chi_squared / (freedom - 1):.3g}; fit it "
-        f"with --also {name}"
+        f"with {named('also')} {name}"
         for name, step in sorted(found.items(), key=lambda pair: pair[1].left)
         if step.left < 1 - WORTH
     ]

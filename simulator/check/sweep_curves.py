@@ -19,6 +19,7 @@ from ..chart_style import (
 )
 from ..safe_text import plotly_text
 from ..sweeps import UNPRESSED, InputError, checked_output, require_packages, whole_file
+from ..sweeps.errors import named
 from ..sweeps.press_text import displayed_press
 from ..sweeps.reading_quantities import GAIN, IMPEDANCE, MAGNITUDE, kind_of
 from ..sweeps.reading_subset import read_at
@@ -192,7 +193,7 @@ def checked_quantities(names: Sequence[str]) -> None:
     """Raises InputError for a name that is no quantity."""
     for name in names:
         if name not in QUANTITIES:
-            raise InputError(f"--what must be of {', '.join(QUANTITIES)}, got {name!r}")
+            raise InputError(f"{named('what')} must be of {', '.join(QUANTITIES)}, got {name!r}")
 
 
 def _chosen(recordings: Sequence[xr.Dataset], what: Sequence[str]) -> tuple[str, ...]:
@@ -204,7 +205,7 @@ def _chosen(recordings: Sequence[xr.Dataset], what: Sequence[str]) -> tuple[str,
     for name in what:
         if name not in CHOICES[kinds[0]]:
             allowed = ", ".join(CHOICES[kinds[0]])
-            raise InputError(f"--what of {kinds[0]} must be of {allowed}, got {name!r}")
+            raise InputError(f"{named('what')} of {kinds[0]} must be of {allowed}, got {name!r}")
     return tuple(what) or DEFAULTS[kinds[0]]
 
 

@@ -3,20 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
 
-import typer
-
-from ..requests.options import SceneName
+from ..requests.options import SCENE
+from ..requests.request import Writing, argument, typed
 from ..safe_text import say
 
 
-def describe(
-    scene: SceneName,
-    output: Annotated[
-        Path | None, typer.Option("--output", "-o", help="A drawing: OUT.png, .svg or .pdf.")
-    ] = None,
-) -> None:
+class Describe(Writing, example="describe sheet-5x5 -o sheet.png"):
     """Describe a scene in words, and draw it.
 
     The output names sizes, sheets, foam, capacitance, foils and interfaces;
@@ -24,17 +17,24 @@ def describe(
     that no meter can distinguish; the noise of the meter; and the defaults
     of keys that the file does not set.
     """
-    from ..press.pixels import pixels_with_skin
-    from ..requests.console import report_written
-    from ..requests.requested_scene import requested_scene, warn_of_model
-    from ..sweeps import checked_output
-    from .facts import described
-    from .scene_drawing import ENDINGS, draw_scene
 
-    if output is not None:
-        checked_output(output, ENDINGS)
-    loaded = requested_scene(scene)
-    warn_of_model(scene, loaded)
-    say(*described(loaded).splitlines())
-    if output is not None:
-        report_written("drawing", draw_scene(loaded, pixels_with_skin(loaded.parts.skin), output))
+    scene: str = argument(SCENE)
+    output: Path | None = typed("A drawing: OUT.png, .svg or .pdf.", "--output", "-o", default=None)
+
+    def run(self) -> None:
+        from ..press.pixels import pixels_with_skin
+        from ..requests.console import report_written
+        from ..requests.requested_scene import requested_scene, warn_of_model
+        from ..sweeps import checked_output
+        from .facts import described
+        from .scene_drawing import ENDINGS, draw_scene
+
+        if self.output is not None:
+            checked_output(self.output, ENDINGS)
+        loaded = requested_scene(self.scene)
+        warn_of_model(self.scene, loaded)
+        say(*described(loaded).splitlines())
+        if self.output is not None:
+            report_written(
+                "drawing", draw_scene(loaded, pixels_with_skin(loaded.parts.skin), self.output)
+            )

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
-from ..requests.options import SceneName
+from ..requests.number_ranges import BASELINES, DRAWS, MILLIMETRES, any_finite
+from ..requests.options import SCENE, SEED_OF_ALL
+from ..requests.request import Writing, argument, typed
 from ..safe_text import say
 
 if TYPE_CHECKING:
@@ -18,73 +18,9 @@ if TYPE_CHECKING:
 FOLDER = Path("design")
 
 
-def design(
-    scene: SceneName,
-    output: Annotated[
-        Path, typer.Option("--output", "-o", help="Folder for design.toml, tables and report.")
-    ] = FOLDER,
-    target: Annotated[
-        str | None,
-        typer.Option(
-            help="What the readings must identify: pixel, column, row, pair or position.",
-            autocompletion=lambda: ["pixel", "column", "row", "pair", "position"],
-        ),
-    ] = None,
-    want: Annotated[
-        float | None, typer.Option(help="Required share of correct sweeps, 0 to 1.")
-    ] = None,
-    within: Annotated[
-        float | None, typer.Option(help="Required median error of positions, mm.")
-    ] = None,
-    wires: Annotated[int | None, typer.Option(help="Largest number of foils with a wire.")] = None,
-    readings: Annotated[
-        int | None, typer.Option(help="Largest number of readings in a sweep.")
-    ] = None,
-    frequencies: Annotated[
-        int | None, typer.Option(help="Largest number of frequencies of a reading.")
-    ] = None,
-    own_frequencies: Annotated[
-        bool | None,
-        typer.Option(
-            "--own-frequencies",
-            help="Each reading may have its own frequencies, the same number in total.",
-        ),
-    ] = None,
-    seconds: Annotated[
-        float | None, typer.Option(help="Longest time of a sweep on the meter.")
-    ] = None,
-    band: Annotated[
-        str | None,
-        typer.Option(help="LOW:HIGH in Hz; default: the scene's lowest and highest frequency."),
-    ] = None,
-    sheet_resistance: Annotated[
-        str | None, typer.Option(help="LOW:HIGH in ohm/sq, for both sheets.")
-    ] = None,
-    sheet_ratio: Annotated[
-        float | None, typer.Option(help="Largest ratio of one sheet's resistance to the other's.")
-    ] = None,
-    foam_thickness: Annotated[
-        str | None, typer.Option(help="LOW:HIGH in m, if the scene states the foam's thickness.")
-    ] = None,
-    grading: Annotated[
-        float | None,
-        typer.Option(help="Largest ratio of a sheet's resistance at opposite edges, 1 to 10."),
-    ] = None,
-    foils: Annotated[
-        bool | None, typer.Option("--foils", help="Positions and lengths of foils may change.")
-    ] = None,
-    foil_length: Annotated[
-        str | None, typer.Option(help="LOW:HIGH, a foil's length over that of its edge.")
-    ] = None,
-    against_rest: Annotated[
-        int | None, typer.Option(help="Number of baseline sweeps that each sweep is compared with.")
-    ] = None,
-    casts: Annotated[
-        int | None, typer.Option(help="Number of skin samples, drawn from `dataset.session`.")
-    ] = None,
-    draws: Annotated[int, typer.Option(help="Number of sweeps drawn for each bound.")] = 2000,
-    seed: Annotated[int, typer.Option(help="Seed of all random numbers.")] = 1,
-) -> None:
+class DesignSkin(
+    Writing, command="design", example="design sheet-5x5-two-interfaces --want 0.9 -o designed"
+):
     """Find the best skin and readings within given constraints.
 
     Options override the table [design] of the scene. FOLDER/design.toml is
@@ -94,55 +30,105 @@ def design(
 
     Run the same command again to continue an interrupted search.
     """
-    from ..bounds.frequency_sets import own_band
-    from ..models.mechanics.force_depths import pressed_by_factors
-    from ..progress import on_terminal
-    from ..requests.requested_scene import requested_scene
-    from ..scene.frequency import parse_band
-    from ..sweeps.units import bound_text
-    from .evaluator import SearchSettings
-    from .report.design_folder import answer, write_folder
-    from .search import search
-    from .search_journal import SearchJournal
 
-    loaded = pressed_by_factors(requested_scene(scene).parts, "a design")
-    given = {
-        "target": target,
-        "want": want,
-        "within": _metres("--within", within),
-        "wires": wires,
-        "readings": readings,
-        "frequencies": frequencies,
-        "own_frequencies": own_frequencies,
-        "seconds": seconds,
-        "band": None if band is None else parse_band(band, own_band(loaded.setup)),
-        "sheet_resistance": _bounds("--sheet-resistance", sheet_resistance),
-        "sheet_ratio": sheet_ratio,
-        "foam_thickness": _bounds("--foam-thickness", foam_thickness),
-        "grading": grading,
-        "foils": foils,
-        "foil_length": _bounds("--foil-length", foil_length),
-        "against_rest": against_rest,
-        "casts": casts,
-    }
-    request = _request(
-        loaded.skin,
-        loaded.plan,
-        {name: value for name, value in given.items() if value is not None},
+    scene: str = argument(SCENE)
+    output: Path = typed(
+        "Folder for design.toml, tables and report.", "--output", "-o", default=FOLDER
     )
-    bare = replace(loaded, plan=replace(loaded.plan, design=None))
-    header = {"asked": request.model_dump(mode="json"), "seed": seed, "draws": draws}
-    journal = SearchJournal(_journal_of(output), {"scene": bare.text, **header})
-    with on_terminal() as progress:
-        settings = SearchSettings(request, seed, draws, journal, progress)
-        found = search(bare, settings)
-        write_folder(found, settings, output)
-    journal.done()
-    say(answer(found, settings))
-    if request.target != "position":
-        skins = f"each of {request.casts} known samples" if request.casts else "a known skin"
-        say(bound_text(request.against_rest, skins))
-    say(f"design, wiring and report written to {output}")
+    target: str | None = typed(
+        "What the readings must identify: pixel, column, row, pair or position.",
+        complete=lambda: ["pixel", "column", "row", "pair", "position"],
+        default=None,
+    )
+    want: float | None = typed("Required share of correct sweeps, 0 to 1.", default=None)
+    within: float | None = typed(
+        "Required median error of positions, mm.", within=MILLIMETRES, default=None
+    )
+    wires: int | None = typed("Largest number of foils with a wire.", default=None)
+    readings: int | None = typed("Largest number of readings in a sweep.", default=None)
+    frequencies: int | None = typed("Largest number of frequencies of a reading.", default=None)
+    own_frequencies: bool | None = typed(
+        "Each reading may have its own frequencies, the same number in total.", default=None
+    )
+    seconds: float | None = typed(
+        "Longest time of a sweep on the meter.", within=any_finite("s"), default=None
+    )
+    band: str | None = typed(
+        "LOW:HIGH in Hz; default: the scene's lowest and highest frequency.", default=None
+    )
+    sheet_resistance: str | None = typed("LOW:HIGH in ohm/sq, for both sheets.", default=None)
+    sheet_ratio: float | None = typed(
+        "Largest ratio of one sheet's resistance to the other's.", default=None
+    )
+    foam_thickness: str | None = typed(
+        "LOW:HIGH in m, if the scene states the foam's thickness.", default=None
+    )
+    grading: float | None = typed(
+        "Largest ratio of a sheet's resistance at opposite edges, 1 to 10.", default=None
+    )
+    foils: bool | None = typed("Positions and lengths of foils may change.", default=None)
+    foil_length: str | None = typed(
+        "LOW:HIGH, a foil's length over that of its edge.", default=None
+    )
+    against_rest: int | None = typed(
+        "Number of baseline sweeps that each sweep is compared with.",
+        within=BASELINES,
+        default=None,
+    )
+    casts: int | None = typed("Number of skin samples, drawn from `dataset.session`.", default=None)
+    draws: int = typed("Number of sweeps drawn for each bound.", within=DRAWS, default=2000)
+    seed: int = typed(SEED_OF_ALL, default=1)
+
+    def run(self) -> None:
+        from ..bounds.frequency_sets import own_band
+        from ..models.mechanics.force_depths import pressed_by_factors
+        from ..progress import on_terminal
+        from ..requests.requested_scene import requested_scene
+        from ..scene.frequency import parse_band
+        from ..sweeps.units import bound_text
+        from .evaluator import SearchSettings
+        from .report.design_folder import answer, write_folder
+        from .search import search
+        from .search_journal import SearchJournal
+
+        loaded = pressed_by_factors(requested_scene(self.scene).parts, "a design")
+        given = {
+            "target": self.target,
+            "want": self.want,
+            "within": _metres("--within", self.within),
+            "wires": self.wires,
+            "readings": self.readings,
+            "frequencies": self.frequencies,
+            "own_frequencies": self.own_frequencies,
+            "seconds": self.seconds,
+            "band": None if self.band is None else parse_band(self.band, own_band(loaded.setup)),
+            "sheet_resistance": _bounds("--sheet-resistance", self.sheet_resistance),
+            "sheet_ratio": self.sheet_ratio,
+            "foam_thickness": _bounds("--foam-thickness", self.foam_thickness),
+            "grading": self.grading,
+            "foils": self.foils,
+            "foil_length": _bounds("--foil-length", self.foil_length),
+            "against_rest": self.against_rest,
+            "casts": self.casts,
+        }
+        request = _request(
+            loaded.skin,
+            loaded.plan,
+            {name: value for name, value in given.items() if value is not None},
+        )
+        bare = replace(loaded, plan=replace(loaded.plan, design=None))
+        header = {"asked": request.model_dump(mode="json"), "seed": self.seed, "draws": self.draws}
+        journal = SearchJournal(_journal_of(self.output), {"scene": bare.text, **header})
+        with on_terminal() as progress:
+            settings = SearchSettings(request, self.seed, self.draws, journal, progress)
+            found = search(bare, settings)
+            write_folder(found, settings, self.output)
+        journal.done()
+        say(answer(found, settings))
+        if request.target != "position":
+            skins = f"each of {request.casts} known samples" if request.casts else "a known skin"
+            say(bound_text(request.against_rest, skins))
+        say(f"design, wiring and report written to {self.output}")
 
 
 def _request(skin: Skin, plan: Plan, given: dict[str, object]) -> Design:

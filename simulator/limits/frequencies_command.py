@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-import typer
-
+from ..requests.number_ranges import FREQUENCIES
 from ..requests.options import (
+    AGAINST_REST,
     BASELINE_SWEEPS,
-    AgainstRest,
-    Interfaces,
-    SceneName,
-    TouchFactor,
-    TouchSide,
+    INTERFACES,
+    SCENE,
+    TOUCH_FACTOR,
+    TOUCH_SIDE,
 )
+from ..requests.request import Request, argument, typed
 from ..safe_text import say, terminal
 
 if TYPE_CHECKING:
@@ -22,36 +23,7 @@ if TYPE_CHECKING:
     from .frequency_design import FrequencyDesign
 
 
-def frequencies(
-    scene: SceneName,
-    n: Annotated[int, typer.Option("-n", help="Number of frequencies.")],
-    criterion: Annotated[
-        str,
-        typer.Option(
-            autocompletion=lambda: ["position", "column", "pixel"],
-            help="position: the bound on the position error, rms over the sheet; column or pixel: "
-            "the distance of the nearest two in the meter's errors.",
-        ),
-    ] = "position",
-    band: Annotated[
-        str | None,
-        typer.Option(help="LOW:HIGH in Hz; default: the scene's lowest and highest frequency."),
-    ] = None,
-    among: Annotated[
-        str | None,
-        typer.Option(
-            help="The only candidates: scene (the scene's frequencies), or F,F,... in Hz."
-        ),
-    ] = None,
-    grid: Annotated[int, typer.Option(help="Number of candidate frequencies.")] = 60,
-    interface: Interfaces = None,
-    size: TouchSide = None,
-    factor: TouchFactor = None,
-    against_rest: AgainstRest = BASELINE_SWEEPS,
-    repeats: Annotated[
-        bool, typer.Option("--repeats", help="A frequency may be chosen more than once.")
-    ] = False,
-) -> None:
+class Frequencies(Request, example="frequencies sheet-5x5 -n 8"):
     """Choose the best n frequencies; compare with Eq. 6 of the paper and log spacing.
 
     Any two differ by at least 10 %, if there is room for n of them: nearer
@@ -62,43 +34,70 @@ def frequencies(
     error.
     """
 
-    from ..bounds.frequency_sets import chosen_band, frequencies_among
-    from ..bounds.position_bound import chosen_touch
-    from ..models.mechanics.force_depths import pressed_by_factors
-    from ..progress import on_terminal
-    from ..requests.requested_scene import requested_scene
-    from .frequency_design import check_design, checked_criterion, design
-    from .survey import with_interfaces
+    scene: str = argument(SCENE)
+    n: int = typed("Number of frequencies.", "-n", within=FREQUENCIES)
+    criterion: str = typed(
+        "position: the bound on the position error, rms over the sheet; column or pixel: "
+        "the distance of the nearest two in the meter's errors.",
+        complete=lambda: ["position", "column", "pixel"],
+        default="position",
+    )
+    band: str | None = typed(
+        "LOW:HIGH in Hz; default: the scene's lowest and highest frequency.", default=None
+    )
+    among: str | None = typed(
+        "The only candidates: scene (the scene's frequencies), or F,F,... in Hz.", default=None
+    )
+    grid: int = typed("Number of candidate frequencies.", default=60)
+    interface: Sequence[str] | None = typed(INTERFACES, default=None)
+    size: float | None = typed(TOUCH_SIDE, default=None)
+    factor: float | None = typed(TOUCH_FACTOR, default=None)
+    against_rest: int = typed(AGAINST_REST, default=BASELINE_SWEEPS)
+    repeats: bool = typed("A frequency may be chosen more than once.", default=False)
 
-    by_factors = pressed_by_factors(requested_scene(scene).parts, "a limit")
-    loaded = with_interfaces(by_factors, interface or [])
-    chosen_from = frequencies_among(among, loaded.setup)
-    check_design(n, grid if chosen_from is None else len(chosen_from), repeats, grid)
-    with on_terminal() as progress:
-        found = design(
-            loaded,
-            n,
-            chosen_band(band, loaded.setup),
-            chosen_touch(
-                loaded.skin, loaded.plan.press, None if size is None else 1e-3 * size, factor
-            ),
-            criterion=checked_criterion(criterion),
-            grid=grid,
-            against_rest=against_rest,
-            repeats=repeats,
-            among=chosen_from,
-            progress=progress,
+    def run(self) -> None:
+        from ..bounds.frequency_sets import chosen_band, frequencies_among
+        from ..bounds.position_bound import chosen_touch
+        from ..models.mechanics.force_depths import pressed_by_factors
+        from ..progress import on_terminal
+        from ..requests.requested_scene import requested_scene
+        from .frequency_design import check_design, checked_criterion, design
+        from .survey import with_interfaces
+
+        by_factors = pressed_by_factors(requested_scene(self.scene).parts, "a limit")
+        loaded = with_interfaces(by_factors, self.interface or [])
+        chosen_from = frequencies_among(self.among, loaded.setup)
+        check_design(
+            self.n, self.grid if chosen_from is None else len(chosen_from), self.repeats, self.grid
         )
-    console = terminal()
-    if console.is_terminal:
-        console.print(_table(found))
-        say(found.optimal_for)
-        return
-    for frequency in found.best:
-        say(f"{frequency:.6g}")
-    for name in found.sets:
-        say(f"{name}: {found.comparison(name)}", err=True)
-    say(found.optimal_for, err=True)
+        with on_terminal() as progress:
+            found = design(
+                loaded,
+                self.n,
+                chosen_band(self.band, loaded.setup),
+                chosen_touch(
+                    loaded.skin,
+                    loaded.plan.press,
+                    None if self.size is None else 1e-3 * self.size,
+                    self.factor,
+                ),
+                criterion=checked_criterion(self.criterion),
+                grid=self.grid,
+                against_rest=self.against_rest,
+                repeats=self.repeats,
+                among=chosen_from,
+                progress=progress,
+            )
+        console = terminal()
+        if console.is_terminal:
+            console.print(_table(found))
+            say(found.optimal_for)
+            return
+        for frequency in found.best:
+            say(f"{frequency:.6g}")
+        for name in found.sets:
+            say(f"{name}: {found.comparison(name)}", err=True)
+        say(found.optimal_for, err=True)
 
 
 def _table(found: FrequencyDesign) -> Table:

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Complex, Real
 from ..sweeps import InputError
+from ..sweeps.errors import named
 from ..sweeps.units import quantity
 
 REFERENCE = 1e3
@@ -98,10 +99,11 @@ def parse_band(text: str, own: tuple[float, float]) -> tuple[float, float]:
     try:
         low, high = (quantity(part, "Hz") if part.strip() else None for part in text.split(":"))
     except ValueError:
-        raise InputError(f"--band must be LOW:HIGH in Hz, got {text!r}") from None
+        raise InputError(f"{named('band')} must be LOW:HIGH in Hz, got {text!r}") from None
     band = own[0] if low is None else low, own[1] if high is None else high
     if not 0 <= band[0] < band[1]:
         raise InputError(
-            f"--band must be LOW:HIGH in Hz with 0 <= LOW < HIGH, got {band[0]:g}:{band[1]:g}"
+            f"{named('band')} must be LOW:HIGH in Hz with 0 <= LOW < HIGH, got "
+            f"{band[0]:g}:{band[1]:g}"
         )
     return band

@@ -15,7 +15,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .errors import InputError
+from .errors import InputError, named
 from .formats import ENDINGS, FORMATS
 from .formats.zarr import check_zarr
 from .schema import MEASURED, VIRTUAL, SweepTable, check
@@ -55,11 +55,11 @@ def check_replaceable(path: Path) -> None:
     if not present(path) or may_replace(measured=True):
         return
     if not may_replace():
-        reason, option = "already exists", "--overwrite replaces it"
+        reason, option = "already exists", f"{named('overwrite', flag=True)} replaces it"
         if path.suffix in FORMATS:
-            option += " (--overwrite-measured if its sweeps were measured)"
+            option += f" ({named('overwrite_measured', flag=True)} if its sweeps were measured)"
     elif reason := _measured(path):
-        option = "--overwrite-measured replaces it"
+        option = f"{named('overwrite_measured', flag=True)} replaces it"
     else:
         return
     raise InputError(f"{path}: {reason}; {option}, or give another name")

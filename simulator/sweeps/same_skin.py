@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Mask, Real
 from . import inputs
-from .errors import InputError
+from .errors import InputError, named
 
 SAME_FREQUENCY = 1e-6
 """Relative difference below which two frequencies are always the same."""
@@ -55,7 +55,9 @@ def check_same_skin(recorded: str, requested: str, source: str, how: str = "reco
     differing = difference(recorded, requested)
     if differing is not None:
         names = f"{how} for {_name(recorded)}, but used for {_name(requested)}"
-        raise InputError(f"{source}: {names}: {differing}; --anyway ignores this")
+        raise InputError(
+            f"{source}: {names}: {differing}; {named('anyway', flag=True)} ignores this"
+        )
 
 
 def difference(recorded: str, requested: str) -> str | None:

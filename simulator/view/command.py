@@ -3,54 +3,20 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING
 
-import typer
-
-from ..requests.options import SceneName
+from ..requests.number_ranges import HERTZ, AllowedRange
+from ..requests.options import EXACTNESS, SCENE
+from ..requests.request import Writing, argument, typed
 
 if TYPE_CHECKING:
     from ..progress import ProgressCallback
     from .scenery import ViewedPress
 
 
-def view(
-    scene: SceneName,
-    output: Annotated[
-        Path, typer.Option("--output", "-o", help="OUT.png .svg .pdf .gif .mp4 .vtu or .xdmf.")
-    ],
-    press: Annotated[
-        str, typer.Option(help="A press as for `rcskin sweep`; default: the unpressed skin.")
-    ] = "none",
-    frequency: Annotated[
-        list[float] | None,
-        typer.Option(help="Hz; repeatable. Default: one of the interface's, or all."),
-    ] = None,
-    interface: Annotated[
-        str | None, typer.Option(help="Interface of the scene; default: the first.")
-    ] = None,
-    what: Annotated[
-        str,
-        typer.Option(
-            help="potential, phase, current, power, sensitivity-Rs, sensitivity-Cp, capacitance, "
-            "deformation or all."
-        ),
-    ] = "potential",
-    rtol: Annotated[
-        float, typer.Option(help="Largest relative error of Rs and of Cp, 1e-8 to 1e-2.")
-    ] = 1e-4,
-    wrapped: Annotated[
-        bool | None,
-        typer.Option("--wrapped/--flat", help="Draw the skin in space or flat; default: as it is."),
-    ] = None,
-    exaggerate: Annotated[
-        float | None, typer.Option(help="Factor on the drawn deflection; default: chosen.")
-    ] = None,
-    animate: Annotated[
-        str | None, typer.Option(help="frequency or phase, for OUT.gif and OUT.mp4.")
-    ] = None,
-) -> None:
+class View(Writing, example="view sheet-5x5 --press 2,3 --frequency 1e4 -o field.png"):
     """Show the fields of a skin: pictures, movies, files for ParaView.
 
     For several frequencies a picture has one panel each, a movie one frame each;
@@ -60,29 +26,59 @@ def view(
     Potentials, currents and power are those for 1 V at the terminals.
     """
 
-    _check(output, what, animate, exaggerate)
-    every = animate == "frequency" or output.suffix in ALL_FREQUENCIES
-    from dataclasses import replace
+    scene: str = argument(SCENE)
+    output: Path = typed("OUT.png .svg .pdf .gif .mp4 .vtu or .xdmf.", "--output", "-o")
+    press: str = typed(
+        "A press as for `rcskin sweep`; default: the unpressed skin.", default="none"
+    )
+    frequency: Sequence[float] | None = typed(
+        "Hz; repeatable. Default: one of the interface's, or all.", within=HERTZ, default=None
+    )
+    interface: str | None = typed("Interface of the scene; default: the first.", default=None)
+    what: str = typed(
+        "potential, phase, current, power, sensitivity-Rs, sensitivity-Cp, capacitance, "
+        "deformation or all.",
+        default="potential",
+    )
+    rtol: float = typed(EXACTNESS, default=1e-4)
+    wrapped: bool | None = typed(
+        "Draw the skin in space or flat; default: as it is.", "--wrapped/--flat", default=None
+    )
+    exaggerate: float | None = typed(
+        "Factor on the drawn deflection; default: chosen.",
+        within=AllowedRange(0.0, 1e9, "times: a nanometre becomes a metre"),
+        default=None,
+    )
+    animate: str | None = typed("frequency or phase, for OUT.gif and OUT.mp4.", default=None)
 
-    from ..progress import on_terminal
-    from ..requests.console import note, report_written
-    from .outputs import write_output
+    def run(self) -> None:
+        _check(self.output, self.what, self.animate)
+        every = self.animate == "frequency" or self.output.suffix in ALL_FREQUENCIES
+        from dataclasses import replace
 
-    every = every and animate != "phase"
-    with on_terminal() as progress:
-        stage = _viewed_press(scene, press, frequency, interface, rtol, every, progress)
-    stage = replace(stage, wrapped=wrapped, exaggeration=exaggerate)
-    with on_terminal() as progress:
-        write_output(output, stage, what, animate, progress, note)
-    shown = what if output.suffix not in ALL_FIELDS else "all fields"
-    report_written(f"{shown} of press {stage.press_text} at {_frequencies_text(stage)}", output)
+        from ..progress import on_terminal
+        from ..requests.console import note, report_written
+        from .outputs import write_output
+
+        every = every and self.animate != "phase"
+        with on_terminal() as progress:
+            stage = _viewed_press(
+                self.scene, self.press, self.frequency, self.interface, self.rtol, every, progress
+            )
+        stage = replace(stage, wrapped=self.wrapped, exaggeration=self.exaggerate)
+        with on_terminal() as progress:
+            write_output(self.output, stage, self.what, self.animate, progress, note)
+        shown = self.what if self.output.suffix not in ALL_FIELDS else "all fields"
+        report_written(
+            f"{shown} of press {stage.press_text} at {_frequencies_text(stage)}", self.output
+        )
 
 
 ALL_FIELDS = (".vtu", ".xdmf")
 ALL_FREQUENCIES = (".gif", ".mp4", ".vtu", ".xdmf")
 
 
-def _check(output: Path, what: str, animate: str | None, exaggerate: float | None) -> None:
+def _check(output: Path, what: str, animate: str | None) -> None:
     from ..sweeps import InputError, checked_output
     from .outputs import ANIMATIONS, ENDINGS, MOVIES, check_output
     from .quantities import checked_name
@@ -93,14 +89,12 @@ def _check(output: Path, what: str, animate: str | None, exaggerate: float | Non
         raise InputError(f"--animate must be {' or '.join(ANIMATIONS)}, got {animate!r}")
     if animate is not None and output.suffix not in MOVIES:
         raise InputError(f"--animate needs -o OUT{' or OUT'.join(MOVIES)}")
-    if exaggerate is not None and not (math.isfinite(exaggerate) and exaggerate >= 0):
-        raise InputError(f"--exaggerate must be finite and >= 0, got {exaggerate:g}")
 
 
 def _viewed_press(
     name: str,
     press: str,
-    frequency: list[float] | None,
+    frequency: Sequence[float] | None,
     interface: str | None,
     rtol: float,
     every: bool,
@@ -143,16 +137,11 @@ def _viewed_press(
     return ViewedPress(scene.parts, pressed, wiring, found)
 
 
-def _frequencies(requested: list[float] | None, known: list[float], every: bool) -> list[float]:
+def _frequencies(requested: Sequence[float] | None, known: list[float], every: bool) -> list[float]:
     """Frequencies to show, Hz, ascending: the requested ones, else all or one.
 
     Without a request it is all known ones if `every`, else the one in their middle.
     """
-    from ..sweeps import InputError
-
-    for frequency in requested or []:
-        if not (math.isfinite(frequency) and frequency > 0):
-            raise InputError(f"--frequency must be finite and > 0 Hz, got {frequency:g}")
     if requested or every:
         return sorted(set(requested or known))
     middle = math.sqrt(known[0] * known[-1])

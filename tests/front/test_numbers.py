@@ -2,17 +2,20 @@
 
 import inspect
 import math
-from typing import get_args
+import re
+from dataclasses import FrozenInstanceError
 
 import pytest
 import rcskin
 import xarray as xr
-from rcskin.__main__ import app
+from rcskin.__main__ import app  # noqa: F401  all requests are known after it
+from rcskin.simulator.calibration.command import Options
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press
-from rcskin.simulator.requests.number_ranges import range_of
+from rcskin.simulator.requests.request import Request, Writing, fields_of, way
+from rcskin.simulator.requests.typer_commands import callback_of
 from rcskin.simulator.scene.scene_files import load_scene
-from rcskin.simulator.sweeps import InputError
+from rcskin.simulator.simulation import Sweep
 from rcskin.tests.refusals import refusal_of
 
 GLOVE, EMPTY = load_scene("glove"), xr.Dataset()
@@ -23,49 +26,64 @@ BY_THE_METER = {"timeout", "baud", "averaging", "amplitude", "range_", "delay", 
 BY_THE_METER |= {"patience", "random", "rest", "times", "seconds", "status"}
 
 
-def commands(group, path=()):
-    """Every command with its callback."""
-    for each in group.registered_commands:
-        yield (*path, each.name or each.callback.__name__), each.callback
-    for each in group.registered_groups:
-        yield from commands(each.typer_instance, (*path, each.name))
+def requests(kind=Request):
+    """Every class of a request."""
+    for each in kind.__subclasses__():
+        yield each
+        yield from requests(each)
 
 
-def kinds(annotation):
-    parts = get_args(annotation)
-    return {annotation} if not parts else {kind for part in parts for kind in kinds(part)}
-
-
-def numeric(annotation):
-    return kinds(get_args(annotation)[0] if get_args(annotation) else annotation) & {int, float}
-
-
+REQUESTS = [each for each in requests() if each not in (Options, Writing)]
 EVERY = [
-    (path, callback, name, int if int in numeric(each.annotation) else float)
-    for path, callback in commands(app)
-    for name, each in inspect.signature(callback, eval_str=True).parameters.items()
-    if numeric(each.annotation)
+    (request, each, int if "int" in each.type else float)
+    for request in REQUESTS
+    for each in fields_of(request)
+    if re.search(r"\b(int|float)\b", each.type) and not re.search("tuple|Mapping", each.type)
 ]
-NAMES = [" ".join((*path, name)) for path, _, name, _ in EVERY]
+NAMES = [f"{request.__name__} {each.name}" for request, each, _ in EVERY]
 
 
-@pytest.mark.parametrize(("path", "callback", "name", "kind"), EVERY, ids=NAMES)
-def test_numbers_outside_their_range_end_in_a_line(path, callback, name, kind):
-    low, high, *_ = range_of(path[-1], name)
+@pytest.mark.parametrize(("request_class", "given", "kind"), EVERY, ids=NAMES)
+def test_numbers_outside_their_range_end_in_a_line_with_their_name(request_class, given, kind):
+    name, (low, high, *_) = given.name, way(given).how.within
     extremes = [math.nan, math.inf, -math.inf] if kind is float else []
     if math.isfinite(low):
         extremes += [low - 1, high + 1, -(10**30), 10**30, *([] if kind is int else [1e300])]
     else:
         assert name in BY_THE_SCENE | BY_THE_METER
     for value in extremes:
-        with pytest.raises(InputError) as refused:
-            callback(**{name: value})
-        line = str(refused.value)
-        assert line.startswith("-") and " must be " in line and f"got {value}" in line
+        line = refusal_of(request_class.check, {name: value})
+        assert line.startswith(f"`{name}` must be ") and f"got {value}" in line
+        if way(given).typed and hasattr(request_class, "run"):
+            line = refusal_of(callback_of(request_class), **{name: value})
+            assert line.startswith("-") and " must be " in line and f"got {value}" in line
 
 
 def test_there_are_all_commands():
-    assert len(EVERY) > 90 and ("meter", "record") in {path for path, *_ in EVERY}
+    assert len(EVERY) > 90 and "record" in {each.command_name for each in REQUESTS}
+
+
+def test_a_request_is_frozen_and_refuses_names_that_it_lacks():
+    request = Sweep("glove", rtol=1e-3)
+    with pytest.raises(FrozenInstanceError, match="rtol"):
+        request.rtol = 1.0
+    with pytest.raises(TypeError, match="rtoll"):
+        Sweep("glove", rtoll=1e-3)
+
+
+@pytest.mark.parametrize("request_class", [each for each in REQUESTS if hasattr(each, "result")])
+def test_python_has_what_the_command_line_has(request_class):
+    """A public function takes all options of its command but those of files and of the terminal."""
+    public = getattr(rcskin, request_class.command_name)
+    fields = {each.name: each for each in fields_of(request_class)}
+    parameters = inspect.signature(public).parameters
+    assert {*parameters} == {name for name, each in fields.items() if each.init}
+    for name in parameters:
+        assert f"{name}: " in public.__doc__
+
+
+def test_the_effects_of_the_command_are_fitted_in_python_too():
+    assert "also" in inspect.signature(rcskin.calibrate).parameters
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from rcskin.localization.study.point import EvaluationSettings, impedances
 from rcskin.simulator.bounds.position_bound import chosen_touch
-from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.command import Options
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.skin_model import reduced as family_of

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...arrays import Complex, Real
 from ...models.parameters import SOURCE
+from ...sweeps.errors import named
 from .sheet_intervals import MISMATCH
 
 if TYPE_CHECKING:
@@ -93,7 +94,7 @@ def _source(calibration: Calibration) -> list[str]:
         return [f"the source has {value:.4g} times the stated voltage, standard error {error:.2g}"]
     return [
         f"the voltage of the source is not identified by these gains ({value:.3g} times the "
-        f"stated one, standard error {error:.2g}); if it is known, use --fix {SOURCE}"
+        f"stated one, standard error {error:.2g}); if it is known, use {named('fix')} {SOURCE}"
     ]
 
 

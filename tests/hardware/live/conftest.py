@@ -5,7 +5,7 @@ import sys
 import pytest
 import typer
 from rcskin.hardware.control_client import send_request
-from rcskin.hardware.live.command import live as command
+from rcskin.hardware.live.command import Live
 from rcskin.hardware.live.live_baseline import LiveBaseline
 from rcskin.hardware.live.live_meter import LiveMeter
 from rcskin.hardware.live.live_session import LiveSession
@@ -13,7 +13,7 @@ from rcskin.hardware.live.session_log import SessionLog
 from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.record.sweep_checks import SweepLimits
 from rcskin.simulator.meters.accuracy_table import read_table
-from rcskin.simulator.requests.options import with_overwrite_options
+from rcskin.simulator.requests.typer_commands import add_commands
 from rcskin.tests.hardware.live import live_rig
 from typer.testing import CliRunner
 
@@ -72,8 +72,7 @@ def live(ports, monkeypatch):
     monkeypatch.setattr("rcskin.simulator.page.linked.linked_page", live_rig.document)
     monkeypatch.setattr("rcskin.hardware.live.live_localizer.localizer_of", live_rig.localizer_of)
     app = typer.Typer()
-    app.command("live")(command)
-    with_overwrite_options(app)
+    add_commands(app, Live)
 
     def live(*arguments, model="m.npz"):
         words = ["--resource", ports.resource, "--model", model]

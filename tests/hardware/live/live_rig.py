@@ -6,12 +6,12 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
-from rcskin.hardware.live.command import live
+from rcskin.hardware.live.command import Live
 from rcskin.hardware.live.touch_answer import answer_of_classes
 from rcskin.hardware.meter.errors import MeterError
 from rcskin.simulator.cli import app
 from rcskin.simulator.command_line import run
-from rcskin.simulator.requests.options import with_overwrite_options
+from rcskin.simulator.requests.typer_commands import add_commands
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import OPENING, impedance
 from rcskin.tests.hardware.pillow import C, Pillow, document
@@ -101,6 +101,5 @@ if __name__ == "__main__":
         ("simulator.page.linked", {"linked_page": document}),
     ):  # in place of modules that import half of the simulator
         sys.modules[f"rcskin.{name}"] = SimpleNamespace(**toys)
-    app.command()(live)
-    with_overwrite_options(app)
+    add_commands(app, Live)
     run(app, (MeterError,))

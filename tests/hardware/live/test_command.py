@@ -196,7 +196,7 @@ def test_a_rest_of_other_frequencies_is_refused(live, tmp_path):
         (["--model", "two.npz"], "the interfaces left, bottom need a switch that works"),
         (["--interface", "up"], "the model was trained on interface left, got 'up'"),
         (["--rest", "0"], "`rest` must be in 1..1000, got 0"),
-        (["--sweeps", "0"], "`sweeps` must be at least 1, got 0"),
+        (["--sweeps", "0"], "--sweeps must be from 1 to"),
         (["--patience", "0"], "`patience` must be in (0, 1e6] s, got 0"),
         (["--log", "a.xlsx"], "must end in .nc or .csv"),
         (["--rest-file", "absent.nc"], "absent.nc: no such file"),

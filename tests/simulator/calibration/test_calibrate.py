@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.command import Options
 from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.misfit import gap_by_parameter
 from rcskin.simulator.calibration.profile_distribution import NORMAL
@@ -113,7 +113,7 @@ def test_presses_are_used_and_their_strengths_found(line, read):
 @pytest.mark.usefixtures("linear_intervals")
 def test_strengths_taken_as_stated_are_not_fitted(line, read):
     sweeps = read(line, TRUTH, (*REST, "1,2:2.0"))
-    found = calibrate(line, sweeps, Options(fit=tuple(TRUTH), strengths=False))
+    found = calibrate(line, sweeps, Options(fit=tuple(TRUTH), fixed_strength=True))
     assert found.strengths[1].tolist() == [1.0]
     assert found.fit.spec.touch_count == 0
 

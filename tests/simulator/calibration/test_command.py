@@ -119,9 +119,9 @@ def test_numbers_are_written_for_machines(run, files):
         (("--band", "high"), "--band must be LOW:HIGH in Hz, got 'high'"),
         (("--band", "5:1"), "--band must be LOW:HIGH in Hz with 0 <= LOW < HIGH, got 5:1"),
         (("--band", "1e9:"), "got 1e+09 to inf Hz"),
-        (("--prior", "none"), "`prior` must be one of wide, session, got 'none'"),
-        (("--session", "9"), "`session` must be one of 0, got 9"),
-        (("--also", "bodies"), "`also` must be one of body, rim, finger, leak, source_scale, "),
+        (("--prior", "none"), "--prior must be one of wide, session, got 'none'"),
+        (("--session", "9"), "--session must be one of 0, got 9"),
+        (("--also", "bodies"), "--also must be one of body, rim, finger, leak, source_scale, "),
     ],
 )
 def test_bad_input_is_one_line_and_nothing_is_written(refused, files, more, message):

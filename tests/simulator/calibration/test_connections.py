@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.command import Options
 from rcskin.simulator.calibration.results.explanations import explanations
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.simulate import simulate
@@ -43,7 +43,7 @@ def gains(yarn):
 
 
 def fitted(*more, fix=("others",), **options):
-    return Options((*TRUTH, *more), fix, trials=False, **options)
+    return Options(fit=(*TRUTH, *more), fix=fix, **options)
 
 
 def lines(found, words):
@@ -58,7 +58,9 @@ def assert_truth(found):
 
 
 def test_the_voltage_of_the_source_is_fitted_with_a_standard_error(yarn, gains):
-    found = calibrate(yarn, gains.assign(gain=0.56 * gains["gain"]), fitted("source_scale"))
+    found = calibrate(
+        yarn, gains.assign(gain=0.56 * gains["gain"]), fitted("source_scale"), trials=False
+    )
     assert_truth(found)
     assert found.identified["source_scale"]
     error = found.standard_errors["source_scale"]
@@ -69,9 +71,9 @@ def test_the_voltage_of_the_source_is_fitted_with_a_standard_error(yarn, gains):
 
 def test_the_voltage_of_the_source_is_a_parameter_of_gains_unless_it_is_fixed(yarn, gains):
     rest = gains.isel(sweep=[0])
-    every = calibrate(yarn, rest, Options(trials=False))
+    every = calibrate(yarn, rest, trials=False)
     assert "source_scale" in every.intervals
-    known = calibrate(yarn, rest, Options(fix=("source_scale",), trials=False))
+    known = calibrate(yarn, rest, Options(fix=("source_scale",)), trials=False)
     assert "source_scale" not in known.intervals
 
 
@@ -80,20 +82,22 @@ def test_a_voltage_that_the_gains_do_not_determine_is_reported_so(yarn, gains):
     high = yarn.with_({"sweep.frequencies": np.geomspace(3e6, 9e6, 8).tolist()})
     high = high.with_({f"interface.{k}.load.capacitance": 0.0 for k in (1, 2)})
     high = high.with_({"readout.magnitude_noise": 0.05})
-    found = calibrate(high, simulate(Solver(high.parts, 1e-4), [Press()]), fitted("source_scale"))
+    found = calibrate(
+        high, simulate(Solver(high.parts, 1e-4), [Press()]), fitted("source_scale"), trials=False
+    )
     assert not found.identified["source_scale"]
     assert lines(found, "voltage of the source is not identified by these gains")
 
 
 def test_a_fixed_voltage_that_is_another_is_named(yarn, gains):
-    found = calibrate(yarn, gains.assign(gain=0.56 * gains["gain"]), fitted())
+    found = calibrate(yarn, gains.assign(gain=0.56 * gains["gain"]), fitted(), trials=False)
     assert lines(found, "a source of 0.56 times the stated voltage would leave")
 
 
 @pytest.mark.parametrize("scale", [1.0, 0.56])
 def test_exchanged_ends_are_found_named_and_in_the_fitted_scene(yarn, gains, scale):
     other = gains.assign(gain=(gains["gain"].dims, scale * gains["gain"].values[:, ::-1]))
-    found = calibrate(yarn, other, fitted("source_scale"))
+    found = calibrate(yarn, other, fitted("source_scale"), trials=False)
     assert_truth(found)
     (line,) = lines(found, "the stated connection fails")
     assert "taken: interfaces left and right exchanged, which leaves" in line
@@ -108,7 +112,7 @@ def test_keys_that_are_counted_from_the_other_end_are_found(yarn, gains):
     presses = [parse_press(each, 2.0, one.parts.skin, one.press) for each in mirrored]
     read = simulate(Solver(parts_with(one.parts, TRUTH), 1e-5), presses)
     read["press"] = ("sweep", np.array(PRESSES, dtype=object))
-    found = calibrate(one, read, fitted())
+    found = calibrate(one, read, fitted(), trials=False)
     assert lines(found, "taken: columns counted from the other end, which leaves")
     for name, value in TRUTH.items():
         assert found.values[name] == pytest.approx(value, abs=0.01)
@@ -143,7 +147,7 @@ def test_an_interface_that_is_another_of_the_scene_is_named(crossed):
     truth = parts_with(crossed.parts, {"capacitance": -0.3}).scene
     read = simulate(Solver(truth.parts, 1e-5), [Press(), parse_press("1,2:2", 2.0)])
     short = read.sel(interface=["long"]).assign_coords(interface=["short"])
-    found = calibrate(crossed, short, Options(("capacitance",), ("others",), trials=False))
+    found = calibrate(crossed, short, Options(fit=("capacitance",), fix=("others",)), trials=False)
     assert lines(found, "taken: interface short is long of the scene, which leaves")
     assert found.values["capacitance"] == pytest.approx(-0.3, abs=0.01)
     (only,) = found.fit.spec.measurements.parts.setup.interfaces
@@ -153,7 +157,7 @@ def test_an_interface_that_is_another_of_the_scene_is_named(crossed):
 def test_a_misfit_of_another_cause_exchanges_nothing(crossed):
     truth = crossed.with_({"skin.foam.loss_tangent": 0.2})
     read = simulate(Solver(truth.parts, 1e-5), [Press(), parse_press("1,2:2", 2.0)])
-    found = calibrate(crossed, read, Options(("capacitance",), ("others",), trials=False))
+    found = calibrate(crossed, read, Options(fit=("capacitance",), fix=("others",)), trials=False)
     assert found.chi_squared > 2
     assert not lines(found, "taken:")
     assert found.scene.interfaces == crossed.interfaces
@@ -186,7 +190,7 @@ def test_a_measured_knitted_pad_is_fitted_as_it_comes():
         session=[0] * len(some),
         kind=scene.parts.setup.kind,
     ).dataset()
-    found = calibrate(scene, sweeps, Options(trials=False))
+    found = calibrate(scene, sweeps, trials=False)
     assert lines(found, "taken: interfaces left and right exchanged")
     assert found.values["source_scale"] == pytest.approx(0.56, abs=0.03)
     assert found.rms_error < 0.024

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.command import Options
 from rcskin.simulator.calibration.residual_correlation import integrated_correlation
 from rcskin.simulator.calibration.results.explanations import explanations
 from rcskin.simulator.calibration.results.identifiability import MIN_INDEPENDENT
@@ -79,7 +79,7 @@ def skin(line):
 def test_intervals_of_a_calibration_widen_by_smooth_errors_and_say_so(skin, read):
     """Smooth errors and independent ones of one size: the intervals differ by the correlation."""
     sweeps, random = read(skin), np.random.default_rng(0)
-    options = Options(("sheet_resistance", "capacitance"), ("others",), robust=False)
+    options = Options(fit=("sheet_resistance", "capacitance"), fix=("others",), robust=False)
     found = {}
     for errors in (smooth, independent):
         both = 0.005 * errors(random, 1)[0]

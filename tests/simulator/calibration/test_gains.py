@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.command import Options
 from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.results.explanations import explanations
 from rcskin.simulator.calibration.results.residual_chart import residuals
@@ -18,7 +18,7 @@ from rcskin.simulator.sweeps.reading_quantities import MAGNITUDE
 NOISE = 2e-3
 TRUTH = {"sheet_resistance": 0.2, "capacitance": -0.3, "stray_capacitance": 4e-12}
 CALIBRATING = ("none", "1,2:26pF", "1,6:33pF", "1,11:29pF")
-FITTED = Options(tuple(TRUTH), ("others",), trials=False)
+FITTED = Options(fit=tuple(TRUTH), fix=("others",))
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +49,9 @@ def gains(scene, presses, noise=0.0, seed=0):
 
 @pytest.fixture(scope="module")
 def fitted(yarn):
-    return calibrate(yarn, gains(parts_with(yarn.parts, TRUTH).scene, CALIBRATING, NOISE), FITTED)
+    return calibrate(
+        yarn, gains(parts_with(yarn.parts, TRUTH).scene, CALIBRATING, NOISE), FITTED, trials=False
+    )
 
 
 def test_magnitudes_of_an_unpressed_pad_and_three_touches_determine_the_yarn(fitted):
@@ -101,8 +103,8 @@ def one_node(line):
 def test_complex_gains_determine_a_line_and_the_input_of_its_reader(one_node):
     truth = {"sheet_resistance": 0.2, "capacitance": -0.3, "load_capacitance": 12e-12}
     sweeps = gains(parts_with(one_node.parts, truth).scene, ["none", "1,2:2"], NOISE, seed=1)
-    options = Options(tuple(truth), ("others",), trials=False)
-    found = calibrate(one_node, sweeps, options)
+    options = Options(fit=tuple(truth), fix=("others",))
+    found = calibrate(one_node, sweeps, options, trials=False)
     for name, value in truth.items():
         low, high = found.intervals[name]
         assert low < value < high
@@ -115,7 +117,9 @@ def test_a_series_resistor_is_not_identified_beside_the_impedances_of_the_skin(o
     """A gain depends on ratios of impedances only."""
     free = one_node.with_({"interface.1.load": {"capacitance": 0.0}})
     names = ("sheet_resistance", "capacitance", "series_resistance")
-    found = calibrate(free, gains(free, ["none"], NOISE), Options(names, ("others",), trials=False))
+    found = calibrate(
+        free, gains(free, ["none"], NOISE), Options(fit=names, fix=("others",)), trials=False
+    )
     assert not found.identified["series_resistance"]
     assert any("series_resistance" in each for each in found.unclear)
 
@@ -124,7 +128,7 @@ def test_readings_far_off_are_found_among_magnitudes(yarn):
     sweeps = gains(parts_with(yarn.parts, TRUTH).scene, CALIBRATING, NOISE)
     sweeps["gain"][0, 0, 3] *= 1.4
     sweeps["gain"][2, 1, 9] *= 0.7
-    found = calibrate(yarn, sweeps, FITTED)
+    found = calibrate(yarn, sweeps, FITTED, trials=False)
     assert found.fit.spec.tail is not None and found.fit.spec.tail.parts == 1
     for name, value in TRUTH.items():
         low, high = found.intervals[name]

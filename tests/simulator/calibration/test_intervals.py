@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from rcskin.simulator.calibration.command import Options
 from rcskin.simulator.calibration.distributions import Profile, ProfiledQuantity
-from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.prior import Prior
 from rcskin.simulator.calibration.profile_distribution import (
     NORMAL,

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.command import Options
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.press.press import Press
@@ -12,7 +12,7 @@ from rcskin.simulator.sweeps.schema import DIMENSIONS, impedance
 FREQUENCIES = np.geomspace(100, 2e5, 24)
 LEAK = 1500.0
 FITTED = ("sheet_resistance", "capacitance", "phase_exponent")
-FIT = Options(FITTED, ("others",))
+FIT = Options(fit=FITTED, fix=("others",))
 
 
 @pytest.fixture(scope="module")
@@ -53,7 +53,7 @@ def test_a_leaking_line_conducts_at_low_frequency(leaking):
 
 def test_a_leak_is_fitted_on_request(skin, leaking, read):
     sweeps = read(leaking, seed=1)
-    found = calibrate(skin, sweeps, Options(FITTED, ("others",), also=("leak",)))
+    found = calibrate(skin, sweeps, Options(fit=FITTED, fix=("others",), also=("leak",)))
     low, high = found.intervals["leak"]
     assert low < LEAK < high < 1.2 * low
     assert found.scene.skin.foam.leak == found.values["leak"]

@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.command import Options
 from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.specimen import MeterSessionErrors
@@ -55,7 +55,7 @@ def recorded(scene, sweeps, automatic, seed):
 
 @pytest.mark.parametrize("automatic", [True, False])
 def test_a_step_between_ranges_is_not_taken_for_a_property_of_the_skin(sheet, simulated, automatic):
-    options = Options(fit=NAMES, fix=("others",), strengths=False)
+    options = Options(fit=NAMES, fix=("others",), fixed_strength=True)
     found = calibrate(
         sheet, recorded(sheet, simulated(sheet, None, PRESSES), automatic, seed=2), options
     )

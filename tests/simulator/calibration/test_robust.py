@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.command import Options
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.calibration.student import ResidualBlock, StudentT, fitted_tail, likeliest
 from rcskin.simulator.scene.scene_files import scene_text
@@ -81,7 +81,9 @@ def test_readings_far_off_do_not_move_a_fit(line, quiet, read, stated):
     sweeps = read(line, TRUTH, PRESSES, called=("none",) * 3 + ("1,2", "1,3"))
     scene = line if stated else quiet
     clean, normal, robust = (
-        calibrate(scene, each, TWO if fit is None else Options(TWO.fit, TWO.fix, robust=fit))
+        calibrate(
+            scene, each, TWO if fit is None else Options(fit=TWO.fit, fix=TWO.fix, robust=fit)
+        )
         for each, fit in ((sweeps, None), (far_off(sweeps), False), (far_off(sweeps), None))
     )
     assert clean.fit.spec.tail is None and normal.fit.spec.tail is None

@@ -1,7 +1,7 @@
 """Of sheets that one field sees the sum is told; their ratio is assumed unless it is known."""
 
 import pytest
-from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.command import Options
 from rcskin.simulator.calibration.run import calibrate
 
 TRUTH = {"sheet_resistance": 0.25, "capacitance": -0.3, "phase_exponent": 0.96}

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rcskin.simulator.calibration import surroundings_trials
-from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.command import Options
 from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.misfit import gap_by_parameter
 from rcskin.simulator.calibration.problem import model_of

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from rcskin.simulator.calibration.command import Options
 from rcskin.simulator.calibration.fit import fitted_parts
-from rcskin.simulator.calibration.fit_options import Options
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.measure.readout import read_out
@@ -20,8 +20,8 @@ from rcskin.simulator.scene.scene_files import load_scene, scene_text
 from rcskin.simulator.sweeps import InputError
 
 FIT = ("sheet_resistance", "capacitance", *FOAM_MODES)
-UNEVEN = Options(fit=FIT, fix=("others",), strengths=False, uneven=True)
-NO_MODES = Options(fit=FIT[:2], fix=("others",), strengths=False)
+UNEVEN = Options(fit=FIT, fix=("others",), fixed_strength=True, uneven=True)
+NO_MODES = Options(fit=FIT[:2], fix=("others",), fixed_strength=True)
 TRUE = {"foam_x": 0.08, "foam_y": -0.06, "foam_xy": 0.04}
 
 

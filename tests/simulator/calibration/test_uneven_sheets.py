@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rcskin.benchmarks.accuracy.uneven_calibration import crossed
-from rcskin.simulator.calibration.fit_options import Options
+from rcskin.simulator.calibration.command import Options
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
@@ -29,7 +29,7 @@ FLAT = dict.fromkeys(SHEET_MODES, 0.0)
 
 
 def asked(*waves):
-    fixed = {"fix": ("others",), "strengths": False}
+    fixed = {"fix": ("others",), "fixed_strength": True}
     both = {"uneven": "foam_x" in waves, "uneven_sheets": "top_x" in waves}
     return Options(fit=(*MEAN, *waves), **fixed, **both)
 
@@ -134,7 +134,7 @@ def test_one_field_determines_the_sum_of_waves_and_nothing_across_a_line(strip):
     truth = {"top_x": 0.1, "bottom_x": -0.02}
     read = read_out(twin_of(strip, truth), strip.readout, np.random.default_rng(0))
     names = ("sheet_resistance", "capacitance", *SHEET_MODES)
-    options = Options(fit=names, fix=("others",), strengths=False, uneven_sheets=True)
+    options = Options(fit=names, fix=("others",), fixed_strength=True, uneven_sheets=True)
     found = calibrate(strip, read, options)
     of = {each.name: each for each in found.quantities}
     R = strip.skin.sheet_resistances

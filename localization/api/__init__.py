@@ -1,1 +1,0 @@
-"""Public functions of `import rcskin`, with checks of their arguments."""
