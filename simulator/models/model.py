@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
@@ -15,7 +15,7 @@ from ..press.touch import Place, place_of
 from ..progress import ProgressCallback, silent
 from ..scene.parts import Setup, Skin
 from ..sweeps import InputError
-from .solution import Answer, Response, SolutionProgress
+from .solution import Answer, Response, SolutionFields, SolutionProgress
 from .uniform import equivalent_press, require_uniform
 
 if TYPE_CHECKING:
@@ -179,6 +179,21 @@ class Model(Domain):
         frequency: Hz. Raises InputError if the model gives none.
         """
         raise self._unsupported("network of terminals")
+
+    def fields(
+        self,
+        press: Press,
+        frequencies: Sequence[float],
+        interface: str,
+        rtol: float = 1e-3,
+        progress: ProgressCallback = silent,
+    ) -> SolutionFields:
+        """Fields of a press at an interface, at frequencies in Hz.
+
+        progress: see `ProgressCallback`. Raises InputError for an unknown interface and if the
+        model gives none, ToleranceError if the tolerance of Rs and Cp is not reached.
+        """
+        raise self._unsupported("fields")
 
     def _unsupported(self, what: str) -> InputError:
         return InputError(f"{self.skin.name}: the model {self.name!r} gives no {what}")

@@ -9,7 +9,7 @@ from itertools import compress
 
 import numpy as np
 
-from ..arrays import Complex, Mask, Real
+from ..arrays import Complex, Integer, Mask, Real
 from ..fem.error_estimate import UNIFORM, reference_susceptance, relative_difference
 from ..press.batch import PressBatch
 from ..scene.parts import Setup
@@ -129,6 +129,34 @@ class Solution:
                 for k, _ in group
             ]
         return lines + [f"rejected  {reason}" for reason in self.rejected]
+
+
+@dataclass(frozen=True)
+class SolutionFields:
+    """Fields of a press at one interface, with 1 V (amplitude) between high and low.
+
+    x: flat positions in m, shape (2, point). position: in space, m, (3, point). cells: numbers of
+    points, (3, cell) of triangles or (4, cell) of quadrilaterals, counter-clockwise. frequency: Hz,
+    (frequency,). Z: ohm, (frequency,). potential: V, (2, frequency, point), top and bottom sheet.
+    current: A/m in a sheet along flat x and y, (2, frequency, 2, point). power: W/m² dissipated in
+    both sheets, mean over time, (frequency, point). by_rise_Rs, by_rise_Cp: change of ln Rs and ln
+    Cp per m² whose capacitance is doubled, (frequency, point). capacitance: F/m², (point,). factor:
+    over the unpressed one. deflection: m, (point,).
+    """
+
+    x: Real
+    position: Real
+    cells: Integer
+    frequency: Real
+    Z: Complex
+    potential: Complex
+    current: Complex
+    power: Real
+    by_rise_Rs: Real
+    by_rise_Cp: Real
+    capacitance: Real
+    factor: Real
+    deflection: Real
 
 
 def reference_capacitance(Z: Complex, frequency: Real) -> Real:

@@ -100,7 +100,7 @@ def _viewed_press(
     every: bool,
     progress: ProgressCallback,
 ) -> ViewedPress:
-    from ..models.solution_fields import fields
+    from ..models.heterogeneous.elements_model import Elements
     from ..press.press import press_on
     from ..requests.console import note, warn
     from ..requests.requested_scene import requested_scene
@@ -125,15 +125,8 @@ def _viewed_press(
             warn(f"{name}: {one_terminal}")
     for key in scene.skin.foam.in_time:
         note(f"{name}: fields are those at the moment of the press, before `{key}` has an effect")
-    found = fields(
-        scene.parts.skin,
-        scene.parts.setup,
-        pressed,
-        frequencies,
-        chosen,
-        rtol,
-        progress,
-    )
+    model = Elements(scene.parts.skin, scene.parts.setup)
+    found = model.fields(pressed, frequencies, chosen, rtol, progress)
     return ViewedPress(scene.parts, pressed, wiring, found)
 
 

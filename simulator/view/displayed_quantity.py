@@ -21,7 +21,7 @@ from .quantities import (
 )
 
 if TYPE_CHECKING:
-    from ..models.solution_fields import SolutionFields
+    from ..models.solution import SolutionFields
     from .skin_surface import SkinSurface
 
 CONTOUR_STEPS = (1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 45.0, 90.0)

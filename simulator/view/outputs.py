@@ -22,7 +22,7 @@ from .quantities import ViewedQuantity, chosen
 if TYPE_CHECKING:
     from pyvista import UnstructuredGrid
 
-    from ..models.solution_fields import SolutionFields
+    from ..models.solution import SolutionFields
     from .figure import Panel
     from .scenery import ViewedPress
     from .skin_surface import SkinSurface

@@ -13,7 +13,7 @@ from ..arrays import Complex, Real
 from ..sweeps import InputError
 
 if TYPE_CHECKING:
-    from ..models.solution_fields import SolutionFields
+    from ..models.solution import SolutionFields
 
 Scale = Literal["magnitude", "signed", "cyclic"]
 

@@ -20,7 +20,7 @@ from .skin_surface import SkinSurface, is_curved, polygons, readable_exaggeratio
 if TYPE_CHECKING:
     import pyvista as pv
 
-    from ..models.solution_fields import SolutionFields
+    from ..models.solution import SolutionFields
     from ..press.press import Press
     from ..scene.contacts import Interface
     from ..scene.parts import SceneParts

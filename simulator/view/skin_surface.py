@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     import pyvista as pv
     from scipy.spatial import KDTree
 
-    from ..models.solution_fields import SolutionFields
+    from ..models.solution import SolutionFields
 
 SAME_PLACE = 1.234e-7
 """Distance over the skin's extent up to which points are at one place."""

@@ -1,7 +1,7 @@
 """How far work has come, and how long the rest will take, is told while it lasts."""
 
 import pytest
-from rcskin.simulator.models.solution_fields import fields
+from rcskin.simulator.models.heterogeneous.elements_model import Elements
 from rcskin.simulator.press.press import press_on
 from rcskin.simulator.progress import Overall, on_terminal, time_left, tracked
 from rcskin.simulator.scene.scene_files import load_scene
@@ -12,9 +12,7 @@ from rcskin.simulator.scene.scene_files import load_scene
 )
 def test_fields_of_every_kind_of_skin_report_their_progress(name, press):
     scene, heard = load_scene(name), list[tuple[str, float | None]]()
-    fields(
-        scene.parts.skin,
-        scene.parts.setup,
+    Elements(scene.parts.skin, scene.parts.setup).fields(
         press_on(scene.parts.skin, scene.press, press),
         [1e3, 2e4],
         scene.interfaces[0].name,

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import MutableMapping
+from collections.abc import MutableMapping, Sequence
 from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 from weakref import WeakKeyDictionary
 
+import numpy as np
+
 from ...arrays import Complex, Real
 from ...fem.circuit import Circuit, one_field, two_fields
 from ...fem.system import check_grid_fits
-from ...press.press import Press
+from ...press.press import Press, check_fingers
+from ...progress import ProgressCallback, silent
 from ...scene.parts import Setup, Skin
 from ...sweeps import ToleranceError
 from ..model import DEFAULT_RTOL, GivenPress, Model, Presses, PressPlace
-from ..solution import Answer
+from ..solution import Answer, SolutionFields
 from ..time_estimate import RemainingTime
 from .coefficients import raised_by_deflection
 from .discretised import Discretised
@@ -103,7 +106,7 @@ class Elements(Model):
     def solve(self, press: Presses, frequency: Real, rtol: float = DEFAULT_RTOL) -> Answer:
         """See `Model`; it stops where the finest mesh does not keep the tolerance."""
         given = self._given(press, rtol)
-        finer, progress = self.meshes(given, rtol), self._progress(given, frequency, rtol)
+        finer, progress = self._meshes(given, rtol), self._progress(given, frequency, rtol)
         while not progress.done:
             try:
                 discretised = finer.finer(progress.frequency)
@@ -113,14 +116,36 @@ class Elements(Model):
             progress.offer(discretised.result(progress.frequency, rtol))
         return progress.answer()
 
-    def resolved(
+    def fields(
+        self,
+        press: Press,
+        frequencies: Sequence[float],
+        interface: str,
+        rtol: float = 1e-3,
+        progress: ProgressCallback = silent,
+    ) -> SolutionFields:
+        """Fields of a press, see `Model`.
+
+        They are solved on the flat, unpressed skin, on a mesh that keeps the tolerance of Rs and
+        Cp; currents and power are per length and area of the flat skin.
+        """
+        from .solution_fields import solution_fields
+
+        check_fingers(press, self.skin)
+        frequency = np.array(sorted(frequencies), dtype=np.float64)
+        excitation = self.setup.names.index(self.setup.checked_name(interface))
+        given = GivenPress(self.skin, press, rtol, callback=progress)
+        found = self._resolved(given, frequency, rtol)
+        return solution_fields(self.setup, given, *found, frequency, excitation)
+
+    def _resolved(
         self, press: GivenPress, frequency: Real, rtol: float
     ) -> tuple[Discretised, Complex]:
         """Mesh that keeps the tolerance at all frequencies in Hz, and Z on it in ohm.
 
         Z has the shape (interface, frequency). Raises ToleranceError if no mesh keeps it.
         """
-        finer, remaining = self.meshes(press, rtol), RemainingTime(rtol)
+        finer, remaining = self._meshes(press, rtol), RemainingTime(rtol)
         solving = f"solving, frequencies: {frequency.size}"
         press.callback(solving)
         while True:
@@ -130,7 +155,7 @@ class Elements(Model):
             if result.error.max() <= rtol:
                 return discretised, result.Z
 
-    def meshes(self, press: GivenPress, rtol: float) -> MeshSequence:
+    def _meshes(self, press: GivenPress, rtol: float) -> MeshSequence:
         """Sequence of meshes for a press.
 
         Raises InputError for surroundings that elements cannot represent.

@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.mesh.quadrilaterals import Resolution
+from rcskin.simulator.models.heterogeneous.elements_model import Elements
 from rcskin.simulator.models.sheet_model import SheetModel
-from rcskin.simulator.models.solution_fields import fields
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.capacitance import capacitance_map
 from rcskin.simulator.press.press import Press, parse_press
@@ -65,7 +65,9 @@ def weights(found):
 @pytest.mark.parametrize("name", SKINS)
 def test_Z_is_that_of_the_solver(skin, off, name):
     scene, press = skin(name), parse_press("1,2:3", 2.0)
-    found = fields(scene.parts.skin, scene.parts.setup, press, scene.frequencies, "meter", 1e-3)
+    found = Elements(scene.parts.skin, scene.parts.setup).fields(
+        press, scene.frequencies, "meter", 1e-3
+    )
     assert off(found.Z, Solver(scene.parts, 1e-4).solve(press).Z[0]).max() < 1.1e-3
 
 
@@ -73,13 +75,8 @@ def test_Z_is_that_of_the_solver(skin, off, name):
 def test_power_adds_up_to_what_the_meter_puts_in(skin, name):
     """Re(Y) / 2 at 1 V of amplitude: ideal foils and foam lose nothing."""
     scene = skin(name)
-    found = fields(
-        scene.parts.skin,
-        scene.parts.setup,
-        parse_press("1,2:3", 2.0),
-        scene.frequencies,
-        "meter",
-        1e-3,
+    found = Elements(scene.parts.skin, scene.parts.setup).fields(
+        parse_press("1,2:3", 2.0), scene.frequencies, "meter", 1e-3
     )
     put_in = (1 / found.Z).real / 2
     np.testing.assert_allclose(found.power @ weights(found), put_in, rtol=2e-2)
@@ -90,13 +87,8 @@ def test_power_adds_up_to_what_the_meter_puts_in(skin, name):
 def test_charge_of_the_foam_is_the_current_of_the_meter(skin, name):
     """s c (V_t - V_b) over the skin is I = Y; s c (V_t - V_b)² is Y less the heat in the sheets."""
     scene = skin(name)
-    found = fields(
-        scene.parts.skin,
-        scene.parts.setup,
-        parse_press("1,2:3", 2.0),
-        scene.frequencies,
-        "meter",
-        1e-3,
+    found = Elements(scene.parts.skin, scene.parts.setup).fields(
+        parse_press("1,2:3", 2.0), scene.frequencies, "meter", 1e-3
     )
     s = 2j * np.pi * found.frequency
     across = found.potential[0] - found.potential[1]
@@ -112,7 +104,7 @@ def test_change_by_a_rise_of_capacitance_is_that_of_a_small_press(skin, name):
     behind = scene.model_copy(update={"leads": Leads(**LEADS)})
     press, f = parse_press("1,2:3", 2.0), scene.frequencies
     found = [
-        (each, fields(each.parts.skin, each.parts.setup, press, f, "meter", 1e-4))
+        (each, Elements(each.parts.skin, each.parts.setup).fields(press, f, "meter", 1e-4))
         for each in (scene, behind)
     ]
     solver = Solver(scene.parts, 1e-5)
@@ -151,7 +143,9 @@ def total_over_pixel(scene, found, row, column):
 def test_current_through_a_cut_is_what_charges_beyond_it(skin, name):
     """Upwards in the bottom sheet, fed along y = 0: s c (V_t - V_b) over what lies above."""
     scene = skin(name)
-    found = fields(scene.parts.skin, scene.parts.setup, Press(), scene.frequencies, "meter", 1e-4)
+    found = Elements(scene.parts.skin, scene.parts.setup).fields(
+        Press(), scene.frequencies, "meter", 1e-4
+    )
     mean, s = weights(found), 2j * np.pi * found.frequency
     low, high = 0.02, 0.03
     strip = (found.x[1] > low) & (found.x[1] < high)
@@ -172,13 +166,8 @@ def test_one_field_gives_the_potentials_of_two(varied):
     for bottom in (same, other):
         scene = varied({"top.map": same, "bottom.map": bottom}, pair, **MORE)
         found.append(
-            fields(
-                scene.parts.skin,
-                scene.parts.setup,
-                parse_press("2,3:3", 2.0),
-                scene.frequencies,
-                "meter",
-                1e-3,
+            Elements(scene.parts.skin, scene.parts.setup).fields(
+                parse_press("2,3:3", 2.0), scene.frequencies, "meter", 1e-3
             )
         )
     one, two = found
@@ -199,7 +188,7 @@ def test_places_on_a_cylinder_keep_their_distances(varied):
     flat = varied({}, CROSSED, **MORE)
     bent = varied({"shape": {"kind": "cylinder", "radius": radius}}, CROSSED, **MORE)
     one, other = (
-        fields(each.parts.skin, each.parts.setup, Press(), [1e3], "meter", 1e-3)
+        Elements(each.parts.skin, each.parts.setup).fields(Press(), [1e3], "meter", 1e-3)
         for each in (flat, bent)
     )
     np.testing.assert_array_equal(one.current, other.current)
@@ -214,14 +203,7 @@ def test_places_on_a_cylinder_keep_their_distances(varied):
 
 def test_places_on_a_sphere_lie_on_it(skin):
     scene = skin("a sphere")
-    found = fields(
-        scene.parts.skin,
-        scene.parts.setup,
-        Press(),
-        [1e3],
-        "meter",
-        1e-2,
-    )
+    found = Elements(scene.parts.skin, scene.parts.setup).fields(Press(), [1e3], "meter", 1e-2)
     x, y, z = found.position
     np.testing.assert_allclose(
         (x - 0.05) ** 2 + (y - 0.04) ** 2 + (z + 0.06) ** 2, 0.06**2, rtol=1e-9
@@ -231,12 +213,8 @@ def test_places_on_a_sphere_lie_on_it(skin):
 def test_factors_of_a_pressed_polygon(varied):
     """The factor is there within the polygon and nowhere else."""
     scene = varied({}, CROSSED, **MORE)
-    found = fields(
-        scene.parts.skin,
-        scene.parts.setup,
-        parse_press("poly(0.02,0.02,0.06,0.03,0.03,0.06):4", 2.0),
-        [1e3],
-        "meter",
+    found = Elements(scene.parts.skin, scene.parts.setup).fields(
+        parse_press("poly(0.02,0.02,0.06,0.03,0.03,0.06):4", 2.0), [1e3], "meter"
     )
     area = (0.04 * 0.04 - 0.01 * 0.01) / 2
     mean = weights(found)
@@ -248,12 +226,8 @@ def test_factors_of_a_pressed_polygon(varied):
 def test_foam_without_tension_deflects_under_the_touch_alone(varied):
     foam = {"thickness": 4e-3, "relative_permittivity": 2.0, "mechanics": {"modulus": 6e4}}
     scene = varied({"foam": foam}, CROSSED, **MORE)
-    found = fields(
-        scene.parts.skin,
-        scene.parts.setup,
-        parse_press("rect(0.02,0.02,0.03,0.02):1mm", 2.0),
-        [1e3],
-        "meter",
+    found = Elements(scene.parts.skin, scene.parts.setup).fields(
+        parse_press("rect(0.02,0.02,0.03,0.02):1mm", 2.0), [1e3], "meter"
     )
     assert set(np.round(np.unique(found.deflection), 9)) == {0.0, 1e-3}
     pressed = weights(found)[found.deflection > 0].sum()
@@ -283,13 +257,8 @@ def test_a_leaning_strip_has_the_fields_of_a_lying_one(varied, tmp_path):
         size = {"length": 0.1 * np.cos(angle), "width": 0.04}
         scene = varied(skin, edges, **size, frequencies=[1e3, 3e4])
         found.append(
-            fields(
-                scene.parts.skin,
-                scene.parts.setup,
-                Press(),
-                scene.frequencies,
-                "meter",
-                1e-3,
+            Elements(scene.parts.skin, scene.parts.setup).fields(
+                Press(), scene.frequencies, "meter", 1e-3
             )
         )
     lying, other = found

@@ -153,7 +153,7 @@ def discretised(scene, press, rtol):
     """First discretisation of a press."""
     skin, setup = scene.parts.skin, scene.parts.setup
     elements = Elements(skin, setup)
-    return elements.meshes(GivenPress(skin, press, rtol), rtol).finer(scene.frequencies)
+    return elements._meshes(GivenPress(skin, press, rtol), rtol).finer(scene.frequencies)
 
 
 def test_terms_are_symmetric_and_never_negative(around):

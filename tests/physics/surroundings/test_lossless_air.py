@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import FullFields
 from rcskin.simulator.fem.error_estimate import relative_difference
+from rcskin.simulator.models.heterogeneous.elements_model import Elements
 from rcskin.simulator.models.network_skin import Network
 from rcskin.simulator.models.reduced.forward import Forward
 from rcskin.simulator.models.reduced.greedy import reduce
-from rcskin.simulator.models.solution_fields import fields
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.models.terminals import trained
 from rcskin.simulator.press.batch import NOTHING, PressBatch
@@ -48,9 +48,11 @@ def by_network(scene):
 
 
 def by_fields(scene):
-    return fields(
-        scene.parts.skin, scene.parts.setup, Press(), F, scene.interfaces[0].name, RTOL
-    ).Z[None]
+    return (
+        Elements(scene.parts.skin, scene.parts.setup)
+        .fields(Press(), F, scene.interfaces[0].name, RTOL)
+        .Z[None]
+    )
 
 
 def by_full_fields(scene):

@@ -6,7 +6,7 @@ import meshio
 import numpy as np
 import pytest
 from rcskin.simulator.fem.error_estimate import relative_difference
-from rcskin.simulator.models.solution_fields import fields
+from rcskin.simulator.models.heterogeneous.elements_model import Elements
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
@@ -231,24 +231,18 @@ def test_a_finger_that_pushes_in(around):
 
 def test_fields_are_those_of_one_volt_at_high_and_low_at_earth(around):
     scene = around({"body": {"distance": 5e-3}}, contacts={"top-left": {}, "bottom-right": {}})
-    found = fields(
-        scene.parts.skin,
-        scene.parts.setup,
-        parse_press("1,1:2.0:4pF", 2.0, scene.parts.skin, scene.press),
-        [1e4],
-        "meter",
+    found = Elements(scene.parts.skin, scene.parts.setup).fields(
+        parse_press("1,1:2.0:4pF", 2.0, scene.parts.skin, scene.press), [1e4], "meter"
     )
     x = found.x[0]
     assert np.abs(found.potential[0, 0, x < 1e-9] - 1).max() < 1e-9
     assert np.abs(found.potential[1, 0, x > 0.1 - 1e-9]).max() < 1e-9
     assert np.abs(found.potential[0, 0]).min() < 0.999, "earth draws current through the sheet"
-    Z = fields(
-        scene.parts.skin,
-        scene.parts.setup,
-        parse_press("1,1:2.0002:4pF", 2.0, scene.parts.skin, scene.press),
-        [1e4],
-        "meter",
-    ).Z
+    Z = (
+        Elements(scene.parts.skin, scene.parts.setup)
+        .fields(parse_press("1,1:2.0002:4pF", 2.0, scene.parts.skin, scene.press), [1e4], "meter")
+        .Z
+    )
     change = np.log(Z.real / found.Z.real).item() / 1e-4
     corners = found.x[:, found.cells]
     area = np.abs(np.prod(corners[:, 2] - corners[:, 0], axis=0))

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from rcskin.simulator.models.heterogeneous.elements_model import Elements
 from rcskin.simulator.models.parameters import Variation
-from rcskin.simulator.models.solution_fields import fields
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.page.document import document
 from rcskin.simulator.page.raster import Raster, raster_fields
@@ -156,12 +156,8 @@ def test_fields_are_those_of_the_finite_elements(glove, in_node):
         "at": at,
     }
     (found,) = in_node(glove.data, [case])
-    exact = fields(
-        scene.parts.skin,
-        scene.parts.setup,
-        parse_press("2,3:2.5", 2.0),
-        [float(scene.frequencies[at])],
-        "left",
+    exact = Elements(scene.parts.skin, scene.parts.setup).fields(
+        parse_press("2,3:2.5", 2.0), [float(scene.frequencies[at])], "left"
     )
     across = exact.potential[0, 0] - exact.potential[1, 0]
     raster = Raster(*scene.skin.sides, **{k: glove.data["raster"][k] for k in ("rows", "columns")})
@@ -182,12 +178,8 @@ def test_fields_of_any_skin_are_those_of_the_finite_elements(paged_kind, in_node
     (found,) = in_node(paged.data, [case])
     sheets = {"skin.top.sheet_resistance": 100e3, "skin.bottom.sheet_resistance": 20e3}
     made = scene.with_(sheets)
-    exact = fields(
-        made.parts.skin,
-        made.parts.setup,
-        parse_press("1,2:2", 2.0),
-        [1e5],
-        "meter",
+    exact = Elements(made.parts.skin, made.parts.setup).fields(
+        parse_press("1,2:2", 2.0), [1e5], "meter"
     )
     across = exact.potential[0, 0] - exact.potential[1, 0]
     raster = Raster(*scene.skin.sides, **{k: paged.data["raster"][k] for k in ("rows", "columns")})

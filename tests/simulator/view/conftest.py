@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.models.solution_fields import SolutionFields
+from rcskin.simulator.models.solution import SolutionFields
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.view.scenery import ViewedPress
 

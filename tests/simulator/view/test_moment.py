@@ -1,11 +1,12 @@
 """What `view` says of foam that creeps."""
 
+from rcskin.simulator.models.heterogeneous.elements_model import Elements
 from rcskin.simulator.scene.scene_files import load_scene, write_scene
 from rcskin.simulator.view import command
 
 
 def test_fields_are_those_at_the_moment_of_the_press(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("rcskin.simulator.models.solution_fields.fields", lambda *_: None)
+    monkeypatch.setattr(Elements, "fields", lambda *_: None)
     creep = [{"share": 0.1, "time_constant": 1.0}]
     path = str(tmp_path / "mine.toml")
     write_scene(path, load_scene("strip-1x3").with_({"skin.foam.relaxation": creep}))

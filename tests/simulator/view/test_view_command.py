@@ -7,7 +7,7 @@ import sys
 import numpy as np
 import pytest
 from matplotlib.image import imread
-from rcskin.simulator.models import solution_fields as solver_fields
+from rcskin.simulator.models.heterogeneous.elements_model import Elements
 from rcskin.simulator.progress import silent
 from rcskin.simulator.scene.scene_files import scene_text
 from rcskin.simulator.view.command import _viewed_press
@@ -18,11 +18,11 @@ def solved(monkeypatch, fields):
     """Takes the fields of a closed form for the solver's; gives what it was asked for."""
     asked = []
 
-    def answer(skin, setup, press, frequencies, interface, rtol, tell):
+    def answer(model, press, frequencies, interface, rtol, tell):
         asked.append((str(press), list(frequencies), interface, rtol))
         return fields(frequencies=frequencies)
 
-    monkeypatch.setattr(solver_fields, "fields", answer)
+    monkeypatch.setattr(Elements, "fields", answer)
     return asked
 
 

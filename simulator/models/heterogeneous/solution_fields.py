@@ -5,74 +5,35 @@ They are sampled at the corners of small flat parts of the cells of a mesh.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Complex, Integer, Real
-from ..fem.quadrature import interpolated, rule_at
-from ..press.press import Press, check_fingers
-from ..progress import ProgressCallback, silent
-from ..scene.air_nodes import air_factor
-from ..scene.frequency import laplace_variable
-from ..scene.parts import Setup, Skin
-from .heterogeneous.coefficients import ELECTRODES, PressCoefficients
-from .heterogeneous.discretised import Discretised
-from .heterogeneous.elements_model import Elements
-from .heterogeneous.materials import position
-from .model import GivenPress
+from ...arrays import Complex, Integer, Real
+from ...fem.quadrature import interpolated, rule_at
+from ...press.press import Press
+from ...scene.air_nodes import air_factor
+from ...scene.frequency import laplace_variable
+from ...scene.parts import Setup, Skin
+from ..model import GivenPress
+from ..solution import SolutionFields
+from .coefficients import ELECTRODES, PressCoefficients
+from .discretised import Discretised
+from .materials import position
 
 
-@dataclass(frozen=True)
-class SolutionFields:
-    """Fields of a press at one interface, with 1 V (amplitude) between high and low.
-
-    x: flat positions in m, shape (2, point). position: in space, m, (3, point). cells: numbers of
-    points, (3, cell) of triangles or (4, cell) of quadrilaterals, counter-clockwise. frequency: Hz,
-    (frequency,). Z: ohm, (frequency,). potential: V, (2, frequency, point), top and bottom sheet.
-    current: A/m in a sheet along flat x and y, (2, frequency, 2, point). power: W/m² dissipated in
-    both sheets, mean over time, (frequency, point). by_rise_Rs, by_rise_Cp: change of ln Rs and ln
-    Cp per m² whose capacitance is doubled, (frequency, point). capacitance: F/m², (point,). factor:
-    over the unpressed one. deflection: m, (point,).
-    """
-
-    x: Real
-    position: Real
-    cells: Integer
-    frequency: Real
-    Z: Complex
-    potential: Complex
-    current: Complex
-    power: Real
-    by_rise_Rs: Real
-    by_rise_Cp: Real
-    capacitance: Real
-    factor: Real
-    deflection: Real
-
-
-def fields(
-    skin: Skin,
+def solution_fields(
     setup: Setup,
-    press: Press,
-    frequencies: Sequence[float],
-    interface: str,
-    rtol: float = 1e-3,
-    progress: ProgressCallback = silent,
+    given: GivenPress,
+    discretised: Discretised,
+    Z: Complex,
+    frequency: Real,
+    excitation: int,
 ) -> SolutionFields:
-    """Fields of a press at frequencies in Hz.
+    """Fields of a press on a mesh at one interface, at frequencies in Hz.
 
-    They are solved on the flat, unpressed skin, on a mesh that keeps the tolerance of Rs and Cp;
-    currents and power are per length and area of the flat skin. progress: see `ProgressCallback`.
-    Raises InputError for an unknown interface, ToleranceError if the tolerance is not reached.
+    Z: at all interfaces, ohm, shape (interface, frequency).
     """
-    check_fingers(press, skin)
-    frequency = np.array(sorted(frequencies), dtype=np.float64)
-    excitation = setup.names.index(setup.checked_name(interface))
-    given = GivenPress(skin, press, rtol, callback=progress)
-    discretised, Z = Elements(skin, setup).resolved(given, frequency, rtol)
+    skin, press, progress = given.skin, given.press, given.callback
     sampler = Sampler(skin, discretised)
     loss, found = skin.foam.loss, []
     s, air = laplace_variable(frequency, loss).tolist(), air_factor(frequency, loss).tolist()
