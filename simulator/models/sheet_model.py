@@ -48,11 +48,6 @@ class SheetModel:
         """Galerkin space on the same mesh with elements of one order less."""
         return Galerkin(self.system, self.circuit, self.resolution.order - 1)
 
-    @property
-    def unknowns(self) -> int:
-        """Size of the sparse system."""
-        return self.space.inner
-
     def impedance(self, press: Press, frequency: Real) -> Complex:
         """Z in ohm at every interface, shape (interface, frequency). frequency: Hz.
 

@@ -7,7 +7,10 @@ import pytest
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.line import Line
+from rcskin.simulator.models.model import GivenPress
+from rcskin.simulator.models.sheet_model import Sheet, UniformSheets
 from rcskin.simulator.models.solver import Solver
+from rcskin.simulator.press.batch import NOTHING, PressBatch
 from rcskin.simulator.press.press import Press, every_press, parse_press
 from rcskin.simulator.scene.scene_files import load_scene, parse_scene
 from rcskin.simulator.sweeps import InputError, ToleranceError, check
@@ -132,3 +135,20 @@ def test_a_reduced_model_answers_between_its_scene_s_frequencies(make_scene):
         f"reduced: the model is trained for frequencies from {low:g} to {high:g} Hz, "
         f"got {low / 2:g}, {2 * high:g}"
     )
+
+
+def test_what_a_model_does_not_give_it_refuses(make_scene):
+    """Each verb of the face in one line; outside its domain a model costs infinitely much."""
+    scene = make_scene(rows=2)
+    line, pressed = Line(scene.parts.skin, scene.parts.setup), PressBatch.of([NOTHING])
+    given = GivenPress(scene.parts.skin, ACROSS, 1e-4)
+    assert "varies across scene" in line.refuses(given)
+    assert line.cost(given, scene.frequencies) == np.inf
+    for what, ask in (
+        ("network of terminals", lambda: line.terminals(pressed, scene.frequencies)),
+        ("fields", lambda: line.fields(Press(), [1e3], "meter")),
+        ("answers to a batch of presses", lambda: line.solve(pressed, scene.frequencies)),
+        ("derivatives", lambda: Sheet(UniformSheets(line.skin, line.setup)).slopes(pressed)),
+    ):
+        with pytest.raises(InputError, match=f"gives no {what}"):
+            ask()
