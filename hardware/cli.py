@@ -218,10 +218,7 @@ add_commands(app, Serve, Record, Gather, Identify, NewReader, Correct, Press, Se
 
 
 def _served_skin(
-    scene: str | None,
-    recorded: Sequence[Path] | None,
-    interfaces: Sequence[str] | None,
-    seed: int,
+    scene: str | None, recorded: Sequence[Path] | None, interfaces: Sequence[str] | None, seed: int
 ) -> ServedSkin:
     from ..simulator.requests.requested_scene import note_if_noise_free, requested_scene
     from ..simulator.sweeps import InputError, read_joined

@@ -9,7 +9,7 @@ INTERFACES = How("Interface; repeatable.", ("--interface",))
 RESOURCE = How("VISA resource, e.g. TCPIP0::127.0.0.1::3500::SOCKET.")
 SOURCE = How(
     "VISA resource, e.g. TCPIP0::127.0.0.1::3500::SOCKET, or serial:PORT or tcp:HOST:PORT with "
-    "--reader.",
+    "--reader."
 )
 READER_FILE = How("Description (TOML) of lines of JSON or CSV at the resource.")
 CONTROL_ADDRESS = How(

@@ -163,12 +163,7 @@ def _run(app: typer.Typer, failures: tuple[type[Exception], ...], received: EndS
 
 def _end_by_error(error: Exception, received: EndSignal) -> NoReturn:
     """Ends the process for an error of the work; imports here cost nothing in the normal case."""
-    from .sweeps.errors import (
-        InputError,
-        InterruptedWorkError,
-        OutputError,
-        ToleranceError,
-    )
+    from .sweeps.errors import InputError, InterruptedWorkError, OutputError, ToleranceError
 
     match error:
         case InputError():

@@ -27,11 +27,7 @@ def model_of(given: Model | str | Path) -> Model:
 
 
 def load_model_for(
-    sweeps: xr.Dataset,
-    files: Sequence[Path],
-    path: Path,
-    *,
-    any_skin: bool,
+    sweeps: xr.Dataset, files: Sequence[Path], path: Path, *, any_skin: bool
 ) -> Model:
     """The model in the file at `path`.
 

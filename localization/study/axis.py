@@ -225,8 +225,7 @@ def _real_range(text: str, key: Key, parts: Sequence[str]) -> Axis:
     if len(parts) not in (3, 4) or spacing not in ("log", "linear"):
         raise InputError(
             f"{named('vary')} {text!r}: {key.name} is a real number: "
-            f"{key.name}=START:STOP:POINTS[:log|"
-            "linear]"
+            f"{key.name}=START:STOP:POINTS[:log|linear]"
         )
     first, last = (_number(text, key, part) for part in parts[:2])
     if not (parts[2].strip().isdecimal() and 2 <= int(parts[2]) <= MAX_VALUES):

@@ -121,9 +121,7 @@ class StudyScene(Writing, command="study", example="study sheet-5x5 -o study.csv
             for warning in warnings_of(plan.points):
                 warn(f"{scene}: {warning}")
             note_if_long(
-                scene,
-                study_seconds(loaded.parts.skin, loaded.parts.setup, count, workers),
-                points,
+                scene, study_seconds(loaded.parts.skin, loaded.parts.setup, count, workers), points
             )
             found = plan.run(progress, rtol=self.rtol, workers=workers)
         found.write(self.output)

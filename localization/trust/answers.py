@@ -230,7 +230,6 @@ def threshold_of(probability: Real, right: Mask, certain: float) -> float:
         best = max(best, least)
     raise InputError(
         f"{named('certain')} {certain:g} cannot be reached: of {right.size} held-out sweeps, the "
-        "most "
-        f"probable answers are right at a rate of {100 * best:.1f} % or more with "
+        f"most probable answers are right at a rate of {100 * best:.1f} % or more with "
         f"{100 * CONFIDENCE:g} % confidence"
     )

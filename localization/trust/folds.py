@@ -159,8 +159,7 @@ def _check_number(folds: int, y: NDArray, groups: Integer | None) -> None:
     if not 2 <= folds <= sizes[least]:
         raise InputError(
             f"{named('folds')} must be from 2 to the {sizes[least]} sweeps of class "
-            f"{classes[least]}, "
-            f"got {folds}"
+            f"{classes[least]}, got {folds}"
         )
     if groups is not None and folds > np.unique(groups).size:
         raise InputError(

@@ -78,9 +78,7 @@ class Dataset(Writing, example="dataset sheet-5x5 --sweeps 2000 -o skins.zarr"):
         processes = self.workers or _cpu_count()
         seconds = self.sweeps * readings(plan.parts.setup) / (READINGS_A_SECOND * processes)
         note_if_long(
-            name,
-            0 if self.scheduler else seconds,
-            f"{self.sweeps} sweeps on {processes} processes",
+            name, 0 if self.scheduler else seconds, f"{self.sweeps} sweeps on {processes} processes"
         )
         try:
             with on_terminal("sweeps") as progress:

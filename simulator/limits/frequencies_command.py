@@ -39,7 +39,7 @@ class Frequencies(Request, example="frequencies sheet-5x5 -n 8"):
     criterion: str = typed(
         "position: the bound on the position error, rms over the sheet; column or pixel: "
         "the distance of the nearest two in the meter's errors.",
-        complete=lambda: ["position", "column", "pixel"],
+        among=("position", "column", "pixel"),
         default="position",
     )
     band: str | None = typed(
@@ -61,7 +61,7 @@ class Frequencies(Request, example="frequencies sheet-5x5 -n 8"):
         from ..models.mechanics.force_depths import pressed_by_factors
         from ..progress import on_terminal
         from ..requests.requested_scene import requested_scene
-        from .frequency_design import check_design, checked_criterion, design
+        from .frequency_design import check_design, design
         from .survey import with_interfaces
 
         by_factors = pressed_by_factors(requested_scene(self.scene).parts, "a limit")
@@ -81,7 +81,7 @@ class Frequencies(Request, example="frequencies sheet-5x5 -n 8"):
                     None if self.size is None else 1e-3 * self.size,
                     self.factor,
                 ),
-                criterion=checked_criterion(self.criterion),
+                criterion=self.criterion,
                 grid=self.grid,
                 against_rest=self.against_rest,
                 repeats=self.repeats,

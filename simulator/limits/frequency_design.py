@@ -128,13 +128,6 @@ def _pressed(
     return fields.respond(factors, {"strength": by_strength}, frequency)
 
 
-def checked_criterion(name: str) -> str:
-    """Returns the name of a criterion. Raises InputError for any other."""
-    if name not in CRITERIA:
-        raise InputError(f"--criterion must be one of {', '.join(CRITERIA)}, got {name!r}")
-    return name
-
-
 GRID = 60
 
 MIN_GRID, MAX_GRID = 2, 400

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, cached_property
-from typing import Literal, NamedTuple, get_args
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,14 +26,6 @@ from .time_estimate import TimeEstimate
 
 ModelName = Literal["auto", "lumped", "line", "sheet", "reduced"]
 STRICTER = 0.1
-
-
-def checked_model(name: str) -> ModelName:
-    """Name of a model, checked; raises InputError for any other."""
-    for known in get_args(ModelName):
-        if name == known:
-            return known
-    raise InputError(f"`model` must be one of {', '.join(get_args(ModelName))}, got {name!r}")
 
 
 class Solver:

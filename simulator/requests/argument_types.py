@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from functools import wraps
+from inspect import signature
 from numbers import Integral, Real
 from pathlib import Path
 from typing import (
@@ -34,27 +35,12 @@ def typed(function: Callable[Given, Made]) -> Callable[Given, Made]:
 
     @wraps(function)
     def call(*given: Given.args, **named: Given.kwargs) -> Made:
-        arguments_of(function, given, named)
+        own = signature(function)
+        for name, value in own.bind(*given, **named).arguments.items():
+            check_type(name, value, str(own.parameters[name].annotation))
         return function(*given, **named)
 
     return call
-
-
-def arguments_of(
-    function: Callable[..., object], given: tuple[object, ...], named: Mapping[str, Any]
-) -> dict[str, Any]:
-    """The arguments by the function's parameters.
-
-    Raises InputError, in one line that names the parameter, for a value that does not have the
-    annotated type. Annotations that KINDS lacks are not checked.
-    """
-    from inspect import signature
-
-    own = signature(function)
-    bound = own.bind(*given, **named).arguments
-    for name, value in bound.items():
-        check_type(name, value, str(own.parameters[name].annotation))
-    return bound
 
 
 def check_type(name: str, value: object, annotation: str) -> None:
