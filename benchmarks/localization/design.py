@@ -20,12 +20,14 @@ import pandas as pd
 from joblib import Parallel, delayed
 from matplotlib.axes import Axes
 from rcskin.benchmarks.bench import FOUND_OPTION, PROCESSES_OPTION, Run, launch
-from rcskin.simulator.bounds.bayes import CommonDraws
+from rcskin.simulator.bounds.bayes import Draws
 from rcskin.simulator.bounds.likelihood import Likelihood
+from rcskin.simulator.bounds.touch_readings import hypotheses
 from rcskin.simulator.chart_style import COLOURS, chart
 from rcskin.simulator.design.goals import PressedPixels
 from rcskin.simulator.design.layout import Material
 from rcskin.simulator.design.trained_skins import TrainedSkins
+from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.scene.contacts import Interface
 from rcskin.simulator.scene.design_goals import Design
 from rcskin.simulator.scene.scene import Scene
@@ -105,7 +107,8 @@ def bounds(pixels: int, wires: int, draws: int) -> Iterator[dict[str, object]]:
     asked = Design(sheet_resistance=(min(SHEETS), max(SHEETS)), sheet_ratio=1.0, casts=1)
     goal = PressedPixels(scene.parts, asked, draws, SEED)
     trained = TrainedSkins(scene.parts, asked, own, SEED, goal)
-    judge = CommonDraws(scene.parts, "pixel", seed=SEED, draws=draws)
+    among = hypotheses(scene.parts.skin, scene.parts.plan, "pixel")
+    judge = Draws(among, own_presses(scene.parts.skin, scene.parts.plan.press), SEED, draws)
     meters = {error: erring(scene, error).parts.meter for error in ERRORS}
     for kind, sheet, error in cases():
         read = readings(scene, kind)

@@ -19,6 +19,8 @@ import numpy as np
 from scipy.spatial.distance import cdist
 
 from ...simulator.arrays import Complex, Mask, Real
+from ...simulator.bounds.likelihood import over_noise
+from ...simulator.measure.readout import ErrorModel, observed
 from ...simulator.measure.symmetry import Pixel
 from ...simulator.scene.meter import Readout
 from ...simulator.sweeps import InputError
@@ -63,10 +65,11 @@ def in_units_of_error(
     Raises InputError if a noise is zero.
     """
     require_noise_for_study(readout)
-    Z = Z if taken is None else np.where(taken, Z, 1.0)
-    magnitude, phase = readout.noise(Z[0], frequency)
-    readings = [np.log(np.abs(Z)) / magnitude, np.angle(Z) / phase][: 2 if phases else 1]
-    return np.moveaxis(np.concatenate(readings, axis=1), 1, 2)
+    read = np.ones(Z.shape[1:], dtype=bool) if taken is None else taken
+    Z = np.where(read, Z, 1.0)
+    errors = ErrorModel(readout, read, reading=Z[0], frequency=frequency, phases=phases)
+    each = over_noise(observed(Z), errors)[..., : 2 if phases else 1]
+    return each.transpose(0, 2, 3, 1).reshape(*each.shape[:3:2], -1)
 
 
 def require_noise_for_study(readout: Readout) -> None:

@@ -28,7 +28,7 @@ import numpy as np
 from scipy.special import ndtr
 
 from ..arrays import Integer, Mask, Real
-from .fisher_information import LowerTriangle, SummedInformation, remaining, variances
+from .likelihood import LowerTriangle, SummedInformation, remaining, variances
 
 
 class Goal(Protocol):

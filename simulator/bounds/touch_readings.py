@@ -24,7 +24,6 @@ from ..press.finger import finger_capacitance
 from ..press.parts import parts_of
 from ..press.touch import Place, Rectangle, Touch
 from ..press.walls import require_no_walls
-from ..progress import ProgressCallback, silent, tracked
 from ..scene.parts import Plan, Pressing, SceneParts, Skin
 from ..scene.randomisation import AnyDistribution
 from ..sweeps import InputError
@@ -214,30 +213,14 @@ class TouchReadings(Likelihood):
         if size is not None:
             require_no_walls(parts.skin, "a limit of touches of a size")
         self.parts, self._size = parts.for_rods, size
-        super().__init__(parts.skin, self._solved, self.parts.setup, parts.meter, against_rest)
+        skin, setup = self.parts.skin, self.parts.setup
+        super().__init__(skin, self._solved, setup, parts.meter, against_rest)
         self._factors = (
             min(MIN_FACTOR, float(presses.low)),
             max(MAX_FACTOR, float(presses.high)),
         )
         if size is not None and scene_spreads_presses(parts.skin, parts.plan.press):
             self._factors = 1.0, max(min(MAX_FACTOR, parts.skin.max_factor), float(presses.high))
-
-    def train(self, progress: ProgressCallback = silent) -> None:
-        """Trains the reduced model, unless it is trained, and reports progress."""
-        for _ in tracked([self.parts.skin.name], "training", progress):
-            _ = self._reduced
-
-    def of_presses(self, pressed: Hypothesis, factors: Real) -> Real:
-        """Readings of many presses of the same pixels, shape (press, number).
-
-        factors: shape (pixel, press).
-        """
-        batch = PressBatch.of(pressed.on(self.parts.skin, own) for own in factors.T - 1)
-        return self.whitened(batch)
-
-    def whitened(self, batch: PressBatch) -> Real:
-        """Whitened readings of presses of pixels, shape (press, number)."""
-        return super().whitened(batch if self._size is None else self._rasterized(batch))
 
     def rasterization_errors(self, presses: AnyDistribution) -> RasterizationErrors | None:
         """Errors of touches by depth rasterized on cells, for a sample of pixels and strengths.
@@ -252,11 +235,19 @@ class TouchReadings(Likelihood):
         own = [(np.array([k]), np.array([rise])) for k, rise in zip(pixels, rises, strict=True)]
         each = [self._touches.applied(*touch) for touch in own]
         lattice, on_cells = self._touches.lattice, self._rasterized(PressBatch.of(own))
-        return rasterization_errors(self.parts, lattice, each, on_cells, self.impedances)
+
+        def impedances(batch: PressBatch) -> Complex:
+            return self.setup.at_meter(self._on_cells(batch))
+
+        return rasterization_errors(self.parts, lattice, each, on_cells, impedances)
 
     def _solved(self, batch: PressBatch) -> Complex:
+        """Z of presses of pixels, shape (press, interface, frequency)."""
+        return self._on_cells(batch if self._size is None else self._rasterized(batch))
+
+    def _on_cells(self, batch: PressBatch) -> Complex:
         """Z of presses of the model's cells, shape (press, interface, frequency)."""
-        return self._reduced.at(None).sweeps(batch, self.parts.setup.frequency)
+        return self._reduced.at(None).sweeps(batch, self.setup.frequency)
 
     def _rasterized(self, batch: PressBatch) -> PressBatch:
         """Touches around the middles of pixels, rasterized on cells."""

@@ -86,10 +86,9 @@ class DesignSkin(
         from ..requests.requested_scene import requested_scene
         from ..scene.frequency import parse_band
         from ..sweeps.units import bound_text
-        from .evaluator import SearchSettings
+        from .evaluator import SearchJournal, SearchSettings
         from .report.design_folder import answer, write_folder
         from .search import search
-        from .search_journal import SearchJournal
 
         loaded = pressed_by_factors(requested_scene(self.scene).parts, "a design")
         given = {

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..arrays import Real
-from ..bounds.bayes import CommonDraws
+from ..bounds.bayes import Draws
 from ..bounds.fields import TouchSize
 from ..bounds.fields.reduced_fields import ReducedFields
 from ..bounds.likelihood import LinearLikelihood
@@ -63,7 +63,7 @@ class PressedPixels:
         self.training_touch: Draw = pixel_touches(parts.skin, parts.plan, FACTORS)
         self._among = hypotheses(parts.skin, parts.plan, request.target)
         presses = own_presses(parts.skin, parts.plan.press)
-        self._common = CommonDraws(parts, request.target, presses, seed=seed, draws=draws)
+        self._draws = Draws(self._among, presses, seed, draws)
 
     def likelihood(self, on: SkinReadout, frequency: Real) -> LinearLikelihood:
         """Nearest pairs of one skin; frequency in Hz, ascending."""
@@ -76,7 +76,7 @@ class PressedPixels:
         Raises InputError where the meter's noise is too small.
         """
         known = on.likelihood(frequency, self._against_rest)
-        return float(self._common.score(known).accuracy.share)
+        return float(self._draws.score(known).accuracy.share)
 
 
 class TouchPositions:

@@ -10,8 +10,7 @@ import numpy as np
 
 from ..arrays import Integer, Real
 from ..bounds.choice import Selection, best_selection, exchanged_by_slope, selection_bound
-from ..bounds.fisher_information import SummedInformation
-from ..bounds.likelihood import LinearLikelihood, joined
+from ..bounds.likelihood import LinearLikelihood, SummedInformation, joined
 from ..bounds.merits import Candidates
 from ..meters.reading_time import SETTLE, reading_time
 from ..scene.contacts import Interface

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Complex, Integer, Real
+from ..bounds.bayes import Templates, axes_of, posterior, starts_of
 from ..bounds.likelihood import Likelihood
-from ..bounds.posterior import Templates, axes_of, posterior, starts_of
 from ..bounds.touch_readings import CELLS, MAX_FACTOR, MIN_FACTOR, Hypothesis
 from ..models.reduced.cases import Case
 from ..models.reduced.reduced_model import Reduced

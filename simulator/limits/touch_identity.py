@@ -14,7 +14,7 @@ from scipy.spatial.distance import cdist
 from scipy.special import ndtr
 
 from ..arrays import Real
-from ..bounds.bayes import BayesAccuracy, bayes
+from ..bounds.bayes import BayesAccuracy, bayes, train
 from ..bounds.touch_readings import (
     Hypothesis,
     TouchReadings,
@@ -315,7 +315,7 @@ def counted(
     presses = own_presses(divided.skin, divided.plan.press)
     among = hypotheses(divided.skin, divided.plan, target, sampling.size)
     readings = sampling.readings(divided, presses)
-    readings.train(progress)
+    train(readings, progress)
     bound = upper_bound(readings, among, presses)
     return Count(n, sampling.bayes(readings, among, presses, progress), bound)
 

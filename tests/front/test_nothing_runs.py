@@ -84,7 +84,7 @@ READERS = {
     "journal": (
         lambda path: unsealed_json(inputs.text(path, inputs.JOURNAL)),
         [".json"],
-        "record/recording_journal design/search_journal dataset/generation dataset/work_block",
+        "record/recording_journal design/evaluator dataset/generation dataset/work_block",
     ),
 }
 """Functions of a path, the endings that each takes, and the modules that it reads by."""

@@ -3,8 +3,15 @@
 import math
 
 import numpy as np
-from rcskin.simulator.bounds.bayes import FIRST_STRENGTHS, STEP, BayesAccuracy
-from rcskin.simulator.bounds.posterior import Templates, axes_of, posterior, starts_of
+from rcskin.simulator.bounds.bayes import (
+    FIRST_STRENGTHS,
+    STEP,
+    BayesAccuracy,
+    Templates,
+    axes_of,
+    posterior,
+    starts_of,
+)
 from rcskin.simulator.bounds.touch_readings import Hypothesis
 from rcskin.simulator.measure.experiment import combined_strengths, strengths
 from rcskin.simulator.press.batch import PressBatch
@@ -45,6 +52,6 @@ def _steps(readings, pixel, presses):
 def _drawn(readings, among, presses, random, draws):
     which = random.choice(len(among), draws, p=[each.chance for each in among])
     factors = presses.at(random.random((draws, max(len(each.pixels) for each in among) or 1)))
-    pressed = (among[k].on(readings.parts.skin, f - 1) for k, f in zip(which, factors, strict=True))
+    pressed = (among[k].on(readings.skin, f - 1) for k, f in zip(which, factors, strict=True))
     clean = readings.whitened(PressBatch.of(pressed))
     return clean + random.standard_normal(clean.shape)

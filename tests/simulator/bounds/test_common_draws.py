@@ -2,18 +2,24 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.bayes import CommonDraws, DrawScores, bayes
+from rcskin.simulator.bounds.bayes import (
+    NEGLIGIBLE,
+    Draws,
+    DrawScores,
+    bayes,
+    in_tiles,
+    posterior,
+    posterior_of_tiles,
+)
 from rcskin.simulator.bounds.fields import CELLS_PER_PIXEL, FullFields, fields_of
 from rcskin.simulator.bounds.likelihood import Likelihood
 from rcskin.simulator.bounds.position_bound import chosen_touch, place_likelihood, places_on
-from rcskin.simulator.bounds.posterior import NEGLIGIBLE, in_tiles, posterior, posterior_of_tiles
 from rcskin.simulator.bounds.touch_readings import TouchReadings, hypotheses
 from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.models.parameters import nominal
 from rcskin.simulator.models.reduced.cases import pixel_touches
 from rcskin.simulator.models.terminals import read, trained
 from rcskin.simulator.scene.parts import Setup
-from rcskin.simulator.sweeps import InputError
 from rcskin.tests.simulator.bounds.every_strength import compared, exact
 
 SPAN = {"span": (0.01, 1.0)}
@@ -25,6 +31,12 @@ READINGS = {
     "one sheet": ("top-left", "top-bottom"),
 }
 NOISE = {"magnitude_noise": 0.02, "phase_noise": 0.02}
+
+
+def draws_of(scene, target="pixel", **more):
+    """Random presses of a scene's pixels."""
+    among = hypotheses(scene.parts.skin, scene.parts.plan, target)
+    return Draws(among, own_presses(scene.parts.skin, scene.press), **more)
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +62,7 @@ def read_by(model, scene, count=None, variation=None):
 @pytest.fixture(scope="module")
 def scores(scene, model):
     """A function from a number of readings to what they tell."""
-    draws = CommonDraws(scene.parts, draws=3000)
+    draws = draws_of(scene, draws=3000)
     return lambda count: draws.score(read_by(model, scene, count))
 
 
@@ -89,7 +101,7 @@ def test_a_difference_has_a_far_smaller_error_than_each_accuracy(scene, model):
     skins = [read_by(model, scene, 2, each) for each in (None, conducting)]
     gains = []
     for seed in range(12):
-        one, two = (CommonDraws(scene.parts, draws=500, seed=seed).score(skin) for skin in skins)
+        one, two = (draws_of(scene, draws=500, seed=seed).score(skin) for skin in skins)
         gains.append(gain(one, two))
     assert gains[0].error < 0.2 * one.accuracy.error
     spread = np.std([each.share for each in gains], ddof=1)
@@ -100,7 +112,7 @@ def test_readings_that_are_not_taken_have_no_effect(scene, model, scores):
     """At no frequency of the others, the first is alone."""
     taken = np.zeros((len(READINGS), 3), dtype=bool)
     taken[0] = True
-    found = CommonDraws(scene.parts, draws=3000).score(read_by(model, scene).some(taken))
+    found = draws_of(scene, draws=3000).score(read_by(model, scene).some(taken))
     np.testing.assert_allclose(found.correct, scores(1).correct, atol=1e-3)
 
 
@@ -119,7 +131,7 @@ def test_the_accuracy_of_pairs_is_that_of_the_best_classifier(pair_scene, model)
     asked = readings, hypotheses(pair_scene.parts.skin, pair_scene.parts.plan, "pair"), presses
     best = exact(*asked, seed=2, draws=3000)
     assert 0.4 < best.share < 0.97
-    draws = CommonDraws(pair_scene.parts, "pair", draws=3000)
+    draws = draws_of(pair_scene, "pair", draws=3000)
     common = draws.score(read_by(model, pair_scene)).accuracy
     for found in (common, bayes(*asked, seed=3, draws=3000)):
         assert found.share == pytest.approx(best.share, abs=4 * np.hypot(found.error, best.error))
@@ -145,11 +157,6 @@ def test_what_tiles_leave_out_is_negligible(pair_scene, model):
     found = posterior_of_tiles(sorted_, tiles, measured)
     bound = 4 * len(tiles) * NEGLIGIBLE
     np.testing.assert_allclose(found, posterior(known, measured), atol=bound + 1e-11)
-
-
-def test_other_targets_are_refused(scene):
-    with pytest.raises(InputError, match="touches"):
-        CommonDraws(scene.parts, "touches")
 
 
 def test_bounds_on_position_are_those_of_the_full_elements(scene):

@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.fisher_information import (
+from rcskin.simulator.bounds.likelihood import (
+    LinearLikelihood,
     covariances,
+    error_model,
     lower_triangle,
     variances,
 )
-from rcskin.simulator.bounds.likelihood import LinearLikelihood, error_model
 from rcskin.simulator.sweeps import InputError
 
 

@@ -6,8 +6,7 @@ import math
 import numpy as np
 import pytest
 from rcskin.simulator.bounds.choice import best_selection, selection_bound
-from rcskin.simulator.bounds.fisher_information import lower_triangle
-from rcskin.simulator.bounds.likelihood import LinearLikelihood
+from rcskin.simulator.bounds.likelihood import LinearLikelihood, lower_triangle
 from rcskin.simulator.bounds.merits import AccuracyMerit, Candidates, PositionMerit
 
 ACCURACY = AccuracyMerit()

@@ -1,11 +1,10 @@
 """Variants of foils and graded sheets, and their symmetries."""
 
 import pytest
-from rcskin.simulator.design.evaluator import SceneEvaluator, SearchSettings
+from rcskin.simulator.design.evaluator import SceneEvaluator, SearchJournal, SearchSettings
 from rcskin.simulator.design.layout import material_of
 from rcskin.simulator.design.reading_pool import geometries, graded, moved, terminals
 from rcskin.simulator.design.search import search
-from rcskin.simulator.design.search_journal import SearchJournal
 from rcskin.simulator.scene.design_goals import Design
 from rcskin.simulator.scene.scene_files import load_scene
 

@@ -8,14 +8,12 @@ import pytest
 from rcskin.simulator.bounds.frequency_sets import equation_6
 from rcskin.simulator.bounds.touch_pairs import NEAREST, SAME, nearest
 from rcskin.simulator.bounds.touch_readings import hypotheses
-from rcskin.simulator.design.evaluator import SceneEvaluator, SearchSettings
+from rcskin.simulator.design.evaluator import SceneEvaluator, SearchJournal, SearchSettings
 from rcskin.simulator.design.goals import PressedPixels
 from rcskin.simulator.design.layout import Material, designed
 from rcskin.simulator.design.reading_pool import terminals
 from rcskin.simulator.design.search import best_value, search
-from rcskin.simulator.design.search_journal import SearchJournal
 from rcskin.simulator.measure.experiment import own_presses
-from rcskin.simulator.measure.readout import ErrorModel
 from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.scene.design_goals import Design
 from rcskin.tests.simulator.bounds.every_strength import exact
@@ -116,25 +114,6 @@ def test_the_best_of_three_numbers_that_depend_on_each_other_is_found():
     assert found == pytest.approx([60, 1, 1], rel=0.03)
 
 
-class SampleReadings:
-    """Readings like `TouchReadings`, of one known skin, compared with baseline sweeps."""
-
-    def __init__(self, on, frequency, against_rest):
-        self.parts, self._on, self._frequency = on.parts, on, frequency
-        readings = len(on.parts.setup.interfaces)
-        read, readout = np.ones((readings, len(frequency)), bool), on.parts.meter.readout
-        self.model = ErrorModel(readout, read, against_rest=against_rest)
-
-    def whitened(self, batch):
-        on = self._on.likelihood(self._frequency, 0)
-        return self.model.whitened(on.observed(batch))
-
-    def of_presses(self, pressed, factors):
-        return self.whitened(
-            PressBatch.of(pressed.on(self.parts.skin, own) for own in factors.T - 1)
-        )
-
-
 def test_common_draws_and_independent_draws_agree_on_a_lossy_sample(strip):
     scene = strip(session={"lead_resistance": 2e3, "stray_capacitance": 1e-11, "loss_tangent": 0.1})
     trained = bench(scene, band=None)._trained
@@ -143,14 +122,10 @@ def test_common_draws_and_independent_draws_agree_on_a_lossy_sample(strip):
     on = trained.readout(trained.sample(0), own.material, own.readings)
     told = judge.score(on, scene.frequencies)
     assert 0.3 < told < 0.99
-    readings, presses = (
-        SampleReadings(on, scene.frequencies, 6),
-        own_presses(scene.parts.skin, scene.press),
-    )
     anew = exact(
-        readings,
+        on.likelihood(scene.frequencies, 6),
         hypotheses(scene.parts.skin, scene.parts.plan, "pixel"),
-        presses,
+        own_presses(scene.parts.skin, scene.press),
         seed=1,
         draws=4000,
     )

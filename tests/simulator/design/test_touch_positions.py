@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 from rcskin.simulator.bounds.fields import FullFields
 from rcskin.simulator.bounds.position_bound import place_likelihood
-from rcskin.simulator.design.evaluator import SceneEvaluator, SearchSettings
+from rcskin.simulator.design.evaluator import SceneEvaluator, SearchJournal, SearchSettings
 from rcskin.simulator.design.goals import CELLS, TouchPositions
 from rcskin.simulator.design.reading_pool import terminals
-from rcskin.simulator.design.search_journal import SearchJournal
 from rcskin.simulator.scene.design_goals import Design
 
 POSITIONS = {"target": "position", "casts": 1, "sheet_ratio": 1.0, "readings": 2}

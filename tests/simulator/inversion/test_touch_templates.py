@@ -3,8 +3,12 @@
 import numpy as np
 import pytest
 from rcskin.simulator.inversion import position_tables
-from rcskin.simulator.inversion.touch_prior import normal_mixture
-from rcskin.simulator.inversion.touch_templates import STRENGTHS, strength_prior, templates
+from rcskin.simulator.inversion.touch_templates import (
+    STRENGTHS,
+    normal_mixture,
+    strength_prior,
+    templates,
+)
 from rcskin.simulator.inversion.unknown_skin import UnknownSkin, expected
 from rcskin.simulator.measure.readout import ErrorModel, observed
 from rcskin.simulator.measure.skins import drawn_skin

@@ -3,10 +3,11 @@
 import numpy as np
 import pandas as pd
 import pytest
-from rcskin.simulator.bounds.bayes import CommonDraws
+from rcskin.simulator.bounds.bayes import Draws
 from rcskin.simulator.bounds.likelihood import Likelihood
-from rcskin.simulator.bounds.touch_readings import RTOL
+from rcskin.simulator.bounds.touch_readings import RTOL, hypotheses
 from rcskin.simulator.limits import bayes_accuracy, position_bound
+from rcskin.simulator.measure.experiment import own_presses
 from rcskin.simulator.measure.readout import ErrorModel, read_out
 from rcskin.simulator.measure.simulate import resimulated, simulate
 from rcskin.simulator.measure.symmetry import repeated
@@ -204,7 +205,9 @@ def test_two_bounds_agree_and_fewer_readings_give_less(shared, own, own_skin, ag
     by_own = Likelihood(
         own.parts.skin, own_skin.sweeps, own.parts.setup, own.parts.meter, against_rest
     )
-    other = CommonDraws(own.parts, "pixel", **known).score(by_own).accuracy
+    among = hypotheses(own.parts.skin, own.parts.plan, "pixel")
+    drawn = Draws(among, own_presses(own.parts.skin, own.press), **known)
+    other = drawn.score(by_own).accuracy
     assert abs(other.share - part[0]) < 4 * np.hypot(other.error, part[1])
 
 
