@@ -108,7 +108,7 @@ class Identify(Request):
     baud: int = typed(BAUD, default=9600)
 
     def run(self) -> int:
-        from .meter.link.discovery import find_resources, probe
+        from .meter.instruments import find_resources, probe
 
         names = self.resources or find_resources()
         answers = [(name, probe(name, self.timeout, self.baud)) for name in names]
@@ -142,10 +142,10 @@ class Correct(Request, example="meter correct open --resource TCPIP0::127.0.0.1:
 
     def run(self) -> None:
         from ..simulator.sweeps import InputError
-        from .meter.correction import correct as acquire
         from .meter.instruments import open_meter
         from .meter.lcr_meter import LcrMeter
-        from .meter.restoring.termination import interruptible, orderly_termination
+        from .meter.lcr_meter import correct as acquire
+        from .meter.termination import interruptible, orderly_termination
         from .record.managed_meter import ManagedMeter
 
         with orderly_termination() as report:

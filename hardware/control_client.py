@@ -39,7 +39,7 @@ def checked_address(text: str, requirement: str) -> ControlEndpoint:
 
 
 def send_request(control: str, do: str, **given: Any) -> Any:
-    """Answer of the virtual meter to a request (see `virtual.control`).
+    """Answer of the virtual meter to a request (see `virtual.meter_server`).
 
     control: [TOKEN@]HOST:PORT. Raises InputError if the address or the request is refused,
     PressError if no virtual meter answers there.

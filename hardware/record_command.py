@@ -28,9 +28,8 @@ from .options import (
 
 if TYPE_CHECKING:
     from ..simulator.scene.parts import SceneParts, Setup, Skin
-    from .record.operators import Operator, PressStep
+    from .record.operators import Operator, PressStep, RecordingScreen
     from .record.recording_journal import RecordingHeader, RecordingJournal
-    from .record.recording_terminal import RecordingScreen
 
 
 class Record(
@@ -84,13 +83,17 @@ class Record(
         from ..simulator.requests.requested_scene import requested_scene, warn_of_earth
         from ..simulator.sweeps import checked_output, sizes_text
         from .event_counter import EventCounter
-        from .meter.restoring.termination import interruptible, orderly_termination
+        from .meter.termination import interruptible, orderly_termination
+        from .record.managed_meter import SourceOptions, source_setup
+        from .record.measured_sweep import SweepLimits
         from .record.recorder import RecordingTask
         from .record.recorder import record as record_task
-        from .record.recording_journal import RecordingJournal
-        from .record.recording_output import explain_resuming, finish, summary_remarks
-        from .record.source_options import SourceOptions, source_setup
-        from .record.sweep_checks import SweepLimits
+        from .record.recording_journal import (
+            RecordingJournal,
+            explain_resuming,
+            finish,
+            summary_remarks,
+        )
         from .switch.switch_options import switch_from_options
 
         checked_output(self.output)
@@ -253,8 +256,13 @@ def _operator(
     """Screen, operator, and the prompt that asks a person to connect an interface, or None."""
 
     from ..simulator.sweeps import InputError
-    from .record.operators import MachineOperator, press_by_command, press_virtual_skin
-    from .record.recording_terminal import PersonOperator, RecordingScreen
+    from .record.operators import (
+        MachineOperator,
+        PersonOperator,
+        RecordingScreen,
+        press_by_command,
+        press_virtual_skin,
+    )
 
     console = terminal(stderr=True, highlight=False)
     if control and press_with:
@@ -288,8 +296,7 @@ class Gather(Writing, example="meter gather run.nc -o so-far.nc"):
 
     def run(self) -> None:
         from ..simulator.sweeps import InputError, checked_output, sizes_text
-        from .record.recording_journal import RecordingJournal
-        from .record.recording_output import write_all
+        from .record.recording_journal import RecordingJournal, write_all
 
         journal = RecordingJournal(self.recording)
         header = journal.header()
@@ -306,7 +313,7 @@ class Gather(Writing, example="meter gather run.nc -o so-far.nc"):
 def _warn_if_meter_changed(journal: RecordingJournal) -> None:
     """Log the original settings of a meter that a killed command left changed."""
     from ..simulator.sweeps import InputError
-    from .meter.restoring.original_settings import settings_text
+    from .meter.lcr_meter import settings_text
 
     with suppress(InputError), journal.lock():  # a running recording has the lock
         if found := journal.original_settings():

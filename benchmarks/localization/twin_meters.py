@@ -22,15 +22,17 @@ from rcskin.hardware.live.live_localizer import LiveLocalizer
 from rcskin.hardware.live.live_meter import LiveMeter
 from rcskin.hardware.live.live_session import TimedAnswer
 from rcskin.hardware.meter.instruments import open_meter
-from rcskin.hardware.record.measured_sweep import MeasuredSweep, Watch
-from rcskin.hardware.record.operators import MachineOperator, parse_step, press_virtual_skin
+from rcskin.hardware.record.measured_sweep import MeasuredSweep, SweepLimits, Watch
+from rcskin.hardware.record.operators import (
+    MachineOperator,
+    RecordingScreen,
+    parse_step,
+    press_virtual_skin,
+)
 from rcskin.hardware.record.recorder import RecordingTask, record
-from rcskin.hardware.record.recording_output import recording_dataset
-from rcskin.hardware.record.recording_terminal import RecordingScreen
-from rcskin.hardware.record.sweep_checks import SweepLimits
+from rcskin.hardware.record.recording_journal import recording_dataset
 from rcskin.hardware.record_command import header_of
-from rcskin.hardware.virtual.control import ControlPort
-from rcskin.hardware.virtual.meter_server import run_in_thread
+from rcskin.hardware.virtual.meter_server import ControlPort, run_in_thread
 from rcskin.hardware.virtual.served_skin import ServedSkin, instrument
 from rcskin.simulator.measure.readout import MeterSession
 from rcskin.simulator.measure.specimen import MeterSessionErrors

@@ -96,14 +96,14 @@ class Live(Writing, example="live --model columns.npz --resource TCPIP0::127.0.0
         from ...localization.filtering.chain import TouchDynamics
         from ...simulator.sweeps import InputError
         from ..event_counter import EventCounter
-        from ..meter.restoring.termination import orderly_termination
-        from ..record.source_options import SourceOptions, source_setup
-        from ..record.sweep_checks import SweepLimits
+        from ..meter.termination import orderly_termination
+        from ..record.managed_meter import SourceOptions, source_setup
+        from ..record.measured_sweep import SweepLimits
         from ..switch.switch_options import switch_from_options
-        from .displays.session_displays import other_displays, session_display
         from .live_localizer import localizer_of
         from .live_meter import LiveMeter
         from .live_session import LiveSession
+        from .session_displays import other_displays, session_display
         from .session_log import SessionLog
         from .touch_answer import frequencies_of
 
@@ -194,7 +194,7 @@ def _session_journal(log: Path) -> RecordingJournal:
 
 
 def _run(session: LiveSession, answers: int | None) -> None:
-    from ..meter.restoring.termination import interruptible
+    from ..meter.termination import interruptible
 
     try:
         with session.meter.station, interruptible():

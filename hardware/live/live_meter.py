@@ -10,11 +10,15 @@ from typing import TYPE_CHECKING
 from ...simulator.sweeps import InputError
 from ..meter.errors import FailedReadingError, MeterError, NoConnectionError
 from ..meter.instruments import instrument_of
-from ..meter.reading_source import ReadingSource
-from ..meter.restoring.original_settings import require_settings, restore_settings
+from ..meter.lcr_meter import require_settings, restore_settings
+from ..meter.meter_reading import ReadingSource
 from ..record.managed_meter import ManagedMeter
 from ..record.measured_sweep import (
+    ConditionsOf,
+    ErrorTable,
     MeasuredSweep,
+    SweepChecker,
+    SweepLimits,
     Watch,
     check_frequencies,
     measure_readings,
@@ -22,7 +26,6 @@ from ..record.measured_sweep import (
     now,
 )
 from ..record.recording_journal import RecordingHeader, RecordingJournal
-from ..record.sweep_checks import ConditionsOf, ErrorTable, SweepChecker, SweepLimits
 from ..switch.switch import NoSwitchError, Switch, SwitchError
 from .touch_answer import frequencies_of
 

@@ -14,9 +14,15 @@ from ...simulator.arrays import Real
 from ...simulator.sweeps import UNPRESSED
 from ..meter.errors import MeterError
 from ..meter.meter_reading import MeterReading
-from ..record.measured_sweep import MeasuredSweep, Watch, flag_remarks, now, switching_remarks
+from ..record.measured_sweep import (
+    MeasuredSweep,
+    Watch,
+    flag_remarks,
+    frozen_remarks,
+    now,
+    switching_remarks,
+)
 from ..record.operators import UNKNOWN
-from ..record.sweep_checks import frozen_remarks
 from .live_baseline import LiveBaseline, says_unpressed
 from .live_meter import LiveMeter, TimedSwitch
 from .session_log import BaselineDataset, SessionLog, model_dataset

@@ -22,9 +22,12 @@ from ..record.recording_journal import (
     JournalEntry,
     RecordingHeader,
     RecordingJournal,
+    finish,
+    measured_mask,
+    sweep_dataset,
     warn_if_clock_set_back,
+    write_all,
 )
-from ..record.recording_output import finish, measured_mask, sweep_dataset, write_all
 from .live_baseline import LiveBaseline
 from .touch_answer import TouchAnswer, frequencies_of
 

@@ -1,14 +1,17 @@
-"""Registry of instruments: each is known by its model in the answer to `*IDN?`."""
+"""Registry of instruments: each is known by its model in the answer to `*IDN?`, and found by it."""
 
 from __future__ import annotations
 
-from .errors import LostConnectionError, NoConnectionError, WrongMeterError
+import warnings
+from dataclasses import dataclass
+from itertools import chain
+
+from .conversation import Connection, Conversation, connect, resource_manager
+from .errors import LostConnectionError, MeterError, NoConnectionError, WrongMeterError
 from .hioki import HIOKI
 from .keysight_analyser import E4990A
 from .keysight_lcr import KEYSIGHT_LCR
 from .lcr_meter import LcrMeter
-from .link.connection import Connection, connect
-from .link.conversation import Conversation
 from .meter_reading import MeterIdentity, parse_identity
 
 INSTRUMENTS: dict[str, type[LcrMeter]] = {
@@ -64,3 +67,35 @@ def instrument_of(text: str) -> type[LcrMeter]:
     if model not in INSTRUMENTS:
         raise WrongMeterError(f"{text!r} is none of {', '.join(INSTRUMENTS)}")
     return INSTRUMENTS[model]
+
+
+@dataclass(frozen=True)
+class ProbeResult:
+    """Result of a probe: the identity, or why there is none."""
+
+    identity: MeterIdentity | None
+    failure: str = ""
+
+
+def find_resources() -> list[str]:
+    """VISA resources that PyVISA lists: serial ports, GP-IB, and some on the LAN."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        of_backends = [
+            resource_manager(each).list_resources("?*::INSTR") for each in ("TCPIP", "GPIB")
+        ]
+    return sorted({*chain(*of_backends)})
+
+
+def probe(resource: str, timeout: float, baud_rate: int) -> ProbeResult:
+    """Identity of the meter at a resource. Raises InputError if the name is no resource."""
+    try:
+        connection = connect(resource, timeout, baud_rate)
+    except MeterError as error:
+        return ProbeResult(None, str(error))
+    try:
+        return ProbeResult(identify(connection))
+    except MeterError as error:
+        return ProbeResult(None, str(error))
+    finally:
+        connection.close()

@@ -1,31 +1,141 @@
-"""Base class of all LCR meters: an instrument declares its settings and how it reads."""
+"""Base class of all LCR meters: settings, readings, corrections, and settings that are restored."""
 
 from __future__ import annotations
 
 import logging
+import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar
+from contextvars import ContextVar
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self, TypeVar
 
 from ...simulator.meters.accuracy_table import METER_BANDS
 from ...simulator.sweeps import InputError
-from .errors import MeterError, NoAnswerError, changed_setting
-from .link.connection import Connection
-from .link.conversation import Conversation
-from .meter_reading import MeterIdentity, parse_identity
-from .reading_source import SettingValue
-from .restoring.original_settings import (
-    SETTINGS_STORE,
-    not_restored_message,
-    restore_original,
-    settings_text,
+from .conversation import Connection, Conversation
+from .errors import (
+    CorrectionError,
+    GarbledError,
+    MeterError,
+    NoAnswerError,
+    RefusedError,
+    RestartedError,
+    changed_setting,
 )
-from .setting import MeterProperty, Setting
+from .meter_reading import MeterIdentity, ReadingSource, SettingValue, parse_identity
+from .setting import MeterProperty, Setting, SettingsOwner
+from .termination import interruptible, shielded
 
 if TYPE_CHECKING:
     from ...simulator.meters.accuracy_table import AccuracyTable, ReadingConditions
     from .meter_reading import MeterReading
+
+MAX_RESTARTS = 3
+"""Number of restarts of the meter that are allowed during the restoring."""
+
+
+class OriginalSettingsStore(Protocol):
+    """Store of a meter's original settings, shared by successive connections."""
+
+    def original_settings(self, identity: MeterIdentity) -> dict[str, Any]:
+        """Original settings of a meter; whoever changes a setting adds its original value.
+
+        Raises WrongMeterError if the store holds those of another meter.
+        """
+        ...
+
+    def save_original(self) -> None:
+        """Save the original settings: one was added, and the meter is about to change."""
+        ...
+
+
+SETTINGS_STORE: ContextVar[OriginalSettingsStore | None] = ContextVar("keeper", default=None)
+"""Store for the meters that are opened. None: each meter restores its own on release."""
+
+
+def restore_original(meter: SettingsOwner) -> None:
+    """Restore all changed settings.
+
+    `original` then holds the settings that the meter did not confirm. Raises MeterError if the
+    connection fails or the meter restarts too often; another call continues from there.
+    """
+    kept, meter.original = meter.original or {}, None
+    everything = dict(kept)
+    try:
+        with suppress(MeterError):
+            meter.talk.check_events("the end")  # drops a pending answer
+        for _ in range(MAX_RESTARTS):
+            with suppress(RestartedError):
+                return _restore_each(meter, kept)
+            kept.update(everything)
+        _restore_each(meter, kept)
+    finally:
+        meter.original = kept
+
+
+def _restore_each(meter: SettingsOwner, kept: dict[str, Any]) -> None:
+    """Restore each setting in `kept`, and remove those that the meter confirms.
+
+    A setting without a proper answer does not stop the others; its failure is raised at the end.
+    """
+    last, failures = meter.restored_last, []
+    for name in sorted(kept, key=lambda name: name in last and 1 + last.index(name)):
+        setting = getattr(type(meter), name, None)
+        if not isinstance(setting, Setting):
+            continue
+        try:
+            with suppress(RefusedError, InputError, TypeError, ValueError):  # may be of a file
+                setting.restore(meter, kept[name])
+                del kept[name]
+        except (NoAnswerError, GarbledError) as failure:
+            failures.append(failure)
+    if failures:
+        raise failures[0]
+
+
+def not_restored_message(settings: Mapping[str, Any]) -> str:
+    """Message about settings that were not restored. settings: their original values."""
+    return (
+        "the meter did not confirm these original settings; check them on the meter: "
+        f"{settings_text(settings)}"
+    )
+
+
+def settings_text(settings: Mapping[str, Any]) -> str:
+    """Settings as text: `name = value, ...`."""
+    return ", ".join(f"{name} = {_value_text(value)}" for name, value in settings.items())
+
+
+def _value_text(value: Any) -> str:
+    """One value, or the values of all ranges or registers; equal values appear once."""
+    each = value if isinstance(value, (tuple, list)) else (value,)
+    return " ".join(map(str, dict.fromkeys(each) if len(set(each)) == 1 else each))
+
+
+def restore_settings(meter: ReadingSource, settings: Mapping[str, SettingValue]) -> None:
+    """Restore the settings of a snapshot.
+
+    Raises CorrectionError if one that cannot be set differs, such as the open or short correction.
+    """
+    meter.apply_settings(settings)
+    now = meter.snapshot()
+    for name in meter.reported:
+        if now[name] != settings[name]:
+            again = "acquire it again (`rcskin meter correct`)"
+            raise CorrectionError(
+                f"{meter.resource}: {name.replace('_', ' ')} was {settings[name]} when the "
+                f"recording began and is {now[name]} now; "
+                f"{again if name.endswith('_correction') else 'set it again on the meter'}"
+            )
+
+
+def require_settings(meter: ReadingSource, settings: Mapping[str, SettingValue]) -> None:
+    """Raises RestartedError if any setting differs from the snapshot."""
+    now = meter.snapshot()
+    for name, value in settings.items():
+        if now.get(name) != value:
+            raise changed_setting(meter.resource, name, now.get(name), value)
+
 
 Result = TypeVar("Result")
 SEARCHES = 3
@@ -228,7 +338,7 @@ class LcrMeter(ABC):
             self._store.save_original()
 
     def restore_original(self) -> None:
-        """Restore all changed settings, see `original_settings`."""
+        """Restore all changed settings, see `restore_original`."""
         restore_original(self)
 
     def release(self) -> None:
@@ -273,3 +383,67 @@ class LcrMeter(ABC):
 
     def __exit__(self, *_: object) -> None:
         self.release()
+
+
+ADVICE = {
+    "open": "check that the leads are apart, connected to nothing, and shielded",
+    "short": "check that the leads are joined firmly by a clean shorting bar",
+}
+
+
+def correct(
+    meter: LcrMeter,
+    kind: str,
+    extent: str = "ALL",
+    progress: Callable[[float], None] = lambda seconds: None,
+    patience: float = 180.0,
+    interval: float = 0.2,
+) -> None:
+    """Acquire the open or short correction at all frequencies or one (ALL, SPOT), or end it (OFF).
+
+    progress: called with the elapsed seconds, every `interval` s. patience: longest time, s. Raises
+    InputError for other words, CorrectionError if the meter fails or does not end in time.
+    """
+    if kind not in ADVICE or extent not in meter.extents:
+        *words, last = meter.extents
+        raise InputError(
+            f"`kind` must be open or short and `extent` {', '.join(words)} or {last}, got {kind}, "
+            f"{extent}"
+        )
+    with shielded():  # before the correction starts: whatever ends the wait, it is cancelled
+        try:
+            with interruptible():
+                meter.start_correction(kind, extent)
+                if extent == meter.extents[-1]:
+                    return
+                if not _completed(meter, progress, patience, interval):
+                    raise CorrectionError(
+                        f"{meter.resource}: {kind} correction did not end in {patience:g} s; "
+                        f"{ADVICE[kind]}"
+                    )
+        except RefusedError as refusal:
+            raise CorrectionError(
+                f"{kind} correction failed: {refusal}; {ADVICE[kind]}"
+            ) from refusal
+        except BaseException:
+            with suppress(MeterError):
+                meter.cancel_correction(kind)
+            raise
+    fault = meter.correction_fault(kind)
+    if fault:
+        raise CorrectionError(
+            f"{meter.resource}: {kind} correction failed with {fault}; {ADVICE[kind]}"
+        )
+
+
+def _completed(
+    meter: LcrMeter, progress: Callable[[float], None], patience: float, interval: float
+) -> bool:
+    begun = time.monotonic()
+    while not meter.correction_done():
+        elapsed = time.monotonic() - begun
+        if elapsed > patience:
+            return False
+        progress(elapsed)
+        time.sleep(interval)
+    return True

@@ -1,12 +1,13 @@
-"""One reading: a complex number with its kind, and the meter's status and identity."""
+"""One reading and its source: a complex number with its kind, the meter's status and identity."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import Any, Protocol
 
 from ...simulator.meters.accuracy_table import METER_BANDS
 from ...simulator.sweeps.reading_quantities import IMPEDANCE, ReadingKind
@@ -128,3 +129,73 @@ def parse_reading(text: str) -> MeterReading:
     if not all(math.isfinite(value) and abs(value) < PLACEHOLDER for value in (Cp, Rs, X)):
         raise ValueError(text)
     return MeterReading(complex(Rs, X), status, shown={"Cp": Cp})
+
+
+SettingValue = str | int | float | bool
+
+
+class ReadingSource(Protocol):
+    """A reader of a skin, connected and set up. Everything may raise MeterError."""
+
+    @property
+    def model(self) -> str:
+        """Model, for messages."""
+        ...
+
+    @property
+    def identity(self) -> MeterIdentity:
+        """Identity. Its text distinguishes this reader from every other one."""
+        ...
+
+    @property
+    def resource(self) -> str:
+        """Name of the resource, for messages."""
+        ...
+
+    @property
+    def band(self) -> tuple[float, float]:
+        """Lowest and highest frequency, Hz."""
+        ...
+
+    def nearest(self, frequency: float) -> float:
+        """Frequency in Hz that the reader sets for a requested one."""
+        ...
+
+    @property
+    def sweeps(self) -> bool:
+        """True if `read_sweep` is faster than `read_at` at each frequency."""
+        ...
+
+    @property
+    def reported(self) -> Sequence[str]:
+        """Names in a snapshot that cannot be set."""
+        ...
+
+    @property
+    def busy_seconds(self) -> float:
+        """Time that a running reading or sweep may still take, s. Sends no query."""
+        ...
+
+    def read_at(self, frequency: float) -> MeterReading:
+        """Reading at a frequency in Hz, never older than this call."""
+        ...
+
+    def read_sweep(self, frequencies: Sequence[float]) -> list[MeterReading]:
+        """Readings at frequencies in Hz, none older than this call."""
+        ...
+
+    def snapshot(self) -> dict[str, SettingValue]:
+        """All settings that a reading depends on, and the `reported` ones."""
+        ...
+
+    def apply_settings(self, settings: Mapping[str, Any]) -> None:
+        """Set those that can be set. Raises InputError for a name or value that is not allowed."""
+        ...
+
+    def restore_original(self) -> None:
+        """Restore all changed settings."""
+        ...
+
+    def close(self) -> None:
+        """Close the connection. Closing twice does no harm."""
+        ...

@@ -18,7 +18,7 @@ from ...simulator.sweeps import InputError
 from .errors import RefusedError
 
 if TYPE_CHECKING:
-    from .link.conversation import Conversation
+    from .conversation import Conversation
 
 Value_co = TypeVar("Value_co", covariant=True)
 NO_NUMBER = 9.9e37

@@ -15,9 +15,8 @@ from ...simulator.sweeps import InputError
 from ...simulator.sweeps.reading_quantities import MAGNITUDE, ReadingKind
 from ..event_counter import Report
 from ..meter.errors import GarbledError, LostConnectionError, MeterError, NoAnswerError
-from ..meter.meter_reading import VIRTUAL_SERIAL, MeterIdentity, MeterReading
-from ..meter.reading_source import SettingValue
-from ..meter.restoring.termination import raise_pending_signal
+from ..meter.meter_reading import VIRTUAL_SERIAL, MeterIdentity, MeterReading, SettingValue
+from ..meter.termination import raise_pending_signal
 from .line_format import LineFormat
 from .line_port import ReceivedLine, open_line_port
 from .sweep_assembly import SweepAssembly

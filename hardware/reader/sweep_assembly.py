@@ -18,8 +18,7 @@ import numpy as np
 from ...simulator.arrays import Complex, Real
 from ...simulator.sweeps.same_skin import same_frequencies
 from ..event_counter import Report
-from .line_format import LineFormat
-from .line_parser import SHOWN, LineContent, LineError, LineReading, parse_line
+from .line_format import SHOWN, LineContent, LineError, LineFormat, LineReading, parse_line
 
 Place = tuple[str, float]
 """Interface and frequency in Hz, as the reader sends it."""

@@ -14,12 +14,23 @@ import numpy as np
 from ...simulator.sweeps import InputError
 from ..meter.errors import MeterError
 from ..meter.instruments import instrument_of
-from ..meter.reading_source import ReadingSource
-from ..meter.restoring.original_settings import require_settings, restore_settings
-from ..meter.restoring.termination import interruptible
+from ..meter.lcr_meter import require_settings, restore_settings
+from ..meter.meter_reading import ReadingSource
+from ..meter.termination import interruptible
 from ..switch.switch import Switch
 from .managed_meter import ManagedMeter
-from .measured_sweep import MeasuredSweep, check_frequencies, measure_sweep, now
+from .measured_sweep import (
+    ConditionsOf,
+    ErrorTable,
+    MeasuredSweep,
+    SweepChecker,
+    SweepLimits,
+    check_frequencies,
+    frozen_remarks,
+    measure_sweep,
+    now,
+    undetected_press,
+)
 from .operators import UNPRESSED_STEP, Operator, PressStep, StepStatus, parse_step
 from .recording_journal import (
     JournalEntry,
@@ -27,14 +38,6 @@ from .recording_journal import (
     RecordingJournal,
     differences,
     warn_if_clock_set_back,
-)
-from .sweep_checks import (
-    ConditionsOf,
-    ErrorTable,
-    SweepChecker,
-    SweepLimits,
-    frozen_remarks,
-    undetected_press,
 )
 
 ETA_STEPS = 12

@@ -75,7 +75,7 @@ def _named_switch(
     name: str, settle: float | None, waiting: float, by_name: dict[str, str]
 ) -> DeviceSwitch:
     if name.endswith(".toml"):
-        from .switch_table import read_switch
+        from .boards import read_switch
 
         return read_switch(Path(name), settle)
     checked_address(name, "`switch` must be TABLE.toml, HOST:PORT or ask")

@@ -11,7 +11,6 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from enum import IntFlag
-from functools import cache
 from typing import Any
 
 from ...simulator.meters.accuracy_table import (
@@ -23,8 +22,8 @@ from ...simulator.meters.accuracy_table import (
     ReadingConditions,
     full_scale,
 )
+from ..meter.conversation import Event
 from ..meter.hioki_dialect import CORRECTIONS, ITEMS, HiokiDialect, HiokiSiblingDialect
-from ..meter.link.conversation import Event
 from ..meter.meter_reading import ReadingStatus
 from ..meter.setting import MeterProperty, Setting, rows
 from .instrument import EventRegisters, Instrument
@@ -385,7 +384,7 @@ SETTING_COMMANDS = (
     MeterCommand(":MEASure", on_query=lambda meter: meter.measure(), has_header=False),
 )
 
-
+VOCABULARY = Vocabulary((*COMMON_COMMANDS, *SETTING_COMMANDS))
 STATUS_EVENTS = {
     ReadingStatus.OVERFLOW: Measuring.MOF,
     ReadingStatus.UNDERFLOW: Measuring.MUF,
@@ -401,6 +400,11 @@ class VirtualHioki(Instrument):
     settings: HiokiSettings = field(default_factory=HiokiSettings)
     registers: Registers = field(default_factory=Registers)
     corrections: CorrectionRuns = field(default_factory=CorrectionRuns)
+
+    @classmethod
+    def vocabulary(cls) -> Vocabulary:
+        """All commands of Hioki's meters."""
+        return VOCABULARY
 
     @property
     def identity(self) -> str:
@@ -426,7 +430,7 @@ class VirtualHioki(Instrument):
 
     def command(self, words: tuple[str, ...]) -> tuple[MeterCommand, tuple[int, ...]] | None:
         """Command of these words; None if unknown to the model."""
-        found = vocabulary().find(words)
+        found = VOCABULARY.find(words)
         compatible = self.model != VIRTUAL_MODEL or self.settings.compatible
         return None if found and found[0].siblings_only and not compatible else found
 
@@ -483,10 +487,3 @@ class VirtualHioki(Instrument):
         """Simulate a power cut: a reset, and a power-on event."""
         self.reset()
         self.registers = Registers()
-
-
-@cache
-def vocabulary() -> Vocabulary:
-    """All commands of Hioki's meters."""
-
-    return Vocabulary((*COMMON_COMMANDS, *SETTING_COMMANDS))

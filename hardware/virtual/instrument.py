@@ -12,9 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from ..meter.link.conversation import Event
+from ..meter.conversation import Event
 from ..meter.meter_reading import BY_CODE, VIRTUAL_SERIAL
-from .faults import GARBAGE, ON_ANSWERS, Fault
 from .language import (
     SYNTAX_ERROR,
     UNDEFINED_HEADER,
@@ -23,10 +22,11 @@ from .language import (
     LanguageError,
     Message,
     MeterCommand,
+    Vocabulary,
     messages,
 )
 from .measurement import NO_RESULT, MeasurementResult, MeasurementSetup, Settings
-from .virtual_device import VirtualDevice
+from .virtual_device import GARBAGE, ON_ANSWERS, Fault, VirtualDevice
 
 if TYPE_CHECKING:
     from .clients import Client
@@ -133,6 +133,11 @@ class Instrument(VirtualDevice, ABC):
             return None
         Z = self.latest.Z.real, self.latest.Z.imag
         return {"frequency": self.latest.conditions.frequency, "Z": Z}
+
+    @classmethod
+    @abstractmethod
+    def vocabulary(cls) -> Vocabulary:
+        """All commands of the model."""
 
     @property
     @abstractmethod

@@ -51,8 +51,6 @@ BAND = METER_BANDS["E4990A"]
 """Lowest and highest frequency with option 120, Hz."""
 SEGMENTS = (1, 201)
 """Limits of the number of segments."""
-TABLE_SPEEDS = ("FAST", "FAST", "MEDIUM", "SLOW", "SLOW2")
-"""Speed of an accuracy table for measurement times 1 to 5."""
 SEGMENT_HEADER = 9
 OPTIONAL_COLUMNS = (2, 2, 1, 1, 1, 1)
 """Columns of a segment for each switch: oscillator, bias, time, averaging, segment time, delay."""
@@ -129,7 +127,7 @@ class AnalyserSettings(Settings):
         """Conditions of a measurement of Z in ohm; the analyser has one range."""
         loop = abs(OUTPUT_RESISTANCE + Z)
         level = self.voltage if self.source_mode == "VOLTAGE" else self.constant_current * loop
-        speed = TABLE_SPEEDS[self.speed - 1]
+        speed = AnalyserDialect.table_speeds[self.speed - 1]
         return ReadingConditions(self.frequency, 1, speed, self.averaging, level)
 
 

@@ -15,8 +15,8 @@ from functools import cache
 from typing import Any, ClassVar
 
 from ...simulator.meters.accuracy_table import METER_BANDS
+from ..meter.conversation import Event
 from ..meter.keysight_dialects import CORRECTING, MEASURING, SWEEPING
-from ..meter.link.conversation import Event
 from ..meter.setting import NO_NUMBER, rows
 from .instrument import EventRegisters, Instrument
 from .language import (

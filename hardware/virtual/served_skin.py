@@ -1,8 +1,8 @@
-"""Skins that a virtual meter or reader reads, and the device at its first reading."""
+"""Skins that a virtual meter serves, simulated or recorded, and the meters by their models."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -17,10 +17,12 @@ from ...simulator.meters.accuracy_table import (
 )
 from ...simulator.sweeps import UNPRESSED, InputError
 from ...simulator.sweeps.reading_quantities import IMPEDANCE
+from .hioki import VirtualHioki
 from .instrument import Instrument
+from .keysight_analyser import VirtualE4990A
+from .keysight_lcr import Virtual4284A, VirtualE4980A, VirtualE4980AL
 from .measurement import MeasurementSetup, Readout
 from .recorded_skin import RecordedSkin, exact_readout
-from .virtual_models import VIRTUAL_MODELS, virtual_model
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,7 +30,27 @@ if TYPE_CHECKING:
     from ...simulator.scene.parts import SceneParts
     from ..reader.line_format import LineFormat
     from .measurement import Skin
-    from .reader.virtual_reader import VirtualReader
+    from .virtual_reader import VirtualReader
+
+
+VIRTUAL_MODELS: dict[str, Callable[..., Instrument]] = {
+    "IM3523": VirtualHioki,
+    "E4980A": VirtualE4980A,
+    "E4980AL": VirtualE4980AL,
+    "4284A": Virtual4284A,
+    "E4990A": VirtualE4990A,
+}
+"""Class of each model."""
+
+
+def virtual_model(name: str) -> Callable[..., Instrument]:
+    """Class of a model by its name, in any case. Raises InputError for another one."""
+    try:
+        return VIRTUAL_MODELS[name.upper()]
+    except KeyError:
+        known = ", ".join(VIRTUAL_MODELS)
+        raise InputError(f"`model` must be one of {known}, got {name!r}") from None
+
 
 ROUNDING = 1e-9
 
@@ -158,7 +180,7 @@ def reader(served: ServedSkin, line_format: LineFormat, pace: float = 1.0) -> Vi
 
     Raises InputError for another pace, for a recorded skin, or if the format does not fit it.
     """
-    from .reader.virtual_reader import VirtualReader
+    from .virtual_reader import VirtualReader
 
     _check_pace(pace)
     if served.parts is None:

@@ -14,8 +14,7 @@ import numpy as np
 
 from ...simulator.sweeps import UNPRESSED, InputError, ToleranceError, inputs
 from ..page.page_document import LOOPBACK
-from .control import ControlPort
-from .meter_server import Ports, open_ports
+from .meter_server import ControlPort, Ports, open_ports
 
 if TYPE_CHECKING:
     from ..page.page_document import PageAddress, PageDocument

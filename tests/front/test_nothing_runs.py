@@ -19,7 +19,7 @@ import rcskin
 from PIL import Image
 from rcskin.hardware.reader.line_format import read_line_format
 from rcskin.hardware.record.operators import read_order
-from rcskin.hardware.switch.switch_table import read_switch
+from rcskin.hardware.switch.boards import read_switch
 from rcskin.hardware.virtual.serving import read_script
 from rcskin.localization.inputs.baselines import read_first
 from rcskin.localization.model import localizer_file

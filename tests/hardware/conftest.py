@@ -10,11 +10,10 @@ from pathlib import Path
 
 import pytest
 from rcskin.hardware.meter.instruments import open_meter
-from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.hioki import VirtualHioki
 from rcskin.hardware.virtual.instrument import answer
 from rcskin.hardware.virtual.measurement import MeasurementSetup
-from rcskin.hardware.virtual.meter_server import run_in_thread
+from rcskin.hardware.virtual.meter_server import ControlPort, run_in_thread
 from rcskin.hardware.virtual.recorded_skin import exact_readout
 from rcskin.simulator.meters.accuracy_table import read_table
 from rcskin.simulator.scene.scene_files import load_scene

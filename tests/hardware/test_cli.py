@@ -8,7 +8,7 @@ import sys
 
 import pytest
 from rcskin.hardware.meter.errors import MeterError, NoConnectionError
-from rcskin.hardware.meter.link.discovery import ProbeResult
+from rcskin.hardware.meter.instruments import ProbeResult
 from rcskin.hardware.virtual.hioki import HiokiSettings
 from rcskin.hardware.virtual.recorded_skin import RecordedSkin
 from rcskin.hardware.virtual.served_skin import instrument, recorded
@@ -64,7 +64,7 @@ def test_only_a_search_without_names_asks_the_networks_of_the_computer(command, 
 
     monkeypatch.setattr(socket.socket, "sendto", sendto)
     monkeypatch.setattr(socket.socket, "connect", None)
-    monkeypatch.setattr("rcskin.hardware.meter.link.discovery.probe", lambda *_: ProbeResult(None))
+    monkeypatch.setattr("rcskin.hardware.meter.instruments.probe", lambda *_: ProbeResult(None))
     command("identify")
     assert sent and {port for _, port in sent} == {111}  # the port mapper's, of VXI-11
     sent.clear()

@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 
 import pytest
-from rcskin.hardware.virtual.faults import Fault
+from rcskin.hardware.virtual.virtual_device import Fault
 from rcskin.simulator.sweeps import read
 
 pty = pytest.importorskip("pty", reason="Windows has no terminals of Unix")

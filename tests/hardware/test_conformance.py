@@ -12,7 +12,7 @@ import time
 from contextlib import suppress
 
 import pytest
-from rcskin.hardware.meter.correction import correct
+from rcskin.hardware.meter.conversation import VisaConnection
 from rcskin.hardware.meter.errors import (
     CorrectionError,
     FailedReadingError,
@@ -24,14 +24,14 @@ from rcskin.hardware.meter.errors import (
     RestartedError,
 )
 from rcskin.hardware.meter.instruments import INSTRUMENTS, instrument_of, open_meter
-from rcskin.hardware.meter.link.connection import VisaConnection
+from rcskin.hardware.meter.lcr_meter import correct
 from rcskin.hardware.meter.meter_reading import ReadingStatus, parse_identity
 from rcskin.hardware.meter.setting import FROM_MEMORY, MeterProperty, Setting, rows, source_of
 from rcskin.hardware.record.managed_meter import ManagedMeter
 from rcskin.hardware.record.recording_journal import RecordingJournal
-from rcskin.hardware.virtual.faults import Fault
 from rcskin.hardware.virtual.instrument import answer
-from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
+from rcskin.hardware.virtual.served_skin import VIRTUAL_MODELS
+from rcskin.hardware.virtual.virtual_device import Fault
 from rcskin.simulator.meters.accuracy_table import METER_BANDS
 from rcskin.simulator.sweeps import InputError
 from rcskin.tests.hardware.instrument_cases import CASES, of_the_page

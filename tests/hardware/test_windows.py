@@ -7,10 +7,10 @@ from types import SimpleNamespace
 import pytest
 import pyvisa
 from rcskin.hardware.command_template import CommandTemplate
-from rcskin.hardware.live.displays.live_screen import key_reader
+from rcskin.hardware.live.live_screen import key_reader
+from rcskin.hardware.meter.conversation import connect
 from rcskin.hardware.meter.errors import NoConnectionError
-from rcskin.hardware.meter.link.connection import connect
-from rcskin.hardware.meter.link.discovery import find_resources
+from rcskin.hardware.meter.instruments import find_resources
 from rcskin.hardware.virtual.serving import serve as serve_until_signal
 from rcskin.simulator.sweeps import read
 

@@ -7,8 +7,7 @@ import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
 from rcskin.hardware.control_client import send_request
-from rcskin.hardware.virtual.control import ControlPort
-from rcskin.hardware.virtual.meter_server import run_in_thread
+from rcskin.hardware.virtual.meter_server import ControlPort, run_in_thread
 from rcskin.hardware.virtual.served_skin import instrument, simulated
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.sweep_touches import factors_under

@@ -11,7 +11,7 @@ from rcskin.hardware.live.live_meter import LiveMeter
 from rcskin.hardware.live.live_session import LiveSession
 from rcskin.hardware.live.session_log import SessionLog
 from rcskin.hardware.meter.instruments import open_meter
-from rcskin.hardware.record.sweep_checks import SweepLimits
+from rcskin.hardware.record.measured_sweep import SweepLimits
 from rcskin.simulator.meters.accuracy_table import read_table
 from rcskin.simulator.requests.typer_commands import add_commands
 from rcskin.tests.hardware.live import live_rig

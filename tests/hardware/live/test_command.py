@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from rcskin.hardware.control_client import send_request
 from rcskin.hardware.meter.errors import NoConnectionError
-from rcskin.hardware.virtual.faults import Fault
+from rcskin.hardware.virtual.virtual_device import Fault
 from rcskin.simulator.sweeps import UNPRESSED, read, write
 
 SOON = 30

@@ -3,8 +3,8 @@
 import socket
 
 import pytest
-from rcskin.hardware.virtual.faults import Fault
-from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
+from rcskin.hardware.virtual.served_skin import VIRTUAL_MODELS
+from rcskin.hardware.virtual.virtual_device import Fault
 from rcskin.tests.hardware.instrument_cases import E4980A, E4990A, IM3523
 
 pytestmark = pytest.mark.usefixtures("impatient")

@@ -8,7 +8,7 @@ from rcskin.hardware.control_client import send_request
 from rcskin.hardware.record.measured_sweep import measure_readings, measure_sweep
 from rcskin.hardware.switch.switch import DeviceSwitch, NoSwitchError, StuckSwitchError
 from rcskin.hardware.switch.switch_options import VirtualSwitch
-from rcskin.hardware.virtual.faults import Fault
+from rcskin.hardware.virtual.virtual_device import Fault
 from rcskin.simulator.sweeps import impedance, read
 from rcskin.tests.hardware.live.live_rig import SKINS, Pixels
 

@@ -4,8 +4,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rcskin.hardware.live.live_localizer import LiveLocalizer
-from rcskin.hardware.live.touch_answer import CANNOT_TELL, NOTHING_PRESSED
+from rcskin.hardware.live.live_localizer import CANNOT_TELL, LiveLocalizer
+from rcskin.hardware.live.touch_answer import NOTHING_PRESSED
 
 SWEEP, REST = object(), object()
 

@@ -7,12 +7,12 @@ import socket
 import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
-from rcskin.hardware.live.displays.page_display import PageDisplay
 from rcskin.hardware.live.live_session import TimedAnswer
+from rcskin.hardware.live.session_displays import PageDisplay
 from rcskin.hardware.live.touch_answer import TouchAnswer
 from rcskin.hardware.meter.meter_reading import MeterReading
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
-from rcskin.hardware.virtual.faults import Fault
+from rcskin.hardware.virtual.virtual_device import Fault
 from rcskin.simulator.sweeps import InputError
 from typer.testing import CliRunner
 

@@ -5,15 +5,11 @@ import re
 
 import numpy as np
 import pytest
-from rcskin.hardware.live.displays.live_screen import MARKER, LiveScreen, PixelGrid, fitted_grid
-from rcskin.hardware.live.displays.session_displays import LineOutput
+from rcskin.hardware.live.live_localizer import CANNOT_TELL
+from rcskin.hardware.live.live_screen import MARKER, LiveScreen, PixelGrid, fitted_grid
 from rcskin.hardware.live.live_session import TimedAnswer
-from rcskin.hardware.live.touch_answer import (
-    CANNOT_TELL,
-    NOTHING_PRESSED,
-    TouchAnswer,
-    answer_of_classes,
-)
+from rcskin.hardware.live.session_displays import LineOutput
+from rcskin.hardware.live.touch_answer import NOTHING_PRESSED, TouchAnswer, answer_of_classes
 from rcskin.hardware.record.measured_sweep import MeasuredSweep
 from rcskin.tests.hardware.live.live_rig import Columns
 from rich.console import Console

@@ -7,7 +7,7 @@ import pytest
 from rcskin.hardware.live.live_baseline import RENEWAL_COUNT
 from rcskin.hardware.live.live_session import BASELINE_KEY, END_KEY
 from rcskin.hardware.meter.errors import FailedReadingError, MeterError, NoConnectionError
-from rcskin.hardware.virtual.faults import Fault
+from rcskin.hardware.virtual.virtual_device import Fault
 from rcskin.simulator.sweeps import InputError, impedance
 from rcskin.tests.hardware.live.live_rig import SKINS, Columns
 

@@ -7,9 +7,8 @@ from contextlib import suppress
 from threading import Event, Thread
 
 import pytest
+from rcskin.hardware.meter.conversation import Conversation, connect
 from rcskin.hardware.meter.errors import LostConnectionError, NoAnswerError
-from rcskin.hardware.meter.link.connection import connect
-from rcskin.hardware.meter.link.conversation import Conversation
 
 SOON, LATE = 0.3, 5.0
 """s."""

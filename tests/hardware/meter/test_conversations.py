@@ -3,9 +3,9 @@
 import math
 
 import pytest
-from rcskin.hardware.meter.correction import correct
 from rcskin.hardware.meter.errors import FailedReadingError, NoAnswerError
 from rcskin.hardware.meter.instruments import start
+from rcskin.hardware.meter.lcr_meter import correct
 from rcskin.tests.hardware.conversation_files import CONVERSATIONS, spoken
 
 SCRIPTS = sorted(CONVERSATIONS.joinpath("drivers").glob("*.txt"))

@@ -4,7 +4,6 @@ import math
 import re
 
 import pytest
-from rcskin.hardware.meter.correction import correct
 from rcskin.hardware.meter.errors import (
     CorrectionError,
     FailedReadingError,
@@ -12,10 +11,9 @@ from rcskin.hardware.meter.errors import (
     RefusedError,
     RestartedError,
 )
-from rcskin.hardware.meter.instruments import open_meter
-from rcskin.hardware.meter.link.discovery import probe
+from rcskin.hardware.meter.instruments import open_meter, probe
+from rcskin.hardware.meter.lcr_meter import correct, require_settings, restore_settings
 from rcskin.hardware.meter.meter_reading import ReadingStatus, parse_reading
-from rcskin.hardware.meter.restoring.original_settings import require_settings, restore_settings
 from rcskin.hardware.record.measured_sweep import check_frequencies, measure_sweep
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
 

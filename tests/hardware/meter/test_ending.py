@@ -3,13 +3,14 @@
 import ctypes
 import gc
 import signal
+import sys
 import time
 from threading import Thread
 from types import SimpleNamespace
 
 import pytest
-from rcskin.hardware.meter.restoring import termination
-from rcskin.hardware.meter.restoring.termination import (
+from rcskin.hardware.meter import termination
+from rcskin.hardware.meter.termination import (
     Termination,
     interruptible,
     orderly_termination,
@@ -113,10 +114,10 @@ def test_writing_after_the_work_was_ended_can_be_ended_too(apart):
 
 
 def test_a_console_of_windows_that_is_closed_is_kept_until_all_is_in_order(monkeypatch):
-    kernel, handlers = "rcskin.hardware.meter.restoring.windows_console.sys", []
+    kernel, handlers = "rcskin.hardware.meter.termination.sys", []
     keep = lambda handler, add: (handlers.append if add else handlers.remove)(handler)  # noqa: E731
     windll = SimpleNamespace(kernel32=SimpleNamespace(SetConsoleCtrlHandler=keep))
-    monkeypatch.setattr(kernel, SimpleNamespace(platform="win32"))
+    monkeypatch.setattr(kernel, SimpleNamespace(**{**vars(sys), "platform": "win32"}))
     closing = getattr(signal, "SIGBREAK", None) or signal.SIGUSR1
     monkeypatch.setattr(signal, "SIGBREAK", closing, raising=False)
     monkeypatch.setattr(ctypes, "windll", windll, raising=False)

@@ -6,8 +6,8 @@ import pytest
 from rcskin.hardware.meter.hioki import HiokiMeter
 from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.record.managed_meter import ManagedMeter
-from rcskin.hardware.virtual.faults import Fault
-from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
+from rcskin.hardware.virtual.served_skin import VIRTUAL_MODELS
+from rcskin.hardware.virtual.virtual_device import Fault
 from rcskin.tests.hardware.instrument_cases import CASES, E4980A, HP4284A, IM3523
 
 NOT_AS_FOUND = "the meter did not confirm these original settings; check them on the meter:"

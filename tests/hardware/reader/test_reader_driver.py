@@ -18,7 +18,7 @@ from rcskin.hardware.meter.errors import (
     NoConnectionError,
 )
 from rcskin.hardware.meter.meter_reading import sweep_origin
-from rcskin.hardware.reader import line_parser, line_port
+from rcskin.hardware.reader import line_format, line_port
 from rcskin.hardware.reader.line_format import LineFormat
 from rcskin.hardware.reader.line_port import check_line_resource, is_line_resource
 from rcskin.hardware.reader.reader_driver import ReaderDriver, ReaderTerminals
@@ -285,7 +285,7 @@ def test_the_last_sweep_of_a_device_that_stops_is_read_if_it_has_a_checksum(chec
     bench = Bench()
 
     def signed(lines):
-        data = [(each, line_parser.checksum(each, checksum)) for each in lines] if checksum else []
+        data = [(each, line_format.checksum(each, checksum)) for each in lines] if checksum else []
         return [f"{each}*{total:08X}" for each, total in data] or lines
 
     def last(lines):

@@ -245,7 +245,7 @@ def test_the_last_sweep_of_a_stream_is_read_where_its_lines_show_their_end():
     """By a checksum or the brace of JSON; a line of CSV without a checksum shows nothing."""
 
     def signed(text):
-        from rcskin.hardware.reader.line_parser import checksum
+        from rcskin.hardware.reader.line_format import checksum
 
         return "".join(f"{line}*{checksum(line, 'crc16'):04X}\n" for line in text.splitlines())
 
@@ -324,7 +324,7 @@ xor: 31^2C^32^2C^33 = 30; sum: 31+2C+32+2C+33 = EE."""
 
 @pytest.mark.parametrize("kind", CHECKED)
 def test_a_checksum_is_that_of_the_literature(kind):
-    from rcskin.hardware.reader.line_parser import checksum
+    from rcskin.hardware.reader.line_format import checksum
 
     body, line = CHECKED[kind]
     assert f"{body}*{checksum(body, kind):X}" == line

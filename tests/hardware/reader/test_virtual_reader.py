@@ -12,16 +12,16 @@ from rcskin.hardware.live.live_meter import LiveMeter
 from rcskin.hardware.live.live_session import LiveSession
 from rcskin.hardware.live.session_log import SessionLog
 from rcskin.hardware.reader.line_format import LineFormat
+from rcskin.hardware.record.managed_meter import SourceOptions, source_setup
+from rcskin.hardware.record.measured_sweep import SweepLimits
 from rcskin.hardware.record.operators import MachineOperator, press_virtual_skin, standard_order
 from rcskin.hardware.record.recorder import RecordingTask, record
-from rcskin.hardware.record.recording_output import recording_dataset
-from rcskin.hardware.record.source_options import SourceOptions, source_setup
-from rcskin.hardware.record.sweep_checks import SweepLimits
+from rcskin.hardware.record.recording_journal import recording_dataset
 from rcskin.hardware.record_command import header_of
 from rcskin.hardware.virtual import served_skin
-from rcskin.hardware.virtual.faults import ON_LINES, Fault
 from rcskin.hardware.virtual.meter_server import run_in_thread
 from rcskin.hardware.virtual.recorded_skin import exact_readout
+from rcskin.hardware.virtual.virtual_device import ON_LINES, Fault
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError, impedance, inputs, read
 from rcskin.tests.hardware.live.live_rig import SKINS, Pixels

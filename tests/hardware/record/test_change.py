@@ -5,8 +5,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.hardware.meter.meter_reading import MeterReading
-from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
-from rcskin.hardware.record.sweep_checks import percent_change, undetected_press
+from rcskin.hardware.record.measured_sweep import (
+    InterfaceTrace,
+    MeasuredSweep,
+    percent_change,
+    undetected_press,
+)
 
 FREQUENCY = np.geomspace(1e3, 2e5, 20)
 Q = np.sqrt(2j * np.pi * FREQUENCY * 1e-5)

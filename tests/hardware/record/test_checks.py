@@ -8,8 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rcskin.hardware.meter.hioki import IM3523
 from rcskin.hardware.meter.meter_reading import MeterReading
-from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
-from rcskin.hardware.record.sweep_checks import SweepChecker, SweepLimits, frozen_remarks
+from rcskin.hardware.record.measured_sweep import (
+    InterfaceTrace,
+    MeasuredSweep,
+    SweepChecker,
+    SweepLimits,
+    frozen_remarks,
+)
 from rcskin.hardware.virtual.hioki import HiokiSettings
 from rcskin.simulator.meters.accuracy_table import read_table
 from rcskin.simulator.sweeps import parallel_capacitance

@@ -12,9 +12,9 @@ from rcskin.hardware.meter.errors import NoAnswerError
 from rcskin.hardware.record.measured_sweep import check_frequencies
 from rcskin.hardware.record.operators import parse_step
 from rcskin.hardware.record.recorder import record
-from rcskin.hardware.record.recording_output import recording_dataset
-from rcskin.hardware.virtual.faults import Fault
-from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
+from rcskin.hardware.record.recording_journal import recording_dataset
+from rcskin.hardware.virtual.served_skin import VIRTUAL_MODELS
+from rcskin.hardware.virtual.virtual_device import Fault
 from rcskin.simulator.sweeps import InputError, impedance
 from rcskin.tests.hardware.instrument_cases import CASES, E4980A, E4990A, HP4284A
 

@@ -13,7 +13,7 @@ from rcskin.hardware.record.operators import MachineOperator
 from rcskin.hardware.record.recording_journal import RecordingHeader, RecordingJournal
 from rcskin.hardware.switch.switch import DeviceSwitch, StuckSwitchError
 from rcskin.hardware.tokens import read_token
-from rcskin.hardware.virtual.faults import Fault
+from rcskin.hardware.virtual.virtual_device import Fault
 from rcskin.localization.inputs.features import features
 from rcskin.simulator.sweeps import InputError, impedance, read
 from rich.console import Console

@@ -10,7 +10,7 @@ import time
 import pytest
 from rcskin.hardware.record.operators import standard_order
 from rcskin.hardware.record.recording_journal import RecordingJournal
-from rcskin.hardware.virtual.faults import Fault
+from rcskin.hardware.virtual.virtual_device import Fault
 from rcskin.simulator.sweeps import read, violations
 
 SOON = 30

@@ -8,11 +8,11 @@ from threading import Thread
 
 import numpy as np
 import pytest
-from rcskin.hardware.meter.restoring.termination import orderly_termination
+from rcskin.hardware.meter.termination import orderly_termination
 from rcskin.hardware.record.operators import MachineOperator
 from rcskin.hardware.record.recorder import record
 from rcskin.hardware.record.recording_journal import METER_FILE, RecordingJournal
-from rcskin.hardware.virtual.faults import Fault
+from rcskin.hardware.virtual.virtual_device import Fault
 
 NOT_AS_FOUND = "the meter did not confirm these original settings; check them on the meter:"
 ENDS = [signal.SIGINT]

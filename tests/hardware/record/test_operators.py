@@ -9,12 +9,13 @@ import numpy as np
 import pytest
 from rcskin.hardware.meter.errors import MeterError
 from rcskin.hardware.meter.meter_reading import MeterReading, ReadingStatus
-from rcskin.hardware.meter.restoring.termination import interruptible, orderly_termination
+from rcskin.hardware.meter.termination import interruptible, orderly_termination
 from rcskin.hardware.record.measured_sweep import InterfaceTrace, MeasuredSweep
-from rcskin.hardware.record.operators import PressStep, press_by_command
-from rcskin.hardware.record.recording_terminal import (
+from rcskin.hardware.record.operators import (
     PersonOperator,
+    PressStep,
     RecordingScreen,
+    press_by_command,
     sparkline,
 )
 from rcskin.simulator.sweeps import InputError

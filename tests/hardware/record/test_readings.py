@@ -11,9 +11,9 @@ from rcskin.hardware.record.recording_journal import (
     JournalEntry,
     RecordingHeader,
     RecordingJournal,
+    recording_dataset,
 )
-from rcskin.hardware.record.recording_output import recording_dataset
-from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
+from rcskin.hardware.virtual.served_skin import VIRTUAL_MODELS
 from rcskin.simulator.sweeps import InputError, parallel_capacitance
 from rcskin.simulator.sweeps.digests import sealed_json, unsealed_json
 from rcskin.simulator.sweeps.reading_quantities import GAIN, IMPEDANCE, MAGNITUDE

@@ -17,9 +17,8 @@ from rcskin.hardware.record.operators import (
     standard_order,
 )
 from rcskin.hardware.record.recorder import record
-from rcskin.hardware.record.recording_journal import RecordingJournal
-from rcskin.hardware.record.recording_output import recording_dataset
-from rcskin.hardware.virtual.faults import Fault
+from rcskin.hardware.record.recording_journal import RecordingJournal, recording_dataset
+from rcskin.hardware.virtual.virtual_device import Fault
 from rcskin.simulator.sweeps import InputError, impedance, read, write
 
 

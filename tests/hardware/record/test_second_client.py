@@ -7,12 +7,12 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
-from rcskin.hardware.meter.link.connection import VisaConnection
+from rcskin.hardware.meter.conversation import VisaConnection
 from rcskin.hardware.record.operators import parse_step
 from rcskin.hardware.record.recorder import record
-from rcskin.hardware.record.recording_output import recording_dataset
+from rcskin.hardware.record.recording_journal import recording_dataset
 from rcskin.hardware.virtual.language import messages
-from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
+from rcskin.hardware.virtual.served_skin import VIRTUAL_MODELS
 from rcskin.simulator.sweeps import impedance
 from rcskin.tests.hardware.instrument_cases import CASES
 

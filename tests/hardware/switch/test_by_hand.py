@@ -12,7 +12,7 @@ from rcskin.hardware.switch.switch import (
     StuckSwitchError,
 )
 from rcskin.hardware.switch.switch_options import switch_from_options
-from rcskin.hardware.virtual.faults import Fault
+from rcskin.hardware.virtual.virtual_device import Fault
 from rcskin.simulator.sweeps import InputError
 
 BOTH = ("left", "bottom")

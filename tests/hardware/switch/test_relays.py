@@ -1,13 +1,13 @@
 """Relay boards, each a state machine at the other end of a real serial line."""
 
 import pytest
+from rcskin.hardware.switch.boards import read_switch
 from rcskin.hardware.switch.switch import (
     GarbledSwitchError,
     NoSwitchError,
     SilentSwitchError,
     StuckSwitchError,
 )
-from rcskin.hardware.switch.switch_table import read_switch
 from rcskin.simulator.sweeps import InputError
 from rcskin.tests.hardware.switch.boards import LcusBoard, NumatoBoard, on_a_line, soon
 

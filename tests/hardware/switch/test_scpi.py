@@ -2,6 +2,7 @@
 
 import pytest
 from pymeasure.instruments.keithley import Keithley2700
+from rcskin.hardware.switch.boards import read_switch
 from rcskin.hardware.switch.switch import (
     GarbledSwitchError,
     NoSwitchError,
@@ -9,7 +10,6 @@ from rcskin.hardware.switch.switch import (
     SilentSwitchError,
     StuckSwitchError,
 )
-from rcskin.hardware.switch.switch_table import read_switch
 from rcskin.simulator.sweeps import InputError
 from rcskin.tests.hardware.switch.boards import ScpiSwitch, on_tcp
 

@@ -6,14 +6,13 @@ import socket
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.hardware.virtual.faults import Fault
 from rcskin.hardware.virtual.instrument import answer
 from rcskin.hardware.virtual.keysight_analyser import VirtualE4990A
 from rcskin.hardware.virtual.keysight_instrument import KeysightInstrument
 from rcskin.hardware.virtual.keysight_lcr import VirtualE4980A
 from rcskin.hardware.virtual.recorded_skin import exact_readout
-from rcskin.hardware.virtual.served_skin import ServedSkin, notes
-from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS, virtual_model
+from rcskin.hardware.virtual.served_skin import VIRTUAL_MODELS, ServedSkin, notes, virtual_model
+from rcskin.hardware.virtual.virtual_device import Fault
 from rcskin.simulator.sweeps import InputError
 from rcskin.tests.hardware.conversation_files import CONVERSATIONS, spoken
 
@@ -86,7 +85,7 @@ def test_a_full_queue_says_that_it_overflowed(keysight):
     assert (last, after) == ('-350,"Queue overflow"', NO_ERROR)
 
 
-@pytest.mark.parametrize("model", KEYSIGHT)
+@pytest.mark.parametrize("model", VIRTUAL_MODELS)
 def test_no_line_harms_an_instrument(make_instrument, model):
     kind = VIRTUAL_MODELS[model]
     headers = sorted({command.header for command in kind.vocabulary().commands})
@@ -97,25 +96,28 @@ def test_no_line_harms_an_instrument(make_instrument, model):
     @given(st.lists(fragments | st.text(max_size=5), max_size=12).map("".join))
     def unharmed(line):
         meter = make_instrument(kind=kind)
-        assert talk(meter, line, "*IDN?")[1] == meter.identity
+        assert talk(meter, line, "*IDN?")[1].endswith(meter.identity)
         meter.worker.shutdown()
 
     unharmed()
 
 
-ODD = ("0", "-1", "1E99", "MIN", "DEF", "ON", "DBUF", "x" * 99, "\ufffd", "")
+NUMBERS = ("0", "-0.5", "10.4999", "1E999", "1E-999", "nan", "0" * 99, "-1", "1E99")
+ODD = (*NUMBERS, "ALL", "MIN", "DEF", "ON", "DBUF", "x" * 99, "\ufffd", "")
 
 
-def test_any_argument_is_taken_or_an_error(keysight):
-    for command in keysight.vocabulary().commands:
+@pytest.mark.parametrize("model", VIRTUAL_MODELS)
+def test_any_argument_is_taken_or_an_error(make_instrument, model):
+    meter = make_instrument(kind=VIRTUAL_MODELS[model])
+    for command in meter.vocabulary().commands:
         header = command.header.replace("[", "").replace("]", "").replace("#", "1")
         lines = [
             line
             for odd in ODD
             for line in (f"{header} {odd}", f"{header} {odd},{odd}", f"{header}? {odd}")
         ]
-        talk(keysight, *lines)
-    assert talk(keysight, "*RST", "*IDN?")[1] == keysight.identity
+        talk(meter, *lines)
+    assert talk(meter, "*RST", "*IDN?")[1] == meter.identity
 
 
 READ = "*CLS;:TRIG:SOUR BUS;:INIT:CONT ON;:FUNC:IMP RX;*TRG"

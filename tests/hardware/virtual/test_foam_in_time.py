@@ -4,10 +4,10 @@ import asyncio
 
 import numpy as np
 import pytest
-from rcskin.hardware.virtual.control import ControlPort
 from rcskin.hardware.virtual.hioki import VirtualHioki
 from rcskin.hardware.virtual.instrument import answer
 from rcskin.hardware.virtual.measurement import MeasurementSetup
+from rcskin.hardware.virtual.meter_server import ControlPort
 from rcskin.hardware.virtual.recorded_skin import exact_readout
 from rcskin.hardware.virtual.serving import press_by_script
 from rcskin.simulator.measure.specimen import Specimen

@@ -11,10 +11,9 @@ from rcskin.hardware.meter.errors import (
 from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.meter.meter_reading import ReadingStatus
 from rcskin.hardware.record.measured_sweep import check_frequencies
-from rcskin.hardware.virtual.faults import Fault
+from rcskin.hardware.virtual.served_skin import VIRTUAL_MODELS, simulated
 from rcskin.hardware.virtual.served_skin import instrument as instrument_of
-from rcskin.hardware.virtual.served_skin import simulated
-from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
+from rcskin.hardware.virtual.virtual_device import Fault
 from rcskin.simulator.sweeps import InputError
 
 WAIT = 0.2

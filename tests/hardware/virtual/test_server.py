@@ -13,8 +13,8 @@ from rcskin.hardware.meter.errors import PressError
 from rcskin.hardware.meter.instruments import open_meter
 from rcskin.hardware.virtual.clients import MAX_CLIENTS, MAX_LINE, LineReader
 from rcskin.hardware.virtual.meter_server import run_in_thread
+from rcskin.hardware.virtual.served_skin import VIRTUAL_MODELS
 from rcskin.hardware.virtual.serving import press_at_random, press_by_script, read_script
-from rcskin.hardware.virtual.virtual_models import VIRTUAL_MODELS
 from rcskin.simulator.sweeps import InputError
 
 RESET_ON_CLOSE = struct.pack("ii", 1, 0)

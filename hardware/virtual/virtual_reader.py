@@ -11,18 +11,16 @@ from collections.abc import AsyncIterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ....simulator.meters.accuracy_table import ReadingConditions
-from ....simulator.sweeps import InputError
-from ...reader.line_format import CHECKSUM_DIGITS, LineFormat, ReaderInterface
-from ...reader.line_parser import checksum
-from ...reader.line_port import MAX_LINE
-from ...reader.reader_driver import VIRTUAL_READER, ordered_frequencies
-from ..faults import GARBAGE, ON_LINES, Fault
-from ..virtual_device import VirtualDevice
+from ...simulator.meters.accuracy_table import ReadingConditions
+from ...simulator.sweeps import InputError
+from ..reader.line_format import CHECKSUM_DIGITS, LineFormat, ReaderInterface, checksum
+from ..reader.line_port import MAX_LINE
+from ..reader.reader_driver import VIRTUAL_READER, ordered_frequencies
+from .virtual_device import GARBAGE, ON_LINES, Fault, VirtualDevice
 
 if TYPE_CHECKING:
-    from ..clients import Client
-    from ..measurement import Readout, Skin
+    from .clients import Client
+    from .measurement import Readout, Skin
 
 Values = Mapping[str, Sequence[complex]]
 """Readings by the name of their interface, one for each frequency of the line."""

@@ -17,17 +17,17 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from ....simulator.cleanup import cleanup_after
-from ...meter.meter_reading import MeterReading
-from ..live_session import BASELINE_KEY, END_KEY, TimedAnswer
-from ..touch_answer import TouchAnswer, reading_count
+from ...simulator.cleanup import cleanup_after
+from ..meter.meter_reading import MeterReading
+from .live_session import BASELINE_KEY, END_KEY, TimedAnswer
+from .touch_answer import TouchAnswer, reading_count
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from rich.console import Console, RenderableType
     from rich.text import Text
 
-    from ..live_localizer import LiveLocalizer
+    from .live_localizer import LiveLocalizer
 
 NOTES = 3
 MAX_WIDTH = 80

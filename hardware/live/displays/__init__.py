@@ -1,1 +1,0 @@
-"""Displays of a live session: terminal, pipe, page and ROS 2."""

@@ -1,1 +1,0 @@
-"""Connection to a meter, conversation over it, and discovery of meters."""

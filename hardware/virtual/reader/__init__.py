@@ -1,1 +1,0 @@
-"""The virtual reader: sends lines of a simulated skin, as a microcontroller does."""
