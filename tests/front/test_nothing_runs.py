@@ -73,7 +73,7 @@ READERS = {
     "reduced model": (model_file.load, [".npz"], "reduced/model_file"),
     "cached array": (cached_array, [".npz"], ""),
     "accuracy": (accuracy_table.read_table, [".toml"], "meters/accuracy_table"),
-    "switch": (read_switch, [".toml"], "switch/switch_table"),
+    "switch": (read_switch, [".toml"], "switch/boards"),
     "reader": (read_line_format, [".toml"], "reader/line_format"),
     "press order": (lambda path: read_order(path, 3, 3), [".txt"], "record/operators"),
     "press script": (

@@ -1,7 +1,7 @@
 """The virtual meter as the command line wires it to a scene."""
 
 import rcskin
-from rcskin.hardware.cli import serve
+from rcskin.hardware.cli import Serve
 from rcskin.simulator.scene.scene_files import scene_text
 
 PARTS = ("magnitude", "phase")
@@ -14,6 +14,6 @@ def test_a_virtual_meter_without_noise_says_so(tmp_path, capsys, monkeypatch):
     path = tmp_path / "silent.toml"
     for asked, lines in ((scene, 0), (scene.with_(noise), 1)):
         path.write_text(scene_text(asked), encoding="utf-8")
-        serve(scene=str(path))
+        Serve(scene=str(path)).run()
         err = capsys.readouterr().err
         assert err.count("\n") == lines and ("the readout is free of noise" in err) == bool(lines)
