@@ -14,6 +14,6 @@ def test_a_virtual_meter_without_noise_says_so(tmp_path, capsys, monkeypatch):
     path = tmp_path / "silent.toml"
     for asked, lines in ((scene, 0), (scene.with_(noise), 1)):
         path.write_text(scene_text(asked), encoding="utf-8")
-        Serve(scene=str(path)).run()
+        Serve.of({"scene": str(path)}).run()
         err = capsys.readouterr().err
         assert err.count("\n") == lines and ("the readout is free of noise" in err) == bool(lines)
