@@ -144,7 +144,7 @@ SLOW_DISK = """
 import time
 from rcskin.simulator.dataset import store
 
-prompt = store.write
+prompt = store.prompt = getattr(store, "prompt", store.write)
 
 def late(*block):
     prompt(*block)
@@ -152,6 +152,7 @@ def late(*block):
 
 store.write = late
 """
+"""Loaded by each worker, and loaded again by some."""
 
 
 class Trouble(NamedTuple):
