@@ -104,11 +104,11 @@ class LcrDialect:
     source: ClassVar[str] = GUIDE
     sources: ClassVar[Mapping[str, str]] = {
         QCODES: "frequency voltage current function range auto_range aperture bias bias_voltage "
-        "bias_current bias_auto_range open_correction short_correction",
+        "bias_auto_range open_correction short_correction",
         EOLALDE: "deviation_1 deviation_2 level_control",
         PYMEASURE: "trigger continuous data_format page list_mode list_frequencies",
         FOUR_PROGRAMS: "trigger_delay step_delay",
-        PYMEASURE_4284A: "high_power load_type",
+        PYMEASURE_4284A: "high_power load_type bias_current",
         TWO_PROGRAMS: "load_correction cable",
     }
     facts: ClassVar[Mapping[str, str]] = {
@@ -245,7 +245,8 @@ class HP4284ADialect(LcrDialect):
     sources: ClassVar = {
         PYMEASURE_4284A: "frequency voltage current function range auto_range trigger "
         "trigger_delay bias open_correction short_correction load_correction cable list_mode "
-        "list_frequencies page data_format continuous",
+        "list_frequencies page data_format continuous high_power load_type bias_voltage "
+        "bias_current",
         THREE_PROGRAMS: "aperture level_control deviation_1 deviation_2",
     }
     source = AS_E4980A
@@ -289,6 +290,8 @@ class AnalyserDialect:
         TRCRENSHAW: "trace_1 trace_2 constant_current",
         "programmer's guide of the E5061A, chapter 13": "points",
         PROBE_STATION: "sweep_delay",
+        "the SCPI tree of the analyser's help, as public drivers use it": "bias average_trigger "
+        "sweep_count fixture byte_order",
     }
     facts: ClassVar[Mapping[str, str]] = {
         "`:TRIGger:SINGle` and `*OPC?`": RJOLLOS,
