@@ -113,7 +113,7 @@ def test_the_examples_run_one_after_the_other(page, tmp_path, monkeypatch):
 
 FORMULAS = "docs/reference/formulas.md"
 PROGRAMS = {"rcskin", "python", "python3", "pip", "dask", "openssl"}
-PROGRAMS |= {"export", "mkdir", "for", "done", "OMP_NUM_THREADS=1"}
+PROGRAMS |= {"export", "mkdir", "for", "done", "OMP_NUM_THREADS=1", "pytest", "ruff", "git"}
 """First words of the lines that a shell takes."""
 
 
