@@ -95,6 +95,7 @@ IN_ORDER = (
     _alone("localization/torch_training"),
     _alone("scale/dataset"),
     _alone("scale/cluster"),
+    Benchmark("scale/training"),
     _alone("live/live_page"),
     _alone("pictures/page"),
     _alone("commands"),
