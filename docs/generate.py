@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from rcskin.benchmarks.pictures import gallery
-from rcskin.docs import api, commands, meters, the_code
+from rcskin.docs import api, commands, meters, supports, the_code
 from rcskin.simulator.scene import key_listing
 
 HERE = Path(__file__).parent
@@ -22,6 +22,7 @@ def pages() -> dict[Path, str]:
         HERE / "reference" / "commands.md": commands.page(),
         HERE / "reference" / "meter-commands.md": meters.page(),
         HERE / "reference" / "api.md": api.page(),
+        HERE / "reference" / "supports.md": supports.page(),
         the_code.PAGE: the_code.page(),
         the_code.PICTURE: the_code.picture(),
     }

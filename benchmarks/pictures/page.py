@@ -70,7 +70,7 @@ class Page:
 
 def made(scene: Scene, folder: Path) -> Page:
     """The page of a scene."""
-    start, plain = time.perf_counter(), pressed_by_factors(scene.parts, "a page")
+    start, plain = time.perf_counter(), pressed_by_factors(scene.parts)
     text = document(page_data(plain, reduced_for_page(plain, RTOL, CELLS)))
     path = folder / f"{scene.name}.html"
     path.write_text(text, encoding="utf-8")

@@ -75,7 +75,7 @@ def simulated_sweeps(model: Model, count: int = SWEEPS) -> xr.Dataset:
     parts = model.known_scene.parts
     if tuple(parts.setup.frequency) != model.frequencies:
         parts = parts.read(parts.setup.at(np.array(model.frequencies)))
-    plan = DatasetPlan(pressed_by_factors(parts, "a comparison", creeps=True), count, 1, RTOL)
+    plan = DatasetPlan(pressed_by_factors(parts), count, 1, RTOL)
     return at_interfaces(in_memory(plan), model.interfaces)
 
 

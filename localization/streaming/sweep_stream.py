@@ -25,6 +25,7 @@ from ...simulator.models.mechanics.force_depths import pressed_by_factors
 from ...simulator.scene.parts import Skin
 from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import load_scene
+from ...simulator.scene.supports import supported
 from ...simulator.sweeps import InputError
 from ..inputs.samples import Samples, samples_of
 from ..inputs.targets import CLASSES
@@ -93,14 +94,8 @@ class SweepStream(IterableDataset):
         if batch is not None and (isinstance(batch, bool) or batch < 1):
             raise InputError(f"`batch` must be a whole number >= 1, got {batch!r}")
         own = scene if isinstance(scene, Scene) else load_scene(scene)
-        if own.dataset.session.faults is not None:
-            raise InputError(
-                f"{own.name}: a stream of sweeps takes no `dataset.session.faults`; leave the "
-                "table out, or make a data set"
-            )
-        self.plan = DatasetPlan(
-            pressed_by_factors(own.parts, "a stream of sweeps", creeps=True), 1, seed, rtol
-        )
+        parts = supported("a stream of sweeps", own.parts)
+        self.plan = DatasetPlan(pressed_by_factors(parts), 1, seed, rtol)
         self.target, self.batch = target, batch
         self.family = reduced(self.plan.parts, rtol) if family is None else family
         self.classes = class_names(self.plan.parts.skin, target)

@@ -18,6 +18,7 @@ from ...simulator.models.validity import warnings
 from ...simulator.processes import map_in_order, worker_pool
 from ...simulator.progress import ProgressCallback
 from ...simulator.scene.parts import SceneParts
+from ...simulator.scene.supports import supported
 from ...simulator.sweeps.errors import named
 from .axis import Axis, with_values
 from .point import (
@@ -58,7 +59,7 @@ def points_of(
     points = []
     for values in itertools.product(*(axis.values for axis in axes)):
         given = dict(zip((axis.key for axis in axes), values, strict=True))
-        parts = pressed_by_factors(with_values(table, given).parts, "a study")
+        parts = pressed_by_factors(supported("a study", with_values(table, given).parts))
         trial.check(parts)
         points.append(parts)
     return points

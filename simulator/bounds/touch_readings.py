@@ -23,9 +23,9 @@ from ..press.batch import PressBatch, TouchedCells
 from ..press.finger import finger_capacitance
 from ..press.parts import parts_of
 from ..press.touch import Place, Rectangle, Touch
-from ..press.walls import require_no_walls
 from ..scene.parts import Plan, Pressing, SceneParts, Skin
 from ..scene.randomisation import AnyDistribution
+from ..scene.supports import supported
 from ..sweeps import InputError
 from ..sweeps.errors import named
 from ..sweeps.free_space import check_memory
@@ -208,10 +208,8 @@ class TouchReadings(Likelihood):
     ) -> None:
         """presses: distribution of factors. size: side in m of a square touch around the middle of
         each pixel, instead of the whole pixel. Raises InputError for a meter without noise."""
-        if size is not None and parts.skin.pixels.groups is not None:
-            raise InputError(f"{parts.skin.name}: touches of a size need pixels without `groups`")
         if size is not None:
-            require_no_walls(parts.skin, "a limit of touches of a size")
+            supported("touches of a size", parts)
         self.parts, self._size = parts.for_rods, size
         skin, setup = self.parts.skin, self.parts.setup
         super().__init__(skin, self._solved, setup, parts.meter, against_rest)
@@ -258,7 +256,7 @@ class TouchReadings(Likelihood):
     @cached_property
     def _divided(self) -> SceneParts:
         """The parts with cells as pixels, each with a uniform rise."""
-        return pressed_by_factors(self.parts.divided(CELLS), "a limit", spread=False)
+        return pressed_by_factors(self.parts.divided(CELLS), spread=False)
 
     @cached_property
     def _touches(self) -> SharpPixelTouches | DepthPixelTouches:

@@ -11,13 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Real
-from ..models.cosine_modes import FittedModes, check_uniform_foam, check_uniform_sheets
+from ..models.cosine_modes import FittedModes
 from ..models.mechanics.force_depths import forces_as_depths, pressed_by_factors
 from ..models.parameters import READER, own_values
 from ..notebook_display import SmallChart, Tabular
 from ..progress import ProgressCallback, silent
 from ..scene.parts import Plan, Setup, Skin
 from ..scene.scene import Scene
+from ..scene.supports import require, supported
 from ..sweeps import InputError
 from .command import Options
 from .connections import Connection, Measure, try_connections
@@ -217,8 +218,8 @@ def calibrate(
     """
     stated = {"force": scene.press.force, "depth": scene.press.depth}
     also = (*options.also, *(name for name in options.fit if name in READER))
-    parts = with_effects(forces_as_depths(scene.parts), also)
-    pressed_by_factors(parts, "a calibration")
+    parts = with_effects(forces_as_depths(supported("a calibration", scene.parts)), also)
+    pressed_by_factors(parts)
 
     def measure(setup: Setup) -> Measurements:
         return measurements_of(parts.read(setup), sweeps, options.frequencies, options.session)
@@ -393,9 +394,9 @@ def _checked_uneven(skin: Skin, plan: Plan, options: Options, model: Model | Non
     drawn = options.prior == "session" and sessions_vary_smoothly(plan) and model is None
     found = FittedModes(options.uneven or drawn, options.uneven_sheets)
     if found.foam:
-        check_uniform_foam(skin, plan.press)
+        require("a calibration of cosine modes of the foam", skin, None, plan)
     if found.sheets:
-        check_uniform_sheets(skin)
+        require("a calibration of cosine modes of the sheets", skin)
     return found
 
 

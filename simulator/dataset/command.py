@@ -133,9 +133,10 @@ class Dataset(Writing, example="dataset sheet-5x5 --sweeps 2000 -o skins.zarr"):
 
     def _plan(self, scene: Scene) -> DatasetPlan:
         from ..models.mechanics.force_depths import pressed_by_factors
+        from ..scene.supports import supported
         from .dataset_plan import DatasetPlan
 
-        parts = pressed_by_factors(scene.parts, "a data set", creeps=True)
+        parts = pressed_by_factors(supported("a data set", scene.parts))
         return DatasetPlan(parts, self.sweeps, self.seed, self.rtol)
 
 

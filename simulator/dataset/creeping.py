@@ -62,15 +62,10 @@ def _repeated(batch: PressBatch, times: int) -> PressBatch:
 
 
 def check_creep(parts: SceneParts) -> None:
-    """Raises InputError if creeping foam is read at nodes driven together, or creeps too far."""
+    """Raises InputError if foam creeps too far."""
     foam, drawn = parts.skin.foam, parts.plan.draws.press
     if not foam.in_time:
         return
-    if not parts.setup.one_to_one:
-        raise InputError(
-            f"{parts.skin.name}: data sets of foam with `{foam.in_time[0]}` take no "
-            "`interface.driven_with`; leave out one of them"
-        )
     overlapping = 2 if drawn.rasterized and drawn.max_touches > 1 else 1
     x = foam.strain_at(
         np.array(parts.plan.draws.press.factor_within(parts.skin.foam).high ** overlapping)

@@ -14,10 +14,9 @@ from ..press.finger import finger_capacitance, finger_over
 from ..press.pixels import pixels_with_skin
 from ..press.press import PICOFARAD_DECIMALS
 from ..press.touch import Touch
-from ..press.walls import require_no_walls
 from ..scene.parts import Plan, Pressing, SceneParts, Skin
 from ..scene.pixel_grid import per_pixel
-from ..scene.randomisation import DrawnPress
+from ..scene.supports import require
 from ..scene.surroundings import NO_EARTH
 from ..sweeps import UNPRESSED, InputError
 
@@ -170,7 +169,7 @@ def check_surroundings(skin: Skin, plan: Plan) -> None:
     }
     named = [f"{skin.name}: `dataset.{key}`" for key, each in drawn.items() if each is not None]
     if press.rasterized:
-        require_no_walls(skin, f"a data set of touches next to pixels (`{_off_pixel_key(press)}`)")
+        require("a data set of touches next to pixels", skin)
     if not named:
         return
     if around is None:
@@ -178,21 +177,12 @@ def check_surroundings(skin: Skin, plan: Plan) -> None:
         raise InputError(f"{named[0]} {NO_EARTH if fingers else 'needs the table [surroundings]'}")
     if press.finger is not None and around.no_finger_reason:
         raise InputError(f"{named[0]}: {around.no_finger_reason}")
-    if session.body is not None and around.solved:
-        raise InputError(
-            f"{skin.name}: `dataset.session.body` cannot vary the body of `surroundings.solved`, "
-            "whose charges are solved for once; leave one of both out"
-        )
     if session.body is not None and not around.body:
         raise InputError(f"{skin.name}: `dataset.session.body` needs a `surroundings.body`")
     if session.rim is not None and not around.rim:
         raise InputError(f"{skin.name}: `dataset.session.rim` needs `surroundings.rim`")
     if press.without_press:
         _check_touching(skin, plan)
-
-
-def _off_pixel_key(press: DrawnPress) -> str:
-    return "dataset.press.offset" if press.place == "pixel" else "dataset.press.place"
 
 
 def _check_touching(skin: Skin, plan: Plan) -> None:

@@ -161,11 +161,7 @@ def _divided(parts: SceneParts) -> SceneParts:
     if press.cells == 1 and pixels.groups is not None and not press.rasterized:
         return parts
     divided = parts.on_grid(*parts.skin.grid(press.cells))
-    return (
-        pressed_by_factors(divided, "a data set", creeps=True, spread=False)
-        if press.rasterized
-        else divided
-    )
+    return pressed_by_factors(divided, spread=False) if press.rasterized else divided
 
 
 def _equal_sheets(session: Session) -> bool:

@@ -85,12 +85,13 @@ class DesignSkin(
         from ..progress import on_terminal
         from ..requests.requested_scene import requested_scene
         from ..scene.frequency import parse_band
+        from ..scene.supports import supported
         from ..sweeps.units import bound_text
         from .evaluator import SearchJournal, SearchSettings
         from .report.design_folder import answer, write_folder
         from .search import search
 
-        loaded = pressed_by_factors(requested_scene(self.scene).parts, "a design")
+        loaded = pressed_by_factors(supported("a design", requested_scene(self.scene).parts))
         given = {
             "target": self.target,
             "want": self.want,

@@ -31,7 +31,7 @@ from ..measure.readout import require_noise
 from ..models.reduced.cases import Case, Draw, pixel_touches
 from ..scene.design_goals import Design
 from ..scene.parts import SceneParts
-from ..sweeps import InputError
+from ..scene.supports import supported
 
 if TYPE_CHECKING:
     from .trained_skins import SkinReadout
@@ -88,11 +88,7 @@ class TouchPositions:
 
     def __init__(self, parts: SceneParts, against_rest: int = 0) -> None:
         """Raises InputError for pixels in groups, and for a scene with surroundings."""
-        if parts.skin.pixels.groups is not None:
-            raise InputError(
-                f"{parts.skin.name}: a design for positions needs pixels without `groups`"
-            )
-        parts.skin.require_sheets_alone("a design for positions")
+        supported("a design for positions", parts)
         self.divided, self._against_rest = parts.divided(CELLS), against_rest
         self.size: TouchSize = chosen_touch(parts.skin, parts.plan.press)
         self.places: list[Point] = places_on(parts.skin, self.size, CELLS, ALONG)

@@ -111,20 +111,6 @@ READER = ("reader", "series_resistance", "source_scale", "load", "magnitude_only
 """Keys of an interface that say how it is read."""
 
 
-def check_readers(skin: Skin, setup: Setup) -> None:
-    """Raises InputError for readers whose wires cannot be chosen."""
-    if skin.one_conductor:
-        raise InputError(
-            f"{skin.name}: a design chooses the wires of two sheets; a skin of one conductor has "
-            "one sheet"
-        )
-    if any(each.driven_with for each in setup.interfaces):
-        raise InputError(
-            f"{skin.name}: a design chooses readings with one source each: leave out "
-            "`driven_with` of the interfaces"
-        )
-
-
 def pool(skin: Skin, setup: Setup, wired: Sequence[str]) -> list[Interface]:
     """Readings between wired terminals; readings of the scene keep their names and readers.
 

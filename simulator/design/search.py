@@ -18,7 +18,7 @@ from ..sweeps import InputError
 from .evaluator import SceneEvaluator, SearchSettings, first_evaluator
 from .layout import Layout, Material, lowest_tenth
 from .picking import Picked, sweep_time
-from .reading_pool import check_readers, geometries
+from .reading_pool import geometries
 from .trained_skins import foam_bounds
 
 DIGITS = 2
@@ -118,7 +118,6 @@ class SearchResult:
 
 def search(parts: SceneParts, settings: SearchSettings) -> SearchResult:
     """The best design found. Raises InputError where the constraints do not fit the scene."""
-    check_readers(parts.skin, parts.setup)
     evaluator = first_evaluator(parts, settings)
     with one_blas_thread():
         return _Search(evaluator, settings).run()

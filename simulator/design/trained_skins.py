@@ -17,7 +17,7 @@ from ..models.parameters import HALF_WAVES, nominal
 from ..models.reduced.cases import Case
 from ..models.reduced.reduced_model import Reduced
 from ..models.reduced.reduced_skin import ReducedSkin
-from ..models.terminals import read, require_no_spread, trained
+from ..models.terminals import read, trained
 from ..press.batch import PressBatch
 from ..progress import ProgressCallback, silent
 from ..scene.contacts import Interface
@@ -65,11 +65,7 @@ class TrainedSkins:
         goal: Goal,
         progress: ProgressCallback = silent,
     ) -> None:
-        """band: range of all frequencies, Hz. progress: see `ProgressCallback`.
-
-        Raises InputError where a tension spreads presses.
-        """
-        require_no_spread(parts.skin, parts.plan.press)
+        """band: range of all frequencies, Hz. progress: see `ProgressCallback`."""
         self.parts, self._request, self._band, self._seed = parts, request, band, seed
         self._progress, self._goal, self._divided = progress, goal, goal.divided
         self.modes = len(HALF_WAVES) if parts.plan.draws.session.unevenness else 1

@@ -16,18 +16,16 @@ from torch.autograd.function import once_differentiable
 from ..arrays import Complex, Integer, Real
 from ..fem.circuit import Circuit
 from ..fem.terminals import excited_terminals
-from ..models.heterogeneous.materials import gauged
 from ..models.parameters import SHEET_MODES, TABLE
 from ..models.reduced.cases import strongest_finger
 from ..models.reduced.forward import PIXEL_FACTORS, REACH, Forward
 from ..models.reduced.reduced_model import Reduced, pressed_cells
-from ..models.reduced.touches import spreading
 from ..models.small_system.system import diagonalised, own_coordinates, solved
 from ..press.parts import parts_of
 from ..press.press import Press, press_on
 from ..requests.argument_types import scene_of, typed
-from ..scene.parts import Pressing, Setup, Skin
 from ..scene.scene import Scene
+from ..scene.supports import supported
 from ..sweeps import InputError
 from .skin_tensors import (
     SkinTensors,
@@ -155,7 +153,7 @@ class SkinModule(nn.Module):
         super().__init__()
         own = scene.parts.scene if isinstance(scene, Reduced) else scene
         self.scene = scene_of(own)
-        _check_scene(self.scene.parts.skin, self.scene.parts.setup, self.scene.press)
+        supported("SkinModule", self.scene.parts)
         self.reduced = (
             scene
             if isinstance(scene, Reduced)
@@ -340,30 +338,3 @@ def _check_range(name: str, values: Tensor, low: float, high: float) -> None:
 def _some(arrays: np.ndarray) -> list[np.ndarray]:
     """The arrays; none of them where there are none."""
     return [arrays] if len(arrays) else []
-
-
-def _check_scene(skin: Skin, setup: Setup, pressing: Pressing) -> None:
-    """Raises InputError for scenes that have no gradient here."""
-    foam, around, parts = skin.foam, skin.around, parts_of(skin)
-    along = "edges" if parts.walls.count else "thickness"
-    along = "solved" if around and around.solved else along
-    refused = (
-        ("sheets that a press changes; leave out `piezoresistance`", lambda: gauged(skin)),
-        (f"foam that creeps; leave out `{next(iter(foam.in_time), '')}`", lambda: foam.in_time),
-        (
-            "presses by depth or force; give `press.capacitance_factor` in place of `press.depth` "
-            "or `press.force`",
-            lambda: spreading(skin, pressing),
-        ),
-        (
-            f"field along the foam under a press; leave out `surroundings.{along}`",
-            lambda: parts.thickness or parts.walls.count,
-        ),
-        (
-            "`interface.driven_with`; leave it out, so that each node is driven alone",
-            lambda: not setup.one_to_one,
-        ),
-    )
-    for what, found in refused:
-        if found():
-            raise InputError(f"{skin.name}: SkinModule takes no {what}")

@@ -8,6 +8,7 @@ with a common deviation, and together they are the prior.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -20,13 +21,13 @@ from ..measure.readout import errors_of
 from ..mesh.pixel_coverage import pixel_coverage
 from ..models.reduced.forward import Forward
 from ..models.terminals import reduced_for
-from ..models.uniform import require_static
 from ..press.batch import NOTHING, PressBatch, TouchedCells
 from ..press.finger import finger_capacitance
 from ..press.parts import parts_of
 from ..press.touch import Touch
 from ..scene.parts import Plan, Pressing, SceneParts, Skin
-from ..sweeps import InputError
+from ..scene.randomisation import Randomisation
+from ..scene.supports import require, supported
 from .position_tables import cells_per_pixel, position_tables
 from .unknown_skin import UnknownSkin
 
@@ -96,16 +97,6 @@ def finger_prior(skin: Skin, plan: Plan, presses: str) -> FingerPrior:
     return FingerPrior(np.array([_own(skin, plan.press)]), np.ones(1), 0.0, alone)
 
 
-def require_rods(skin: Skin, plan: Plan, presses: str, target: str) -> None:
-    """Raises InputError where touches have fingers, which tables of some targets do not support."""
-    if finger_prior(skin, plan, presses).capacitance.any():
-        raise InputError(
-            f"{skin.name}: localizers that invert the simulator support the target {target} for "
-            "presses by a rod only; train another localizer on a data set with these fingers, or "
-            "leave out the finger"
-        )
-
-
 def _own(skin: Skin, pressing: Pressing) -> float:
     """The finger of the scene's `press` on a whole pixel, F; 0 for a rod."""
     how = pressing.finger
@@ -147,10 +138,12 @@ def templates(
     the skin, and of drift; shift (place, strength, number): known effect of the skin. For two
     touches also pairs (pair, 2): places, and pair (pair, strength, strength, number). For
     positions: see `position_tables`. Raises InputError for a meter without noise, and as
-    `require_rods` does for more than one touch and for positions.
+    `require` does for more than one touch and for positions.
     """
     if target in (POSITION, *TWO_TOUCHES):
-        require_rods(parts.skin, parts.plan, presses, target)
+        plan = parts.plan if presses == "dataset" else replace(parts.plan, draws=Randomisation())
+        use = "a localizer by a model of the skin for two touches or positions"
+        require(use, parts.skin, None, plan)
     if baseline is None:
         return _of_mean_skin(parts, target, presses)  # pyright: ignore[reportArgumentType]
     unknown = _unknown_skin(parts, target == POSITION)  # pyright: ignore[reportArgumentType]
@@ -195,7 +188,7 @@ def _with_drift(skin: Real, unknown: UnknownSkin, drift: float) -> Tables:
 
 @lru_cache(maxsize=8)
 def _unknown_skin(parts: SceneParts, anywhere: bool) -> UnknownSkin:
-    require_static(parts.skin, "a localizer by a model of the skin")
+    supported("a localizer by a model of the skin", parts)
     cells = cells_per_pixel(parts.skin, parts.plan) if anywhere else 1
     return UnknownSkin(Forward(parts, cells, rtol=RTOL, train=reduced_for))
 

@@ -99,6 +99,7 @@ class Limits(Writing, example="limits sheet-5x5 -o limits"):
             from ..bounds.position_bound import chosen_touch
             from ..chart_style import checked_ending
             from ..models.mechanics.force_depths import pressed_by_factors
+            from ..scene.supports import supported
             from ..sweeps import checked_folder, made_folder
             from .survey import (
                 SurveyOptions,
@@ -112,7 +113,9 @@ class Limits(Writing, example="limits sheet-5x5 -o limits"):
             from .survey_results import WRITTEN, SurveyResults
             from .touch_identity import Sampling, identity
 
-            by_factors = pressed_by_factors(with_finger(requested, self.finger).parts, "a limit")
+            by_factors = pressed_by_factors(
+                supported("a limit", with_finger(requested, self.finger).parts)
+            )
             side = None if self.size is None else 1e-3 * self.size
             touch = chosen_touch(by_factors.skin, by_factors.plan.press, side, self.factor)
             loaded = with_factor(with_interfaces(by_factors, self.interface or []), 1 + touch.rise)
@@ -142,10 +145,11 @@ class Limits(Writing, example="limits sheet-5x5 -o limits"):
         """
         from ..bounds.touch_readings import best_guess, hypotheses
         from ..models.mechanics.force_depths import pressed_by_factors
+        from ..scene.supports import supported
         from . import bayes_accuracy
         from .limit import Limit
 
-        known = pressed_by_factors(scene_of(self.scene).parts, "a limit")
+        known = pressed_by_factors(supported("a limit", scene_of(self.scene).parts))
         share, error = bayes_accuracy(
             known,
             self.target,

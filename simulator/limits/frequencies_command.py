@@ -61,10 +61,11 @@ class Frequencies(Request, example="frequencies sheet-5x5 -n 8"):
         from ..models.mechanics.force_depths import pressed_by_factors
         from ..progress import on_terminal
         from ..requests.requested_scene import requested_scene
+        from ..scene.supports import supported
         from .frequency_design import check_design, design
         from .survey import with_interfaces
 
-        by_factors = pressed_by_factors(requested_scene(self.scene).parts, "a limit")
+        by_factors = pressed_by_factors(supported("a limit", requested_scene(self.scene).parts))
         loaded = with_interfaces(by_factors, self.interface or [])
         chosen_from = frequencies_among(self.among, loaded.setup)
         check_design(

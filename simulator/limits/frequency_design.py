@@ -39,6 +39,7 @@ from ..models.reduced.touches import scene_spreads_presses
 from ..models.solution import Response
 from ..progress import ProgressCallback, silent, tracked
 from ..scene.parts import SceneParts
+from ..scene.supports import supported
 from ..sweeps import InputError
 from ..sweeps.units import prefixed
 
@@ -106,8 +107,8 @@ def _pixel_touches(fields: AnyFields, touch: TouchSize) -> list[RasterizedTouch]
     """Maps of a touch around the middle of each pixel, or of its whole pixel or group."""
     parts, whole = fields.parts, chosen_touch(fields.parts.skin, fields.parts.plan.press)
     of_its_size = (touch.width, touch.height) == (whole.width, whole.height)
-    if parts.skin.pixels.groups is not None and not of_its_size:
-        raise InputError(f"{parts.skin.name}: touches of a size need pixels without `groups`")
+    if not of_its_size:
+        supported("touches of a size", parts)
     if parts.skin.pixels.groups is None and (
         scene_spreads_presses(parts.skin, parts.plan.press) or not of_its_size
     ):

@@ -21,11 +21,10 @@ from ..models.reduced.reduced_skin import ReducedSkin
 from ..models.terminals import reduced_for
 from ..press.batch import PressBatch
 from ..press.rasterized import TouchBatch, rasterized
-from ..press.walls import require_no_walls
 from ..progress import ProgressCallback, silent, tracked
 from ..scene.parts import SceneParts
 from ..scene.randomisation import CUT, AnyDistribution, truncated_normal
-from ..sweeps import InputError
+from ..scene.supports import supported
 
 RTOL = 1e-3
 
@@ -52,12 +51,7 @@ class RandomPresses(Likelihood):
     ) -> None:
         """Raises InputError for a meter without noise, and for a scene that presses by fingers or
         has walls around touches."""
-        require_no_walls(parts.skin, "a limit for presses at random positions")
-        if parts.plan.press.finger:
-            raise InputError(
-                f"{parts.skin.name}: limits with position errors support presses by a rod only; "
-                "leave out `press.finger`, or use the limit of whole pixels"
-            )
+        supported("a limit with position errors", parts)
         skin = parts.skin
         self.parts, self._presses, self._offset = parts.for_rods, presses, offset
         self._sides, self._extent = np.array(size), np.array([skin.length, skin.width])

@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from ..arrays import Complex, Real
 from ..scene.factor_maps import Grid
-from ..scene.parts import Pressing, Skin
+from ..scene.parts import Skin
 from ..scene.skin import Electrode
-from ..sweeps import InputError
 from .parameters import (
     BOTTOM_MODES,
     FOAM_MODES,
@@ -91,25 +90,6 @@ def map_of(skin: Skin, values: Mapping[str, float]) -> Grid:
     return fitted_map(skin, lambda x: modes_at(skin, values, FOAM_MODES, x))
 
 
-def check_uniform_foam(skin: Skin, pressing: Pressing) -> None:
-    """Raise InputError if modes of the foam cannot be identified, or change more than its
-    capacitance."""
-    if skin.foam.map is not None:
-        raise InputError(
-            f"{skin.name}: cosine modes of the foam are fitted only to foam without `skin.foam.map`"
-        )
-    if skin.around is not None and skin.around.thickness:
-        raise InputError(
-            f"{skin.name}: cosine modes of the foam are fitted without `surroundings.thickness`, "
-            "as they would change the field across the foam, too; leave it out"
-        )
-    if not pressing.by_factor:
-        raise InputError(
-            f"{skin.name}: cosine modes of the foam are fitted only to presses "
-            "by `press.capacitance_factor`, got `press.depth`"
-        )
-
-
 OF_SHEETS: dict[Electrode, tuple[str, ...]] = {"top": TOP_MODES, "bottom": BOTTOM_MODES}
 
 
@@ -170,13 +150,3 @@ def with_sheet_modes(skin: Skin, values: Mapping[str, float]) -> Skin:
 def map_of_sheet(skin: Skin, values: Mapping[str, float], names: tuple[str, ...]) -> Grid:
     """Modes of a sheet's conductance as a map of its resistance."""
     return fitted_map(skin, lambda x: 1 / modes_at(skin, values, names, x))
-
-
-def check_uniform_sheets(skin: Skin) -> None:
-    """Raise InputError if modes of a sheet cannot be identified because the sheet has a map."""
-    for name in OF_SHEETS:
-        if skin.sheet(name).map is not None:
-            raise InputError(
-                f"{skin.name}: cosine modes of the sheets are fitted only to sheets without maps, "
-                f"got `skin.{name}.map`"
-            )

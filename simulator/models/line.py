@@ -34,11 +34,11 @@ from ..press.touch import Touch
 from ..scene.contacts import Contact, Interface
 from ..scene.frequency import laplace_variable, slopes_of_s
 from ..scene.parts import Setup, Skin
+from ..scene.supports import require
 from ..sweeps import InputError
 from .model import DEFAULT_RTOL, GivenPress, Presses, UniformModel
 from .parameters import all_values, by_sheets, loss_of, own_values, reading_of, weights_with
 from .solution import Answer, ModelResult, Response, at_meter
-from .uniform import require_uniform
 
 
 class Line(UniformModel):
@@ -151,7 +151,7 @@ class Line(UniformModel):
     def _pixels(self) -> LinePixels:
         """Segments of the unpressed line. Raises InputError if they are no pixels in a row."""
         skin = self.skin
-        require_uniform(skin, "the line")
+        require("a uniform model", skin, called="the line")
         if self._no_line:
             raise InputError(self._no_line)
         if self._two_ended:

@@ -14,9 +14,10 @@ from ..press.press import Press, require_plain
 from ..press.touch import Place, place_of
 from ..progress import ProgressCallback, silent
 from ..scene.parts import Setup, Skin
+from ..scene.supports import require
 from ..sweeps import InputError
 from .solution import Answer, Response, SolutionFields, SolutionProgress
-from .uniform import equivalent_press, require_uniform
+from .uniform import equivalent_press
 
 if TYPE_CHECKING:
     from .mechanics.adaptive import DeflectionCache
@@ -218,7 +219,7 @@ class UniformModel(Model):
             return None
         what = f"the model {self.name!r}"
         try:
-            require_uniform(press.skin.electrical, what)
+            require("a uniform model", press.skin.electrical, called=what)
             require_plain(press.press)
         except InputError as reason:
             return str(reason)

@@ -48,21 +48,11 @@ def trained(
     """Reduced model of a scene's skin that represents all terminals, with the interfaces of a
     `chain`.
 
-    rtol, draw, modes, progress, frequency: see `reduce`, which also lists the errors raised;
-    InputError, too, if a tension spreads presses.
+    rtol, draw, modes, progress, frequency: see `reduce`, which also lists the errors raised.
+    No tension may spread presses.
     """
-    require_no_spread(parts.skin, parts.plan.press)
     more = ReductionOptions(modes=modes, progress=progress, frequency=frequency)
     return reduce(parts, rtol, draw, same_sheets=False, readings=chain(parts.skin), **more)
-
-
-def require_no_spread(skin: Skin, pressing: Pressing) -> None:
-    """Raise InputError if a tension spreads presses on pixels."""
-    if spreading(skin, pressing):
-        raise InputError(
-            f"{skin.name}: any interfaces are available for presses by a factor only; give "
-            "`press.capacitance_factor` in place of `press.depth` or `press.force`"
-        )
 
 
 def reduced_for(

@@ -1,4 +1,4 @@
-"""What models with uniform sheets take: a press moved with its skin, and no foam that creeps."""
+"""A press moved with its skin, for models of uniform sheets."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ from dataclasses import replace
 from ..press.press import Press
 from ..press.touch import AnyTouch, Rectangle, Touch
 from ..scene.parts import Skin
-from ..sweeps import InputError
 
 
 def equivalent_press(skin: Skin, press: Press) -> Press | None:
@@ -22,31 +21,6 @@ def equivalent_press(skin: Skin, press: Press) -> Press | None:
     if ratios == (1.0, 1.0):
         return press
     return press.of(_moved(touch, *ratios) for touch in press.touches)
-
-
-def require_static(skin: Skin, what: str) -> None:
-    """Raises InputError with the key that makes the foam change while it is pressed, if any.
-
-    what: name of the feature that cannot take it.
-    """
-    for key in skin.foam.in_time:
-        raise InputError(
-            f"{skin.name}: {what} cannot take `{key}`: it takes presses as they are at once; "
-            "leave the key out"
-        )
-
-
-def require_uniform(skin: Skin, what: str) -> None:
-    """Raises InputError with a key that makes the skin not uniform, or gives it surroundings.
-
-    what: name of the feature that cannot take it.
-    """
-    skin.require_sheets_alone(what)
-    for key in skin.beyond_uniform:
-        raise InputError(
-            f"{skin.name}: {what} cannot take `{key}`: it needs uniform sheets and foam on a "
-            "rectangle"
-        )
 
 
 def _moved(touch: AnyTouch, along: float, across: float) -> AnyTouch:

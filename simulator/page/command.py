@@ -35,16 +35,12 @@ class Page(Writing, example="page sheet-5x5 -o skin.html"):
         from ..requests.requested_scene import note_if_noise_free, requested_scene
         from ..requests.time_estimates import page_parts
         from ..scene.frequency import LOSSLESS
-        from ..sweeps import InputError, checked_output, whole_file
+        from ..scene.supports import supported
+        from ..sweeps import checked_output, whole_file
 
         checked_output(self.output, (".html",))
         requested = requested_scene(self.scene)
-        if requested.parts.setup.gain:
-            raise InputError(
-                f"{self.scene}: a page shows impedances, and the readings of this scene are gains; "
-                "use rcskin sweep or rcskin view"
-            )
-        pressed = pressed_by_factors(requested.parts, "a page", spread=False)
+        pressed = pressed_by_factors(supported("a page", requested.parts), spread=False)
         skin, setup = pressed.skin, pressed.setup
         note_if_noise_free(self.scene, setup, pressed.meter)
         with on_terminal() as bars:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..models.mechanics.force_depths import pressed_by_factors
 from ..progress import on_terminal
 from ..scene.parts import SceneParts
-from ..sweeps import InputError
+from ..scene.supports import supported
 from .document import PageLink, document
 from .packed import page_data, reduced_for_page
 
@@ -17,9 +17,7 @@ def linked_page(parts: SceneParts, kind: str, nonce: str) -> str:
 
     kind, nonce: those of `PageLink`. Raises InputError if the scene has no page.
     """
-    if parts.setup.own:
-        raise InputError(f"{parts.skin.name}: the page takes no `frequencies` of interfaces")
-    pressed = pressed_by_factors(parts, "a page", spread=False)
+    pressed = pressed_by_factors(supported("a page that a meter feeds", parts), spread=False)
     with on_terminal() as progress:
         reduced = reduced_for_page(pressed, RTOL, CELLS, progress)
     return document(page_data(pressed, reduced), PageLink(kind, nonce))

@@ -36,7 +36,6 @@ from ..progress import ProgressCallback, silent
 from ..scene.frequency import laplace_variable, slopes_of_s
 from ..scene.meter import Readout
 from ..scene.parts import Meter, Pressing, SceneParts, Setup, Skin
-from ..sweeps import InputError
 from .plan import plan
 from .raster import Raster, raster_fields
 
@@ -244,20 +243,8 @@ def reduced_for_page(
     """Reduced model of a scene with pixels cut into cells x cells, for a page.
 
     It serves all that a page may change. Pixels that are groups of a mesh's elements are not cut.
-    Raises InputError if a press changes sheets in a way that a page does not support, else
-    InputError and ToleranceError as `reduce` does.
+    Raises InputError and ToleranceError as `reduce` does.
     """
-    if parts.skin.foam.leak:
-        raise InputError(
-            f"{parts.skin.name}: a page cannot take `skin.foam.leak`; leave it out here"
-        )
-    thick = parts_of(parts.skin).thickness > 0
-    if (gauged(parts.skin) or thick) and parts.skin.foam.mechanics is not None:
-        key = "surroundings.thickness` or `surroundings.solved" if thick else "piezoresistance"
-        raise InputError(
-            f"{parts.skin.name}: a page cannot take `{key}` with `skin.foam.mechanics`: it "
-            "knows strain of foam of constant permittivity only"
-        )
     slowest, fastest = (r * c for r, c in zip(RESISTANCE, CAPACITANCE, strict=True))
     f = parts.setup.frequency
     band = np.geomspace(f[0] * slowest, f[-1] * fastest, FREQUENCIES)

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from ..arrays import Integer, Mask, Real
 from ..scene.parts import Skin
 from ..scene.planar import NO_LINES, SAME_LINE
+from ..scene.supports import require
 from ..sweeps import InputError
 from .batch import NOTHING, PressBatch, TouchedCells, joined_cells
 from .capacitance import lines, touched_box
@@ -22,7 +23,6 @@ from .parts import parts_of
 from .pixels import GridCells
 from .press import Press, check_fingers, pressed_factor
 from .touch import Disc, Indentation, Rectangle, Touch, place_of
-from .walls import require_no_walls
 
 
 class TouchBatch(NamedTuple):
@@ -176,7 +176,7 @@ def _check_walls(skin: Skin, press: Press, grid: tuple[int, int]) -> None:
         if isinstance(touch, Touch | Indentation) or touch.factor == 1:
             continue
         if not isinstance(touch, Rectangle) or lines(skin, Press((touch,)), grid) != NO_LINES:
-            require_no_walls(skin, f"press {touch} on pixels")
+            require("touches on cells of pixels", skin, called=f"press {touch}")
 
 
 def _under_applicators(skin: Skin, press: Press) -> TouchedCells:

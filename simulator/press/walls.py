@@ -13,7 +13,6 @@ import numpy as np
 
 from ..arrays import Integer, Real
 from ..scene.parts import Skin
-from ..sweeps import InputError
 
 NO_WALL = -1
 
@@ -84,15 +83,6 @@ def _between_groups(skin: Skin) -> Walls:
     own = np.tile(part, 3)
     met = np.sort(np.stack([own[first][edge.ravel()], own], axis=1), axis=1)
     return Walls(np.unique(met[met[:, 0] < met[:, 1]], axis=0).astype(np.int64))
-
-
-def require_no_walls(skin: Skin, what: str) -> None:
-    """Raise InputError if `what`, which covers cells in part, meets touches with walls."""
-    if skin.around is not None and skin.around.edges:
-        raise InputError(
-            f"{skin.name}: {what} cannot take `surroundings.edges`, which is for touches of whole "
-            "pixels; leave `edges` out"
-        )
 
 
 def step_capacitance(ratio: Real | float) -> Real:

@@ -195,11 +195,6 @@ class Skin(SheetsAndFoam, Part):
             return self
         return replace(self, pixels=Pixels.model_construct(rows=rows, columns=columns))
 
-    def require_sheets_alone(self, what: str) -> None:
-        """Raises InputError naming a key of `beyond_sheets`, which `what` does not support."""
-        for key in self.beyond_sheets:
-            raise InputError(f"{self.name}: {what} cannot take `{key}`; leave it out here")
-
     def reach(self, chosen: Iterable[Interface], interfaces: Iterable[Interface]) -> float:
         """Largest distance of a point from its nearest foil driven by the chosen interfaces, m.
 

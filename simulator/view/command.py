@@ -104,18 +104,14 @@ def _viewed_press(
     from ..press.press import press_on
     from ..requests.console import note, warn
     from ..requests.requested_scene import requested_scene
-    from ..sweeps import InputError
+    from ..scene.supports import require
     from .scenery import ViewedPress
 
     scene = requested_scene(name)
     pressed = press_on(scene.parts.skin, scene.press, press)
     chosen = scene.parts.setup.checked_name(interface)
     wiring = next(each for each in scene.interfaces if each.name == chosen)
-    if wiring.driven_with:
-        raise InputError(
-            f"{name}: view shows the field of one source, and interface {chosen!r} is "
-            "`driven_with` others; leave that key out here"
-        )
+    require("a view of the field", scene.parts.skin, scene.parts.setup.of([chosen]))
     if interface is None and len(scene.interfaces) > 1:
         names = ", ".join(each.name for each in scene.interfaces)
         note(f"{name}: shows interface {chosen} of {names}; --interface selects another")

@@ -8,11 +8,11 @@ import pytest
     [
         (
             ("view", "knit-36", "-o", "out.vtu"),
-            "knit-36: view shows the field of one source, and interface 'left' is `driven_with`",
+            "knit-36: a view of the field cannot take `interface.driven_with`: it is that of one",
         ),
         (
             ("page", "knit-36", "-o", "page.html"),
-            "knit-36: a page shows impedances, and the readings of this scene are gains; use",
+            "knit-36: a page cannot take `interface.reader`: it shows impedances; use",
         ),
         (
             ("meter", "serve", "--scene", "knit-36", "--port", "0"),

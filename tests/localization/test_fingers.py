@@ -89,5 +89,5 @@ def test_tables_hold_every_finger_that_may_touch():
 
 @pytest.mark.parametrize("target", ["position", "pair", "touches"])
 def test_fingers_that_tables_do_not_cover_are_refused(target):
-    with pytest.raises(InputError, match="for presses by a rod only"):
+    with pytest.raises(InputError, match="cannot take `(dataset.)?press.finger`: it is for a rod"):
         templates(FINGERS.parts, target)

@@ -137,7 +137,7 @@ def test_limits_and_studies_press_by_depth(scene, coarse):
 )
 def test_data_sets_refuse_in_one_line_what_they_cannot_press(scene, changed, reason):
     with pytest.raises(InputError, match=reason):
-        DatasetPlan(pressed_by_factors(scene.with_(changed).parts, "a data set"), 10, 1, RTOL)
+        DatasetPlan(pressed_by_factors(scene.with_(changed).parts), 10, 1, RTOL)
 
 
 def test_the_virtual_meter_reads_one_press_at_all_frequencies(scene):

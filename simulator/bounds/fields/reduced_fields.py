@@ -174,7 +174,6 @@ def trained(
     highest: largest frequency, Hz. cells: along each side of a pixel. Raises ToleranceError where
     the reduced model does not reach its tolerance.
     """
-    parts.skin.require_sheets_alone("the information of readings")
     driven, random = parts.divided(cells).evened, np.random.default_rng(0)
     skin, band = driven.skin, np.array([parts.setup.frequency[0], highest])
     lines = AreaRasterizer.of(parts.skin, skin.pixels.shape)

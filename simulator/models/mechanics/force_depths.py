@@ -15,7 +15,6 @@ from ...press.touch import Depth, Force, Indentation, Touch
 from ...scene.parts import SceneParts, Skin
 from ...scene.skin import Sheet
 from ...sweeps.press_text import displayed_press
-from ..uniform import require_static
 
 LOG = logging.getLogger(__name__)
 SAMPLE = 9
@@ -27,21 +26,15 @@ SHOWN_RTOL = 0.05
 """Tolerance for depths that are shown with three digits; their observed error was 2e-5 at most."""
 
 
-def pressed_by_factors(
-    parts: SceneParts, what: str, *, creeps: bool = False, spread: bool = True
-) -> SceneParts:
-    """Equivalent parts for a feature `what` that presses pixels by factors.
+def pressed_by_factors(parts: SceneParts, *, spread: bool = True) -> SceneParts:
+    """Equivalent parts for a use that presses pixels by factors.
 
     A force becomes a depth (see `forces_as_depths`), and a depth the factor that it causes.
     Positions in m are those of the stretched skin if it is uniform. spread: if a tension spreads
-    presses by depth next to applicators, the parts keep their depth; False for a feature that
-    presses cells. creeps: True if the feature takes factors of foam that creeps. Raises InputError
-    for a depth that the foam cannot take, and what `require_static` raises.
+    presses by depth next to applicators, the parts keep their depth; False for a use that presses
+    cells. Raises InputError for a depth that the foam cannot take.
     """
-    skin, given = parts.skin, parts.plan.press
-    if not (creeps and given.by_factor):
-        require_static(skin, f"{what} by `press.depth`" if creeps else what)
-    parts = forces_as_depths(parts)
+    skin, parts = parts.skin, forces_as_depths(parts)
     press, mechanics = parts.plan.press, skin.foam.mechanics
     if press.by_factor:
         return parts.evened

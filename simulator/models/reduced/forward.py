@@ -21,6 +21,7 @@ from ...progress import ProgressCallback, silent
 from ...scene.frequency import laplace_variable, slopes_of_s
 from ...scene.meter import FrequencyGrid
 from ...scene.parts import Plan, SceneParts, Setup, Skin
+from ...scene.supports import supported
 from ..cosine_modes import StiffnessTerms, amplitudes, random_amplitudes, variation_with_modes
 from ..heterogeneous.elements_model import single_field
 from ..heterogeneous.materials import gauge_slopes, gauged, gauges
@@ -42,7 +43,6 @@ from .model_with_modes import FoamModeTerms
 from .reduced_model import Reduced, pressed_cells
 from .reduced_skin import ReducedSkin
 from .slopes import Sensitivity, sensitivities, sensitivity
-from .touches import require_whole_pixels
 
 SMALLEST, LARGEST, FACTORS = 0.03, 0.5, (1.3, 3.0)
 
@@ -162,7 +162,7 @@ class Forward:
         self.rtol, self.modes = rtol, modes
         self.cells_per_pixel = cells_per_pixel
         if cells_per_pixel != 1:
-            require_whole_pixels(parts.skin, parts.plan.press, "a touch on cells of pixels")
+            supported("touches on cells of pixels", parts)
         self.divided = parts.divided(cells_per_pixel)
         self._progress, self._train = progress, train
         self._kept: tuple[Mapping[str, float], ReducedSkin] | None = None

@@ -22,11 +22,9 @@ from ...press.batch import PressBatch
 from ...press.parts import Parts, parts_of
 from ...press.press import Press
 from ...press.touch import Touch
-from ...press.walls import require_no_walls
 from ...scene.foam_mechanics import REACH_OF_APPLICATORS
 from ...scene.parts import Pressing, Skin
-from ...sweeps import InputError
-from ..heterogeneous.materials import gauged
+from ...scene.supports import require
 from .cases import Case, Draw, alone
 
 if TYPE_CHECKING:
@@ -208,19 +206,7 @@ def spreading(skin: Skin, pressing: Pressing, by_depth: bool | None = None) -> b
     by_depth = not pressing.by_factor if by_depth is None else by_depth
     if not (by_depth and spreads(skin)):
         return False
-    if gauged(skin):
-        raise InputError(
-            f"{skin.name}: sheets with `piezoresistance` do not reduce where tension spreads a "
-            "press; give `press.capacitance_factor` here; the full solver of `sweep` takes them"
-        )
-    around = skin.around
-    if around is not None and (around.thickness or around.solved):
-        key = "thickness" if around.thickness else "solved"
-        raise InputError(
-            f"{skin.name}: `surroundings.{key}` does not reduce where tension spreads a "
-            "press; leave it out here or give `press.capacitance_factor`; the full solver of "
-            "`sweep` takes it"
-        )
+    require("a reduced model of spread presses", skin)
     return True
 
 
@@ -240,16 +226,3 @@ def deepest(skin: Skin) -> float:
     mechanics, thickness = skin.foam.mechanics, skin.foam.thickness
     assert mechanics is not None and thickness is not None
     return REACH_OF_APPLICATORS * mechanics.elastic.greatest_strain * thickness
-
-
-def require_whole_pixels(skin: Skin, pressing: Pressing, what: str) -> None:
-    """Raises InputError if presses of the scene spread beyond pixels or have walls.
-
-    what: name of the feature, which rasterizes touches onto cells.
-    """
-    require_no_walls(skin, what)
-    if spreading(skin, pressing):
-        raise InputError(
-            f"{skin.name}: {what} cannot be pressed by `press.depth`, which is for whole pixels; "
-            "it needs `press.capacitance_factor`"
-        )

@@ -21,9 +21,9 @@ from ...press.cell_kernel import FAINT, axis_shares
 from ...press.finger import finger_over
 from ...press.pixels import SAMPLES, GridCells
 from ...press.rasterized import TouchBatch
-from ...press.walls import require_no_walls
-from ...scene.parts import Pressing, Skin
+from ...scene.parts import Plan, Pressing, Skin
 from ...scene.planar import shared
+from ...scene.supports import require
 from ...sweeps import InputError
 from ...sweeps.press_text import MAX_FACTOR, MIN_FACTOR
 from ..cell_spreading import PARTS, CellSpreading
@@ -306,19 +306,13 @@ def refusals(skin: Skin, pressing: Pressing) -> dict[str, str]:
 
 def _check_kind(skin: Skin, pressing: Pressing, kind: str) -> None:
     foam, what = skin.foam, f"contacts by {kind}"
-    if kind.endswith("image") and pressing.finger:
-        raise InputError(
-            f"{skin.name}: {what} cannot be fingers; leave out `press.finger` or use PointContacts"
-        )
-    require_no_walls(skin, what)
+    plan = Plan(press=pressing)
+    if kind.endswith("image"):
+        require("images of contacts", skin, None, plan, called=what)
+    require("contacts on a sensor", skin, called=what)
     if kind == "factor":
         return
-    if pressing.adds:
-        raise InputError(
-            f"{skin.name}: {what} press no foam, touches add a capacitance to earth here "
-            "(`press.adds`); use PointContacts with factor = 1 + capacitance / unpressed "
-            "capacitance of the patch"
-        )
+    require("contacts on a sensor by force, depth or pressure", skin, None, plan, called=what)
     if kind.startswith("depth") and foam.thickness is None:
         raise InputError(f"{skin.name}: {what} need `skin.foam.thickness`")
     if not kind.startswith("depth") and foam.mechanics is None:

@@ -158,7 +158,7 @@ def test_interfaces_with_frequencies_of_their_own_are_read_and_logged_at_these(t
         assert labels(told) == ["nothing pressed"] * 2
         send_request(control, "press", press="2,1")
         assert labels(live(*where, "--sweeps", "2", "--rest-file", str(rest))) == ["pixel 2,1"] * 2
-        with pytest.raises(InputError, match="the page takes no `frequencies` of interfaces"):
+        with pytest.raises(InputError, match="cannot take `interface.frequencies`"):
             live(*where, "--sweeps", "1", "--page")
     logged = read(rest)
     assert logged["taken"].values.tolist() == [[0, 1, 1], [1, 1, 1]]

@@ -13,6 +13,7 @@ from rcskin.simulator.press.batch import PressBatch
 from rcskin.simulator.press.press import press_on
 from rcskin.simulator.press.rasterized import touched_cells
 from rcskin.simulator.scene.scene_files import load_scene
+from rcskin.simulator.scene.supports import supported
 from rcskin.simulator.sweeps import InputError, impedance
 from rcskin.tests.library.scenes import ALIKE
 
@@ -94,12 +95,12 @@ def test_cells_creep_as_the_touches_that_they_are_of():
                 "skin.foam": {"thickness": 4e-3, "mechanics": FOAM, "relaxation": ONE},
                 "press": {"depth": 2e-3},
             },
-            "strip-1x5: a data set by `press.depth` cannot take `skin.foam.relaxation`",
+            "strip-1x5: a data set cannot take `skin.foam.relaxation`: with `press.depth`",
         ),
     ],
 )
 def test_unsupported_scenes_are_refused_in_one_line(changes, told):
     scene = load_scene("strip-1x5").with_(changes)
     with pytest.raises(InputError) as refused:
-        DatasetPlan(pressed_by_factors(scene.parts, "a data set", creeps=True), 12, 3, 1e-4)
+        DatasetPlan(pressed_by_factors(supported("a data set", scene.parts)), 12, 3, 1e-4)
     assert told in str(refused.value) and "\n" not in str(refused.value)

@@ -121,18 +121,12 @@ WRONG = {
         {"dataset.session.body": 2.0},
         "needs a `surroundings.body`",
     ),
-    "a body that is solved for": (
-        EARTH.with_({"surroundings.rim": False, "surroundings.solved": True}),
-        {"dataset.session.body": 2.0},
-        "cannot vary the body of `surroundings.solved`",
-    ),
     "walls of touches beside pixels": (
         WALLED,
         MISSED,
-        "(`dataset.press.offset`) cannot take `surroundings.edges`, which is for touches of whole "
-        "pixels; leave `edges` out",
+        "next to pixels cannot take `surroundings.edges`: it is for touches of whole pixels",
     ),
-    "walls of touches anywhere": (WALLED, ANYWHERE, "(`dataset.press.place`) cannot take"),
+    "walls of touches anywhere": (WALLED, ANYWHERE, "next to pixels cannot take"),
     "no rim": (
         EARTH.with_({"surroundings.rim": False}),
         {"dataset.session.rim": 2.0},

@@ -5,6 +5,7 @@ import pytest
 from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.memory_dataset import in_memory
 from rcskin.simulator.scene.scene_files import load_scene
+from rcskin.simulator.scene.supports import supported
 from rcskin.simulator.sweeps import InputError, impedance
 from rcskin.simulator.sweeps.schema import complex_readings
 
@@ -48,5 +49,5 @@ def test_foam_that_creeps_is_not_read_at_nodes_driven_together():
             },
         }
     )
-    with pytest.raises(InputError, match=r"take no `interface\.driven_with`; leave out one"):
-        DatasetPlan(creeping.parts, 20, 1, 1e-4)
+    with pytest.raises(InputError, match=r"with `interface\.driven_with`; leave out one"):
+        supported("a data set", creeping.parts)

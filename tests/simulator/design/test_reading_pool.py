@@ -5,7 +5,6 @@ import itertools
 import pytest
 from rcskin.simulator.design.picking import budgets, sweep_time
 from rcskin.simulator.design.reading_pool import (
-    check_readers,
     own_readings,
     pool,
     terminals,
@@ -95,18 +94,3 @@ def test_all_readings_of_a_scene_of_gains_are_read_as_gains():
     for each in pool(scene.parts.skin, scene.parts.setup, terminals(scene.parts.skin)):
         assert (each.reader, each.series_resistance, each.magnitude_only) == ("gain", 1e5, True)
         assert each.load == scene.interfaces[0].load
-
-
-@pytest.mark.parametrize(
-    ("scene", "message"),
-    [
-        (load_scene("knit-36"), "knit-36: a design chooses the wires of two sheets"),
-        (
-            SHEET.with_(GAIN | {"interface.1.driven_with": ["bottom"]}),
-            "with one source each: leave",
-        ),
-    ],
-)
-def test_readers_whose_wires_cannot_be_chosen_are_refused(scene, message):
-    with pytest.raises(InputError, match=message):
-        check_readers(scene.parts.skin, scene.parts.setup)

@@ -63,11 +63,3 @@ def test_a_search_for_positions_reports_millimetres(run, strip_file, tmp_path):
     assert first <= last < 1 and numbers["distance_of_a_guess_m"] > 0
     page = (tmp_path / "d" / "report.html").read_text(encoding="utf-8")
     assert "Cramér and Rao" in page and "a tenth of a millimetre" in page
-
-
-def test_groups_of_pixels_are_refused(scene):
-    grouped = scene.model_copy(
-        update={"pixels": scene.pixels.model_copy(update={"groups": (("a", "b"), ("c", "d"))})}
-    )
-    with pytest.raises(ValueError, match="without `groups`"):
-        TouchPositions(grouped.parts)

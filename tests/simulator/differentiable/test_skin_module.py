@@ -276,10 +276,14 @@ STRIP = "strip-1x3"
 RELAXATION = [{"share": 0.2, "time_constant": 1.0}]
 AROUND = EARTH["surroundings"] | {"thickness": True}
 SCENES = {
-    "driven together": ("knit-36", {}, "takes no `interface.driven_with`"),
-    "gauged": ("foam", {"skin.top.piezoresistance": 2.0}, "leave out `piezoresistance`"),
-    "creeping": ("foam", {"skin.foam.relaxation": RELAXATION}, "leave out `skin.foam.relaxation`"),
-    "spread": ("foam", {}, "give `press.capacitance_factor` in place of `press.depth`"),
+    "driven together": ("knit-36", {}, "cannot take `interface.driven_with`"),
+    "gauged": ("foam", {"skin.top.piezoresistance": 2.0}, "`skin.top.piezoresistance`"),
+    "creeping": (
+        "foam",
+        {"skin.foam.relaxation": RELAXATION},
+        "`skin.foam.relaxation`",
+    ),
+    "spread": ("foam", {}, "`press.depth`: give `press.capacitance_factor`"),
     "thickness": ("sheet-5x5", EARTH | {"surroundings": AROUND}, "`surroundings.thickness`"),
 }
 CALLS = {

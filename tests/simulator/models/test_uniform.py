@@ -2,12 +2,13 @@
 
 import pytest
 from rcskin.simulator.models.mechanics.force_depths import pressed_by_factors
-from rcskin.simulator.models.uniform import equivalent_press, require_uniform
+from rcskin.simulator.models.uniform import equivalent_press
 from rcskin.simulator.press.press import Press, check_press, parse_press
 from rcskin.simulator.press.touch import Rectangle, Touch
 from rcskin.simulator.scene.foam import VACUUM_PERMITTIVITY
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import builtin_names, load_scene, parse_scene, scene_text
+from rcskin.simulator.scene.supports import require
 from rcskin.simulator.sweeps import InputError
 
 STRETCH = {"x": 1.2, "y": 0.8, "foam_poisson_ratio": 0.25}
@@ -34,7 +35,7 @@ def test_a_plain_scene_is_returned_as_it_is(name):
     skin = scene.parts.skin
     assert skin.electrical is skin
     assert equivalent_press(skin, press) is press
-    require_uniform(skin, "anything")
+    require("a uniform model", skin)
 
 
 def test_a_stretch_gives_derived_values(make_scene):
@@ -94,8 +95,8 @@ def test_what_is_not_plain_keeps_its_stretch_and_is_refused_by_its_key(make_scen
     assert not left.uniform
     assert equivalent_press(scene.parts.skin, Press((Touch(1, 1, 2.0),))) is None
     unstretched = skin_with(make_scene(), **tables)
-    with pytest.raises(InputError, match=f"scene: a test cannot take `{key}`: it needs uniform"):
-        require_uniform(unstretched.parts.skin, "a test")
+    with pytest.raises(InputError, match=f"scene: a uniform model cannot take `{key}`: it"):
+        require("a uniform model", unstretched.parts.skin)
 
 
 def test_a_mug_around_what_is_not_plain_is_folded_all_the_same(make_scene):
@@ -107,8 +108,8 @@ def test_a_mug_around_what_is_not_plain_is_folded_all_the_same(make_scene):
 def test_a_stretched_scene_needs_to_be_folded_first(make_scene):
     scene = skin_with(make_scene(), stretch=STRETCH)
     with pytest.raises(InputError, match="cannot take `skin.stretch`"):
-        require_uniform(scene.parts.skin, "a test")
-    assert pressed_by_factors(scene.parts, "a test").skin == scene.parts.skin.electrical
+        require("a uniform model", scene.parts.skin)
+    assert pressed_by_factors(scene.parts).skin == scene.parts.skin.electrical
 
 
 def test_presses_move_with_the_skin(make_scene):

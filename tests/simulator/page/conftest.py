@@ -73,7 +73,7 @@ class Paged:
 
 
 def paged(scene, rtol=1e-3, cells=2):
-    parts = pressed_by_factors(scene.parts, "a page", spread=False)
+    parts = pressed_by_factors(scene.parts, spread=False)
     reduced = reduced_for_page(parts, rtol, cells)
     return Paged(parts.scene, reduced, page_data(parts, reduced, points=300))
 

@@ -7,13 +7,11 @@ import tomllib
 import numpy as np
 import pytest
 from rcskin.simulator.measure.simulate import simulate
-from rcskin.simulator.models.mechanics.force_depths import pressed_by_factors
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.page.document import document
-from rcskin.simulator.page.packed import reduced_for_page
 from rcskin.simulator.press.press import parse_press
 from rcskin.simulator.scene.scene_files import BUILTIN, load_scene, read_scene, scene_text
-from rcskin.simulator.sweeps import InputError, read
+from rcskin.simulator.sweeps import read
 
 PIXEL = (0.45, 0.52)
 """Of the canvas of the glove: a place in row 2, column 2."""
@@ -79,19 +77,6 @@ def test_bad_input_is_reported_in_one_line(refused, tmp_path, monkeypatch, argum
     monkeypatch.chdir(tmp_path)
     assert told in refused("page", *arguments)
     assert not [*tmp_path.iterdir()]
-
-
-@pytest.mark.parametrize(
-    ("changes", "key"),
-    [
-        ({"surroundings": {"thickness": True}}, "surroundings.thickness"),
-        ({"skin.top.piezoresistance": 2.0}, "piezoresistance"),
-    ],
-)
-def test_a_page_refuses_strain_of_a_foam_with_mechanics(changes, key):
-    parts = pressed_by_factors(load_scene("foam").with_(changes).parts, "a page", spread=False)
-    with pytest.raises(InputError, match=f"cannot take `{key}.*with `skin.foam.mechanics`"):
-        reduced_for_page(parts, 1e-2, 1)
 
 
 @pytest.mark.parametrize(

@@ -141,7 +141,7 @@ def test_slopes_of_walls_are_differences(walled, elastic, own, other):
 
 
 def test_touches_that_are_no_whole_cells_have_no_walls(walled):
-    with pytest.raises(InputError, match=r"cannot take `surroundings\.edges`, which is"):
+    with pytest.raises(InputError, match=r"cannot take `surroundings\.edges`: it is"):
         touched_cells(
             walled.parts.skin,
             press_on(walled.parts.skin, walled.press, "disc(0.05,0.05,0.02):2"),

@@ -42,7 +42,7 @@ def test_a_depth_is_counted_by_the_factor_under_its_applicator(foam_scene):
 
 def test_without_a_tension_a_depth_is_its_factor(foam_scene):
     scene = foam_scene(tension=0.0, press={"depth": 1e-3})
-    factors = pressed_by_factors(scene.parts, "a test")
+    factors = pressed_by_factors(scene.parts)
     assert factors.plan.press.capacitance_factor == scene.press.factor(scene.parts.skin)
     assert factors.plan.press.by_factor
 
