@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import html
 import re
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from io import StringIO
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -15,10 +14,6 @@ from .safe_text import escaped, figure_style, rendering
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-Table = tuple[str, Sequence[Sequence[object]]]
-"""Title, and rows of cells; the first row is the header."""
-MAX_ROWS = 20
-"""Largest number of rows that a script or a notebook prints of a result."""
 MAX_CHART = 50_000
 """Largest number of characters of a chart."""
 MARGINS = {"left": 0.66, "right": 0.1, "bottom": 0.42}
@@ -60,37 +55,10 @@ class SmallChart(NamedTuple):
     top: float = TOP
 
 
-class Tabular(ABC):
-    """A result that prints as a table: as text in Python, as HTML with a chart in a notebook."""
-
-    @abstractmethod
-    def _table(self) -> Table:
-        """The title, and rows of cells; the first row is the header."""
-
-    def _chart(self) -> SmallChart | None:
-        """The chart beside the table, if there is one."""
-        return None
-
-    def __repr__(self) -> str:
-        return table_text(self._table())
-
-    def _repr_html_(self) -> str:
-        return display(self._table, self._chart)
-
-
-def table_text(table: Table) -> str:
-    """A table as text, with aligned columns."""
-    title, rows = _cells(table)
-    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
-    lines = ["  ".join(map(str.ljust, row, widths)).rstrip() for row in rows]
-    return "\n".join([title, *lines])
-
-
-def display(table: Callable[[], Table], chart: Callable[[], SmallChart | None]) -> str:
-    """A table and a chart as one line of HTML. An error of either becomes one line of text."""
-    left = _or_reason("no table", lambda: _html_table(table()))
-    right = _or_reason("no chart", lambda: _svg(chart()))
-    return f'<div style="{SIDE_BY_SIDE}"><div style="{TABLE}">{left}</div>{right}</div>'
+def side_by_side(left: Callable[[], str], chart: Callable[[], SmallChart | None]) -> str:
+    """HTML and a chart beside it, on one line. An error of either becomes a line of text."""
+    text, drawn = _or_reason("no table", left), _or_reason("no chart", lambda: _svg(chart()))
+    return f'<div style="{SIDE_BY_SIDE}"><div style="{TABLE}">{text}</div>{drawn}</div>'
 
 
 def _or_reason(what: str, part: Callable[[], str]) -> str:
@@ -101,17 +69,11 @@ def _or_reason(what: str, part: Callable[[], str]) -> str:
         return f"<div>{html.escape(escaped(reason))}</div>"
 
 
-def _cells(table: Table) -> tuple[str, list[list[str]]]:
-    title, rows = table
-    cells = [[escaped(cell) for cell in row] for row in rows[: MAX_ROWS + 1]]
-    more = len(rows) - len(cells)
-    return escaped(f"{title} ({more} more rows)" if more else title), cells
-
-
-def _html_table(table: Table) -> str:
-    title, (header, *rows) = _cells(table)
+def html_table(cells: Sequence[Sequence[str]]) -> str:
+    """A table as HTML, on one line. cells: the heads, and the rows below them."""
+    header, *rows = cells
     parts = [_html_row("th", header), *(_html_row("td", row) for row in rows)]
-    return f"<table><caption {LEFT}>{html.escape(title)}</caption>{''.join(parts)}</table>"
+    return f"<table>{''.join(parts)}</table>"
 
 
 def _html_row(tag: str, cells: Sequence[str]) -> str:

@@ -92,9 +92,9 @@ def row(goal: Goal, folder: Path, usual: tuple[str, ...]) -> dict[str, object]:
     return {
         "goal": goal.name,
         "requested": f"`{' '.join(goal.options)}`" if goal.options else "",
-        "as it was": f"{scale.text(before['nine_of_ten_casts'])} {scale.unit}",
-        "designed, worst of three": f"{scale.text(after['nine_of_ten_casts'])} {scale.unit}",
-        "nominal skin": f"{scale.text(after['as_meant'])} {scale.unit}",
+        "as it was": f"{scale.text(before['nine_of_ten_samples'])} {scale.unit}",
+        "designed, worst of three": f"{scale.text(after['nine_of_ten_samples'])} {scale.unit}",
+        "nominal skin": f"{scale.text(after['nominal'])} {scale.unit}",
         "sheets (kohm/sq)": sheets,
         "readings": _readings(told),
         "frequencies": len(after["frequencies_Hz"]),

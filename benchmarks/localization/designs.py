@@ -256,7 +256,7 @@ class Kept:
     def as_meant(self) -> float:
         """The merit of the design as it was meant, as the search told."""
         told = json.loads((self.design.parent / "design.json").read_text(encoding="utf-8"))
-        return [each for each in told["steps"] if each["taken"]][-1]["as_meant"]
+        return [each for each in told["steps"] if each["taken"]][-1]["nominal"]
 
     def family(self, scene: Scene) -> Reduced:
         """Of the twins, which are more than localizers believe."""

@@ -82,7 +82,7 @@ class Evaluate(Writing, example="evaluate columns.npz all.nc -o found"):
         from ...simulator.sweeps import InputError, checked_folder
         from ..evaluation.evaluation import nested
         from ..evaluation.fault_scores import FaultScore, fault_lines, fault_scores
-        from ..evaluation.report import WRITTEN, lines_of, write_report
+        from ..evaluation.report import WRITTEN, report_of
         from ..evaluation.result import evaluated, evaluated_by_folds
         from ..inputs.baselines import read_first
         from ..inputs.features import default_quantities
@@ -129,11 +129,14 @@ class Evaluate(Writing, example="evaluate columns.npz all.nc -o found"):
             found = evaluated_by_folds(samples, scores)
         meaning = [] if problem.continuous else [accuracy_meaning(problem, scored, sweeps)]
         faults = fault_lines(by_fault, classes=not problem.continuous)
-        for line in (*lines_of(found), *faults, *meaning):
+        known = problem.continuous and folder is not None
+        scene = scene_of_sweeps(sweeps) if known else None
+        report = report_of(found, scene and scene.parts.skin)
+        report.show()
+        for line in (*faults, *meaning):
             say(line)
         if folder is not None:
-            scene = scene_of_sweeps(sweeps) if problem.continuous else None
-            write_report(folder, found, scene and scene.parts.skin, ending)
+            report.write(folder, charts=[ending])
             say(f"evaluation: {len(found.score.truth)} sweeps -> {folder}")
 
     def result(self) -> Evaluation:

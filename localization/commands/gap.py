@@ -9,7 +9,7 @@ from ...simulator.requests.argument_types import scene_of, sweeps_of, typed_path
 from ...simulator.requests.number_ranges import TRAININGS, AllowedRange
 from ...simulator.requests.options import SEED_OF_ALL, complete_scene
 from ...simulator.requests.request import Writing, argument, function, option, typed
-from ...simulator.safe_text import say, terminal
+from ...simulator.safe_text import say
 from .model_notes import load_model_for, model_of
 from .options import ANYWAY, complete_estimator
 
@@ -77,9 +77,8 @@ class Gap(Writing, example="gap all.nc run.nc -o gap"):
         from ...simulator.requests.requested_scene import requested_scene, warn_of_earth
         from ...simulator.sweeps import checked_folder, made_folder, read, read_joined
         from ..gap.comparison import prepare_comparison
-        from ..gap.gap_findings import find_gap
+        from ..gap.gap_findings import HTML, JSON, find_gap
         from ..gap.pair import checked_pair
-        from ..gap.report.html_report import HTML, JSON, write_report
 
         ending = None if self.charts is None else checked_ending(self.charts)
         (ours,), theirs = typed_paths(self.simulated), typed_paths(self.measured)
@@ -94,8 +93,10 @@ class Gap(Writing, example="gap all.nc run.nc -o gap"):
         checked_folder(made_folder(self.output), JSON, HTML)
         with on_terminal() as progress:
             findings = find_gap(prepare_comparison(pair, settings, model), progress)
-        write_report(self.output, findings, ending)
-        _show(findings, self.output / HTML)
+        report = findings.report
+        report.write(self.output, json=JSON, page=HTML, charts=[ending] if ending else ())
+        report.show()
+        say(_written(findings, self.output / HTML))
         if pair.scene is not None:
             warn_of_earth(pair.scene.name, pair.scene.parts.skin)
 
@@ -145,15 +146,6 @@ class Gap(Writing, example="gap all.nc run.nc -o gap"):
 
 
 gap = function(Gap)
-
-
-def _show(findings: GapFindings, report: Path) -> None:
-    from ...simulator.report.files import table
-    from ..gap.report.sentences import accuracy_table
-
-    header, *rows = accuracy_table(findings)
-    terminal().print(table(header, rows))
-    say(*findings.summary, *findings.notes, _written(findings, report))
 
 
 def _written(findings: GapFindings, report: Path) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,11 +10,10 @@ import numpy as np
 
 from ...simulator.chart_style import chart
 from ...simulator.notebook_display import SmallChart
-from ...simulator.report.files import filled_at_once, write_rows
-from ...simulator.report.page import rate_bars
+from ...simulator.report.findings import Chart, DataTable, Finding, Findings, Head, rate_bars
 from ..inputs.targets import COORDINATES
 from ..trust.answers import BOUNDING_SESSIONS, with_intervals
-from .confusion import write_csv
+from .confusion import HEADER
 from .evaluation import ANSWERED, RIGHT_OF_ALL, ClassScore, PositionScore, Score
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 def draw_skin_outline(axes: Axes, skin: Skin | None) -> None:
     """Draw the skin's outline and foils, if known; not for a mesh from a file."""
-    from ...simulator.report.from_above import draw_foils, draw_outline
+    from ...simulator.mesh.from_above import draw_foils, draw_outline
 
     axes.grid(False)
     if skin is not None and skin.mesh is None:
@@ -46,60 +46,69 @@ POSITIONS = [
 ]
 
 
-def lines_of(found: Evaluation) -> list[str]:
-    """A line about the sweeps, then a line for each figure, with its spread over folds."""
-    first = f"{len(found.score.truth)} sweeps, {found.left_out}"
+def report_of(found: Evaluation, skin: Skin | None = None) -> Findings:
+    """Sentences, tables and charts of an evaluation.
+
+    They are a line about the sweeps, a line for each figure with its spread over folds, the
+    confusion matrix (or all positions), and a chart that compares stated probabilities (or regions)
+    with the truth. Charts of positions are of the answered sweeps. skin: for positions.
+    """
+    rows = [(name, *values) for name, values in found.figures.items()]
+    heads = [
+        "figure",
+        Head("value", form=".4g"),
+        Head("spread", "spread over folds", ".2g"),
+    ]
+    score = found.score
+    more = _of_classes(score) if isinstance(score, ClassScore) else _of_positions(score, skin)
+    return Findings(
+        f"Evaluation of {found.target}",
+        [
+            *_lines(found),
+            DataTable("figures", heads, rows, most=0, csv=True),
+            *more,
+        ],
+        small=lambda: _small_chart(score),
+    )
+
+
+def _lines(found: Evaluation) -> Iterator[str]:
+    yield f"{len(found.score.truth)} sweeps, {found.left_out}; {found.validation}"
     rates = found.score.rates()
-    lines = [f"{first}; {found.validation}"]
     for name, (value, spread) in found.figures.items():
         if name in rates:
             folds = "" if spread is None else f"; folds differ by ± {100 * spread:.2g} %"
-            lines.append(f"{name}: {rates[name].text}{folds}")
+            yield f"{name}: {rates[name].text}{folds}"
         else:
-            lines.append(f"{name}: {value:.3g}" + ("" if spread is None else f" ± {spread:.2g}"))
+            yield f"{name}: {value:.3g}" + ("" if spread is None else f" ± {spread:.2g}")
     if found.sessions < BOUNDING_SESSIONS:
         few = "one session" if found.sessions == 1 else f"{found.sessions} sessions"
-        lines.append(f"{few}: too few for a bound on other skins, which takes {BOUNDING_SESSIONS}")
+        yield f"{few}: too few for a bound on other skins, which takes {BOUNDING_SESSIONS}"
     if not rates[ANSWERED].count:
-        lines.append(
-            "no sweep was answered: each is unlike the training or its answer too uncertain"
-        )
-    return lines
+        yield "no sweep was answered: each is unlike the training or its answer too uncertain"
 
 
-def write_report(
-    folder: Path, found: Evaluation, skin: Skin | None = None, ending: str = ".png"
-) -> None:
-    """Write tables and charts of an evaluation.
-
-    They are a table of the figures, the confusion matrix (or all positions) as a table and a chart,
-    and a chart that compares stated probabilities (or regions) with the truth. Charts of positions
-    are of the answered sweeps. folder: created if absent. skin: for positions.
-    ending: format of the charts.
-    """
+def _of_classes(score: ClassScore) -> Iterator[Finding]:
     from .reliability import draw_reliability_and_risk
 
-    score = found.score
-    table = [(name, *values) for name, values in found.figures.items()]
-    with filled_at_once(folder) as made:
-        write_rows(made / "figures.csv", ["figure", "value", "spread"], table)
-        if isinstance(score, ClassScore):
-            write_csv(score.confusion, made / "confusion.csv")
-            _draw_confusion(score, made / f"confusion{ending}")
-            draw_reliability_and_risk(
-                made / f"belief{ending}", score.answers.probability, score.right
-            )
-        else:
-            rows = np.hstack([score.truth, score.predicted, score.deviation])
-            each = zip(rows.tolist(), score.answered.astype(int).tolist(), strict=True)
-            flat = ([*(f"{value:.6g}" for value in row), answered] for row, answered in each)
-            write_rows(made / "positions.csv", POSITIONS, flat)
-            if score.answered.any():
-                _draw_positions(score.of_answered, skin, made / f"positions{ending}")
-                _draw_regions(score.of_answered, skin, made / f"regions{ending}")
+    shown = score.answers.probability, score.right
+    yield DataTable("confusion", HEADER, list(score.confusion.table()), most=0, csv=True)
+    yield Chart("confusion", "Confusion matrix", lambda path: _draw_confusion(score, path))
+    yield Chart("belief", "Reliability", lambda path: draw_reliability_and_risk(path, *shown))
 
 
-def small_chart(score: Score) -> SmallChart:
+def _of_positions(score: PositionScore, skin: Skin | None) -> Iterator[Finding]:
+    rows = np.hstack([score.truth, score.predicted, score.deviation])
+    each = zip(rows.tolist(), score.answered.astype(int).tolist(), strict=True)
+    flat = [[*(f"{value:.6g}" for value in row), answered] for row, answered in each]
+    yield DataTable("positions", POSITIONS, flat, most=0, csv=True)
+    if score.answered.any():
+        own = score.of_answered
+        yield Chart("positions", "Errors", lambda path: _draw_positions(own, skin, path))
+        yield Chart("regions", "Regions", lambda path: _draw_regions(own, skin, path))
+
+
+def _small_chart(score: Score) -> SmallChart:
     """Chart for a notebook: rates of classes with their intervals, or errors of positions."""
     from .confusion_chart import draw_errors
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from ...simulator.notebook_display import SmallChart, Tabular
+from ...simulator.report.findings import Findings, Result
 from ...simulator.sweeps import InputError
 from ..trust.answers import ONE_TOUCH
 from .evaluation import (
@@ -30,7 +30,7 @@ Figures = Mapping[str, tuple[float, float | None]]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Evaluation(Tabular):
+class Evaluation(Result):
     """Accuracy of a localizer on sweeps whose presses are known.
 
     score: predictions and truth of each sweep. target: predicted target. figures: value of each
@@ -83,17 +83,12 @@ class Evaluation(Tabular):
         """
         return 1e-3 * self[MEDIAN_ERROR]
 
-    def _table(self) -> tuple[str, list[tuple[str, str, str]]]:
-        rows = [
-            (name, f"{value:.4g}", "" if spread is None else f"{spread:.2g}")
-            for name, (value, spread) in self.figures.items()
-        ]
-        return f"Evaluation of {self.target}", [("figure", "value", "spread over folds"), *rows]
+    @property
+    def report(self) -> Findings:
+        """The figures, and a chart of rates or errors."""
+        from .report import report_of
 
-    def _chart(self) -> SmallChart:
-        from .report import small_chart
-
-        return small_chart(self.score)
+        return report_of(self)
 
 
 def evaluated(learned: Classifier | Regressor, samples: Samples, answers: Answers) -> Evaluation:

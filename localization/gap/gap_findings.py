@@ -11,8 +11,8 @@ import numpy as np
 from scipy.spatial.distance import cdist
 
 from ...simulator.arrays import Mask, Real
-from ...simulator.notebook_display import SmallChart, Tabular
 from ...simulator.progress import ProgressCallback, tracked
+from ...simulator.report.findings import Findings, Result
 from ...simulator.sweeps import InputError, ToleranceError
 from ..evaluation.evaluation import ClassScore
 from .comparison import PreparedComparison
@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
     from ...simulator.calibration.misfit import JointEffect, MisfitCauses, ParameterEffect
 
+HTML, JSON = "gap.html", "gap.json"
+"""Names of the report's files."""
 PERMUTATIONS = 499
 MIN_SAMPLE = 2
 MAX_SAMPLE = 500
@@ -158,7 +160,7 @@ class ModelFindings:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class GapFindings(Tabular):
+class GapFindings(Result):
     """Gap between simulated and measured sweeps: distances, accuracies, and causes.
 
     stages: before and after calibration. own: training and test on the other side, by set of
@@ -179,7 +181,7 @@ class GapFindings(Tabular):
     @property
     def summary(self) -> list[str]:
         """Sentences on the distance, the accuracy, and the parameter that explains most."""
-        from .report.sentences import summary
+        from .report.gap_report import summary
 
         return summary(self)
 
@@ -190,21 +192,16 @@ class GapFindings(Tabular):
         folder cannot be made, or if files exist that may not be replaced.
         """
         from ...simulator.sweeps.output_files import replacing
-        from .report.html_report import write_report
 
         with replacing(overwrite):
-            write_report(Path(folder), self)
+            self.report.write(Path(folder), json=JSON, page=HTML, charts=())
 
-    def _table(self) -> tuple[str, list[tuple[str, ...]]]:
-        from .report.sentences import accuracy_table
+    @property
+    def report(self) -> Findings:
+        """Sentences, tables, charts and numbers."""
+        from .report.gap_report import report_of
 
-        title = f"Accuracy on {self.trial.pair.label.adjective} sweeps"
-        return title, accuracy_table(self)
-
-    def _chart(self) -> SmallChart | None:
-        from .report.gap_curves import small_distance_chart
-
-        return small_distance_chart(self)
+        return report_of(self)
 
 
 def find_gap(trial: PreparedComparison, progress: ProgressCallback) -> GapFindings:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...simulator.chart_style import COLOURS
 from ...simulator.notebook_display import SmallChart
-from ...simulator.report.page import rate_bars
+from ...simulator.report.findings import rate_bars
 from ..trust.answers import CountedRate, with_intervals
 from ..trust.fitted import Classifier
 
@@ -40,7 +40,7 @@ def held_out_chart(model: Model) -> SmallChart | None:
 
 def _draw(figure: Figure, skin: Skin, error: float) -> None:
     """The skin from above, with a circle of the median error in mm around its middle."""
-    from ...simulator.report.from_above import MM, draw_foils, draw_outline, draw_pixels
+    from ...simulator.mesh.from_above import MM, draw_foils, draw_outline, draw_pixels
 
     axes = figure.subplots()
     axes.set_aspect("equal")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from ...simulator.notebook_display import SmallChart, Tabular
+from ...simulator.report.findings import DataTable, Findings, Result
 from ...simulator.scene.scene_files import carried_scene
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.reading_quantities import kind_of
@@ -94,7 +94,7 @@ def current_versions() -> dict[str, str]:
 
 
 @dataclass(frozen=True, repr=False)
-class Model(Plain, Tabular):
+class Model(Plain, Result):
     """A trained localizer and a description of its training, to check sweeps against."""
 
     learned: Classifier | Regressor
@@ -146,17 +146,18 @@ class Model(Plain, Tabular):
         fits = all(guard.features in possible for guard in kinds.values())
         require(fits, "diagnosis", "must be of these readings")
 
-    def _table(self) -> tuple[str, list[tuple[object, ...]]]:
+    @property
+    def report(self) -> Findings:
+        """What the model was trained on, and how well it answers sweeps held out."""
+        from .held_out_chart import held_out_chart
+
         header = "target", "estimator", "features", "frequencies", "trained on", "held out"
         known = f"{self.trained_on} sweeps", self.learned.outcome
         features = ", ".join(self.quantities)
         row = (self.target, self.estimator, features, len(self.frequencies), *known)
-        return "Model", [header, row]
-
-    def _chart(self) -> SmallChart | None:
-        from .held_out_chart import held_out_chart
-
-        return held_out_chart(self)
+        return Findings(
+            "Model", [DataTable("model", header, [row])], small=lambda: held_out_chart(self)
+        )
 
     @property
     def version_difference(self) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,7 @@ from ...simulator.measure.simulate import simulate
 from ...simulator.models.line import HALF_POWER, attenuation, open_line_amplitude
 from ...simulator.models.solver import DEFAULT_RTOL, Solver
 from ...simulator.press.press import every_press
-from ...simulator.report.page import Cell, Items, ReportSection, TableGrid, write_page
+from ...simulator.report.findings import Cell, DataTable, Finding, Findings, Heading, Items
 from ...simulator.scene.parts import Skin
 from ...simulator.scene.scene import Scene
 from ..evaluation.confusion import Confusion
@@ -39,32 +39,33 @@ ASSUMED = (
 )
 
 
-def write_report(
-    path: Path, claims: Sequence[Claim], pictures: Sequence[ReportSection], software: str
-) -> None:
-    """Write the page completely or not at all. software: name and version of the simulator."""
+def report_of(
+    claims: Sequence[Claim],
+    charts: Sequence[Finding],
+    software: str,
+    files: Mapping[str, Callable[[Path], object]],
+) -> Findings:
+    """The page, its charts and further files. software: name and version of the simulator."""
     introduction = (
         f"{PAPER}. Every sweep below is simulated: the two electrode sheets and the foam as a "
         f"distributed RC sheet, solved to a relative tolerance of {DEFAULT_RTOL:g} of Rs and of "
         f"Cp, then read out by a meter with the noise of the scene. {software}."
     )
-    sections = [ReportSection("", [introduction]), _compared(claims), *pictures]
-    sections.append(ReportSection("What is assumed", [ASSUMED]))
-    write_page(path, "The paper, reproduced by physics", sections)
-
-
-def _compared(claims: Sequence[Claim]) -> ReportSection:
-    """Table of all statements and our results; those that differ come first."""
     agreeing = sum(claim.agrees for claim in claims)
-    introduction = (
+    compared = (
         f"{agreeing} of {len(claims)} statements agree; those that differ stand first. Each is "
         "judged on the device as the paper describes it, foils included, at the noise that is "
         "given with it. A statement agrees, by the rule that is given with it, if"
     )
     rules = Items([f"{rule}." for rule in RULES.values()], list(RULES))
     rows = [_row(claim) for claim in sorted(claims, key=lambda claim: claim.agrees)]
-    grid = TableGrid(["Statement", "Paper", "Simulation", "Noise", "", "Why"], rows)
-    return ReportSection("Every number of the paper next to ours", [introduction, rules, grid])
+    numbers = DataTable(
+        "statements", ["Statement", "Paper", "Simulation", "Noise", "", "Why"], rows
+    )
+    heading = Heading("Every number of the paper next to ours")
+    parts = [introduction, heading, compared, rules, numbers, *charts]
+    parts += [Heading("What is assumed"), ASSUMED]
+    return Findings("The paper, reproduced by physics", parts, files=files)
 
 
 def _row(claim: Claim) -> list[str | Cell]:

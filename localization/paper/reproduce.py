@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,9 +12,9 @@ import numpy as np
 
 from ...simulator.measure.experiment import METER, stream
 from ...simulator.measure.readout import read_out
-from ...simulator.progress import ProgressCallback, tracked
-from ...simulator.report.files import filled_at_once, write_frame
-from ...simulator.report.page import Picture, ReportSection
+from ...simulator.progress import ProgressCallback
+from ...simulator.report.files import write_frame
+from ...simulator.report.findings import Chart, Finding, Heading
 from ...simulator.scene.scene import Scene
 from ...simulator.scene.scene_files import load_scene
 from ...simulator.sweeps import checked_folder, made_folder, write
@@ -24,7 +25,7 @@ from ..model.localizer_file import save
 from ..model.training import train
 from . import figures
 from .claims import Claim, all_claims
-from .figures import write_report
+from .figures import report_of
 from .paper_quantities import open_line_frequencies, paper_frequencies
 from .studies import (
     EXPERIMENTS,
@@ -70,10 +71,8 @@ def reproduce(folder: Path, progress: ProgressCallback, ending: str = ".png") ->
     results = _experiments(progress)
     claims = all_claims(results)
     software = results.experiments["sheet-5x5"].exact.attrs["software"]
-    with filled_at_once(folder) as made:
-        _write_tables(made, results, claims)
-        pictures = draw(made, results, progress, ending)
-        write_report(made / "report.html", claims, pictures, software)
+    report = report_of(claims, charts_of(results), software, _files(results, claims))
+    report.write(folder, page="report.html", charts=(".png", ending))
     return claims
 
 
@@ -106,21 +105,25 @@ def _beyond(progress: ProgressCallback) -> Confusion:
     return cross_validate(measured, quantities=PAPER, seed=scene.experiment.seed)
 
 
-def _write_tables(folder: Path, results: Results, claims: list[Claim]) -> None:
+def _files(results: Results, claims: list[Claim]) -> dict[str, Callable[[Path], object]]:
+    """Functions that write tables and trained models, by the files' names."""
     import pandas as pd
 
+    found: dict[str, Callable[[Path], object]] = {}
     for name, experiment in results.experiments.items():
-        write(experiment.measured, folder / f"{name}-sweeps.csv")
-        write_csv(results.confusions[name], folder / f"{name}-confusion.csv")
-        save(folder / f"{name}.npz", train(experiment.measured, quantities=PAPER))
-    for name, study in (
-        ("frequencies", results.frequency),
-        ("noise", results.noise),
-        ("contacts", results.contact),
-    ):
-        write_frame(folder / f"{name}.csv", study.to_series().reset_index())
-    write_frame(folder / "figure-2c.csv", _cutoffs(results.experiments))
-    write_frame(folder / "comparison.csv", pd.DataFrame(map(dataclasses.asdict, claims)))
+        found[f"{name}-sweeps.csv"] = partial(write, experiment.measured)
+        found[f"{name}-confusion.csv"] = partial(write_csv, results.confusions[name])
+        model = train(experiment.measured, quantities=PAPER)
+        found[f"{name}.npz"] = partial(save, model=model)
+    studies = {
+        "frequencies": results.frequency,
+        "noise": results.noise,
+        "contacts": results.contact,
+    }
+    frames = {name: study.to_series().reset_index() for name, study in studies.items()}
+    frames["figure-2c"] = _cutoffs(results.experiments)
+    frames["comparison"] = pd.DataFrame(map(dataclasses.asdict, claims))
+    return found | {f"{name}.csv": partial(write_frame, table=t) for name, t in frames.items()}
 
 
 def _cutoffs(experiments: Mapping[str, SimulatedExperiment]) -> pd.DataFrame:
@@ -141,31 +144,28 @@ def _cutoffs(experiments: Mapping[str, SimulatedExperiment]) -> pd.DataFrame:
     return pd.concat(table(name, experiments[name].scene) for name in EXPERIMENTS)
 
 
-def draw(
-    folder: Path, results: Results, progress: ProgressCallback, ending: str
-) -> list[ReportSection]:
-    """Write all charts as .png, and in another format if given; return those of the report."""
-
-    def drawn(name: str, draw: Callable[..., None], *shown: object) -> Picture:
-        for path in {folder / f"{name}{each}" for each in (".png", ending)}:
-            draw(path, *shown)
-        return Picture(folder / f"{name}.png", CAPTIONS.get(name, f"{name}: {OF_A_DEVICE}"))
-
+def charts_of(results: Results) -> list[Finding]:
+    """All charts, below their headings."""
     given, confusions = results.experiments, results.confusions
     scenes = {name: each.scene for name, each in given.items()}
-    attenuation = drawn("figure-2c", figures.attenuation_figure, [scenes[name] for name in STRIPS])
+
+    def drawn(name: str, draw: Callable[..., None], *shown: object) -> Chart:
+        caption = CAPTIONS.get(name, f"{name}: {OF_A_DEVICE}")
+        return Chart(name, caption, lambda path: draw(path, *shown))
+
     devices = {
         name: drawn(name, figures.experiment_figure, given[name], confusions[name])
-        for name in tracked(list(EXPERIMENTS), "figures", progress)
+        for name in EXPERIMENTS
     }
-    varied = [
+    return [
+        Heading("Figure 2(c): the analytic model"),
+        drawn("figure-2c", figures.attenuation_figure, [scenes[name] for name in STRIPS]),
+        Heading("Figure 3: the strip"),
+        *(devices[name] for name in STRIPS),
+        Heading("Figure 4: the sheet"),
+        *(devices[name] for name in SHEETS),
+        Heading("What the paper varied or left open"),
         drawn("frequencies", figures.frequency_figure, results.frequency),
         drawn("noise", figures.noise_figure, results.noise, scenes),
         drawn("contacts", figures.contact_figure, results.contact),
-    ]
-    return [
-        ReportSection("Figure 2(c): the analytic model", [attenuation]),
-        ReportSection("Figure 3: the strip", [devices[name] for name in STRIPS]),
-        ReportSection("Figure 4: the sheet", [devices[name] for name in SHEETS]),
-        ReportSection("What the paper varied or left open", varied),
     ]

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...simulator.chart_style import checked_chart
-from ...simulator.notebook_display import Tabular
 from ...simulator.progress import ProgressCallback, silent
+from ...simulator.report.findings import DataTable, Findings, Head, Result
 from ...simulator.scene.parts import SceneParts
 from ...simulator.scene.scene import Scene
 from ...simulator.sweeps import InputError, checked_output
@@ -73,7 +73,7 @@ Vary = str | Sequence[str] | Mapping[str, Iterable[float]]
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Study(Tabular):
+class Study(Result):
     """Accuracy of localization at every value of one or two numbers of a scene.
 
     findings: accuracy, separation of classes, and the band that separates neighbours best, over
@@ -113,10 +113,13 @@ class Study(Tabular):
         with replacing(overwrite):
             draw_study(self.findings, self.axes, self.experiment, checked_chart(path))
 
-    def _table(self) -> tuple[str, list[tuple[str, ...]]]:
+    @property
+    def report(self) -> Findings:
+        """The best values, and what was found at each point."""
         frame = self.findings.to_dataframe().reset_index()
-        rows = [tuple(f"{value:.6g}" for value in row) for row in frame.itertuples(index=False)]
-        return f"Study of {self.experiment}", [tuple(map(str, frame.columns)), *rows]
+        columns = [Head(str(name), form=".6g") for name in frame.columns]
+        table = DataTable("study", columns, frame.values.tolist())
+        return Findings(f"Study of {self.experiment}", [table, *self.best])
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...simulator.notebook_display import Tabular
-from ...simulator.report.page import Rate
+from ...simulator.report.findings import DataTable, Findings, Head, Rate, Result
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.errors import named
 
@@ -145,7 +144,7 @@ NOTHING_PRESSED = ("0", "0,0")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Answers(Tabular):
+class Answers(Result):
     """An answer to each sweep.
 
     labels: text of the class or CANNOT_TELL, shape (sweep,). probability: probability of the most
@@ -164,13 +163,18 @@ class Answers(Tabular):
         """True for sweeps with an answer, shape (sweep,)."""
         return self.labels != CANNOT_TELL
 
-    def _table(self) -> tuple[str, list[tuple[object, ...]]]:
-        each = zip(self.labels, self.probability, self.novel, strict=True)
-        rows = [(k, label, f"{p:.4f}", novel) for k, (label, p, novel) in enumerate(each)]
-        return f"Answers to {len(rows)} sweeps", [
-            ("sweep", "answer", "probability", "novel"),
-            *rows,
+    @property
+    def report(self) -> Findings:
+        """The answer to each sweep."""
+        rows = list(zip(self.labels.tolist(), self.probability, self.novel, strict=True))
+        heads = [
+            Head("sweep", form="d"),
+            "answer",
+            Head("probability", form=".4f"),
+            "novel",
         ]
+        table = DataTable("answers", heads, [(k, *row) for k, row in enumerate(rows)])
+        return Findings(f"Answers to {len(rows)} sweeps", [table])
 
     def part(self, rows: NDArray[np.intp]) -> Answers:
         """Answers to these sweeps."""

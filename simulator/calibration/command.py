@@ -12,7 +12,7 @@ from ..requests.argument_types import scene_of, sweeps_of, typed_paths
 from ..requests.number_ranges import SESSION
 from ..requests.options import CHARTS, SCENE
 from ..requests.request import Request, Writing, argument, function, option, typed
-from ..safe_text import say, terminal
+from ..safe_text import say
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -129,8 +129,7 @@ class Calibrate(Options, Writing, example="calibrate sheet-5x5 run.nc -o found")
         from ..progress import on_terminal
         from ..requests.requested_scene import requested_scene, warn_of_earth
         from ..sweeps import checked_folder, read_joined
-        from .results.explanations import explanations
-        from .results.report import WRITTEN, correlations, table, write_remarks, write_report
+        from .results.report import NUMBERS, WRITTEN, explanations, report_of, write_remarks
         from .run import calibrate as calibrated
         from .run import tried
 
@@ -141,13 +140,10 @@ class Calibrate(Options, Writing, example="calibrate sheet-5x5 run.nc -o found")
         self._check_skin(loaded, sweeps, names)
         with on_terminal() as progress:
             calibration = calibrated(loaded, sweeps, self, progress=progress, trials=False)
-        written = write_report(calibration, names, folder, ending)
-        console = terminal()
-        console.print(table(calibration))
-        if len(calibration.intervals) > 1:
-            console.print(correlations(calibration, console))
-        told = explanations(calibration)
-        say(*told, f"{folder}: {', '.join(written)}")
+        report, told = report_of(calibration, names), explanations(calibration)
+        written = report.write(folder, json=NUMBERS, charts=[ending])
+        report.show()
+        say(f"{folder}: {', '.join(written)}")
         with on_terminal() as progress:
             calibration = tried(calibration, progress)
         write_remarks(calibration, names, folder)

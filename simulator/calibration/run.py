@@ -14,8 +14,8 @@ from ..arrays import Real
 from ..models.cosine_modes import FittedModes
 from ..models.mechanics.force_depths import forces_as_depths, pressed_by_factors
 from ..models.parameters import READER, own_values
-from ..notebook_display import SmallChart, Tabular
 from ..progress import ProgressCallback, silent
+from ..report.findings import Findings, Result
 from ..scene.parts import Plan, Setup, Skin
 from ..scene.scene import Scene
 from ..scene.supports import require, supported
@@ -31,7 +31,6 @@ from .physics_trials import misfit_trials
 from .prior import Noise, Prior, display_step, noise_of, priors, sessions_vary_smoothly, with_noise
 from .problem import CenteredModel, Model, centered_model, checked_model, model_of
 from .results.estimates import (
-    HEADER,
     FittedQuantity,
     intervals,
     quantile,
@@ -136,7 +135,7 @@ ROUNDED = 1e-6
 
 
 @dataclass(frozen=True, repr=False)
-class Calibration(Tabular):
+class Calibration(Result):
     """Result of a calibration.
 
     values: value of each parameter by name; of a factor on the given scene it is the logarithm.
@@ -184,13 +183,12 @@ class Calibration(Tabular):
         """Rms error of Z relative to |Z|."""
         return self.fit.rms_error
 
-    def _table(self) -> tuple[str, list[tuple[str, ...]]]:
-        return f"Calibration of {self.scene.name}", [HEADER, *(q.cells for q in self.quantities)]
+    @property
+    def report(self) -> Findings:
+        """The fitted quantities, remarks, and the residuals."""
+        from .results.report import report_of
 
-    def _chart(self) -> SmallChart:
-        from .results.residual_chart import small_residual_chart
-
-        return small_residual_chart(self)
+        return report_of(self, "sweeps")
 
     @property
     def strengths(self) -> list[Real]:

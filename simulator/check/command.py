@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ..requests.argument_types import sweeps_of, typed_paths
 from ..requests.number_ranges import ERROR
 from ..requests.request import OVERWRITE, Writing, argument, function, option, typed
-from ..safe_text import say, terminal
+from ..safe_text import say
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -82,7 +82,7 @@ class Check(Writing, example="check all.nc -o report.png"):
         from ..sweeps.joining import join
         from ..sweeps.reading_noise import device_faults
         from .noise_profiles import noise_profiles
-        from .report import checked_report, explanations, verdict_table, write_report
+        from .report import checked_report, report_of, write_report
 
         report = None if self.output is None else checked_report(self.output)
         sweeps = join([_read(file) for file in self.files], self.files)
@@ -124,13 +124,11 @@ class Check(Writing, example="check all.nc -o report.png"):
             note(SEVERAL_SOURCES)
         elif gains and "gain_phase" not in sweeps:
             note(NO_PHASES)
-        terminal().print(verdict_table(verdicts))
-        if lines := explanations(verdicts):
-            say(*lines)
+        found = report_of(verdicts)
+        found.show()
         if report is not None:
-            write_report(verdicts, report)
-        flagged = sum(bool(each.broken) for each in verdicts)
-        say(f"{flagged} of {len(verdicts)} spectra break a law")
+            write_report(found, report)
+        flagged = any(each.broken for each in verdicts)
         if flagged and bound and not gains:
             say(PERHAPS_EARTH)
         return FLAGGED if flagged else 0

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ..chart_style import COLOURS, ENDINGS, chart, frequency_axis
-from ..report.files import filled_at_once, table, write_rows
+from ..report.findings import Chart, DataTable, Findings, Head
 from ..sweeps import InputError, checked_folder, checked_output
 from ..sweeps.examination import Verdict
 
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from matplotlib.artist import Artist
     from matplotlib.axes import Axes
     from matplotlib.figure import SubFigure
-    from rich.table import Table
 
 PASSING, UNNAMED = "0.6", "0.3"
 BANDS = {"allowed": "0.93", "allowed where the misfit is too large": "0.8"}
@@ -131,8 +131,18 @@ def _legend(axes: Axes, drawn: Sequence[ColouredVerdict]) -> tuple[list[Artist],
     return [*handles, *lines], [*labels, *entries]
 
 
-SUMMARY = "sweep press interface lowest_phase_deg highest_phase_deg noise noise_from misfit".split()
-SUMMARY += ["inductance_H", "broken"]
+SUMMARY = [
+    Head("sweep", form="d"),
+    "press",
+    "interface",
+    Head("lowest_phase_deg", "phase from (deg)", ".1f"),
+    Head("highest_phase_deg", "to (deg)", ".1f"),
+    Head("noise", form=lambda share: f"{100 * share:.2g} %"),
+    Head("noise_from", shown=False),
+    Head("misfit", form=lambda share: f"{100 * share:.2g} %"),
+    Head("inductance_H", shown=False),
+    Head("broken", "verdict", lambda laws: laws or "pass", left=True),
+]
 RESIDUALS = "sweep interface frequency_Hz residual_real residual_imag allowed fitted broken".split()
 
 WRITTEN = ("residuals.png", "verdicts.csv", "residuals.csv")
@@ -152,38 +162,28 @@ def checked_report(path: Path) -> Path:
     return checked_output(path, ENDINGS)
 
 
-def write_report(verdicts: Sequence[Verdict], path: Path) -> None:
+def report_of(verdicts: Sequence[Verdict]) -> Findings:
+    """A line for every sweep at every interface, what is broken, and all residuals."""
+    flagged = sum(bool(each.broken) for each in verdicts)
+    residuals = [row for verdict in verdicts for row in _readings(verdict)]
+    return Findings(
+        "Check of sweeps",
+        [
+            DataTable("verdicts", SUMMARY, [*map(_summary, verdicts)], len(verdicts), csv=True),
+            *explanations(verdicts),
+            f"{flagged} of {len(verdicts)} spectra break a law",
+            DataTable("residuals", RESIDUALS, residuals, 0, csv=True),
+            Chart("residuals", "Residuals", partial(draw_residuals, verdicts)),
+        ],
+    )
+
+
+def write_report(report: Findings, path: Path) -> None:
     """Writes the residual chart; in a folder also tables of all verdicts and residuals."""
     if path.suffix in ENDINGS and not path.is_dir():
-        draw_residuals(verdicts, path)
-        return
-    rows = (row for verdict in verdicts for row in _readings(verdict))
-    with filled_at_once(path) as folder:
-        draw_residuals(verdicts, folder / "residuals.png")
-        write_rows(folder / "verdicts.csv", SUMMARY, map(_summary, verdicts))
-        write_rows(folder / "residuals.csv", RESIDUALS, rows)
-
-
-def verdict_table(verdicts: Sequence[Verdict]) -> Table:
-    """Table with one line for every sweep at every interface."""
-    heads = ["sweep", "press", "interface", "phase (deg)", "noise", "misfit", "verdict"]
-    rows = (
-        [
-            str(each.sweep),
-            each.press,
-            each.interface,
-            f"{each.phase[0]:.1f} to {each.phase[1]:.1f}",
-            f"{100 * np.median(each.noise):.2g} %",
-            f"{100 * each.spectrum.misfit:.2g} %",
-            _verdict(len(each.broken)),
-        ]
-        for each in verdicts
-    )
-    return table(heads, rows, (3, 4, 5))
-
-
-def _verdict(broken: int) -> str:
-    return f"{broken} law{'s' if broken > 1 else ''} broken" if broken else "pass"
+        return report.of(Chart)[0].draw(path)
+    report.write(path)
+    return None
 
 
 def explanations(verdicts: Iterable[Verdict]) -> list[str]:

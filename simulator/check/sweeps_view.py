@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import xarray as xr
 
-from ..notebook_display import CLOSE_LEGEND, SmallChart, Table, Tabular
+from ..notebook_display import CLOSE_LEGEND, SmallChart
+from ..report.findings import DataTable, Findings, Result
 from ..sweeps import UNPRESSED, check
 from ..sweeps.reading_quantities import kind_of
 from ..sweeps.units import prefixed
@@ -35,40 +36,43 @@ SHORT_COLUMNS, LONG_COLUMNS = 3, 2
 
 
 @xr.register_dataset_accessor("rcskin")
-class SweepsView(Tabular):
+class SweepsView(Result):
     """Sweeps of a skin for a notebook: their number, origin and frequencies; curves of a few."""
 
     def __init__(self, sweeps: xr.Dataset) -> None:
         self._sweeps = sweeps
 
-    def _table(self) -> Table:
+    @property
+    def report(self) -> Findings:
+        """Number, origin and frequencies; curves of a few presses."""
         sweeps = _few(self._sweeps)
         f = sweeps["frequency"].values
         interfaces = sweeps["interface"].values.astype(str)
         ends = (prefixed(float(each), "Hz") for each in f[[0, -1]])
         frequencies = f"{f.size}, from {' to '.join(ends)}" if f.size > 1 else next(ends)
         kind = kind_of(sweeps.variables)
-        return f"Sweeps of {_scene_name(sweeps)}", [
-            ("about", "value"),
+        rows = [
             ("sweeps", _counts(self._sweeps)),
             ("made by", _origin(sweeps)),
             ("frequencies", frequencies),
             ("interfaces", ", ".join(interfaces)),
             ("readings", f"{kind.name}: {', '.join(kind.names)}"),
         ]
+        table = DataTable("sweeps", ("about", "value"), rows)
+        return Findings(f"Sweeps of {_scene_name(sweeps)}", [table], small=lambda: _chart(sweeps))
 
-    def _chart(self) -> SmallChart:
-        sweeps = _few(self._sweeps)
-        names = [name for name in DEFAULTS[kind_of(sweeps.variables).name] if "change" not in name]
-        legend = _Legend.of(sweeps, len(names))
-        title = LINE if sweeps.sizes["interface"] > 1 else 0.0
-        top = legend.rows * LINE + title + 0.1
-        return SmallChart(
-            lambda figure: _draw(figure, sweeps, names, legend),
-            PANEL * len(names),
-            HEIGHT + top,
-            top,
-        )
+
+def _chart(sweeps: xr.Dataset) -> SmallChart:
+    names = [name for name in DEFAULTS[kind_of(sweeps.variables).name] if "change" not in name]
+    legend = _Legend.of(sweeps, len(names))
+    title = LINE if sweeps.sizes["interface"] > 1 else 0.0
+    top = legend.rows * LINE + title + 0.1
+    return SmallChart(
+        lambda figure: _draw(figure, sweeps, names, legend),
+        PANEL * len(names),
+        HEIGHT + top,
+        top,
+    )
 
 
 class _Legend(NamedTuple):

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..notebook_display import CLOSE_LEGEND, MARGINS, TOP, SmallChart, Table, display
+from ..mesh.from_above import MM, draw_foils, draw_outline, draw_pixels
+from ..notebook_display import CLOSE_LEGEND, MARGINS, TOP, SmallChart
 from ..press.pixels import pixels_with_skin
-from ..report.from_above import MM, draw_foils, draw_outline, draw_pixels
+from ..report.findings import DataTable, Findings, shown
 from ..scene.parts import Skin
 from ..scene.scene import Scene
 from .distinct_pixels import label_position
@@ -33,15 +34,16 @@ BESIDE = 0.09
 
 def scene_display(scene: Scene) -> str:
     """A scene as HTML: a table of its key quantities, and a drawing in mm."""
-    return display(lambda: _table(scene), lambda: _chart(scene))
+    return shown(lambda: _findings(scene))
 
 
-def _table(scene: Scene) -> Table:
+def _findings(scene: Scene) -> Findings:
     found = sorted(
         key_facts(scene.parts),
         key=lambda fact: LAST.index(fact.about) + 1 if fact.about in LAST else 0,
     )
-    return f"Scene {scene.title}", [("about", "value"), *found]
+    table = DataTable("scene", ("about", "value"), found)
+    return Findings(f"Scene {scene.title}", [table], small=lambda: _chart(scene))
 
 
 def _chart(scene: Scene) -> SmallChart:

@@ -12,9 +12,7 @@ import numpy as np
 
 from ..chart_style import FOIL_COLOURS, chart, foil_offset
 from ..measure.symmetry import Pixel
-from ..mesh.skin_mesh import domain
-from ..press.press import Press
-from ..report.from_above import (
+from ..mesh.from_above import (
     MM,
     Places,
     Ribbon,
@@ -24,6 +22,8 @@ from ..report.from_above import (
     outline,
     ribbon,
 )
+from ..mesh.skin_mesh import domain
+from ..press.press import Press
 from ..scene.contacts import Contact
 from ..scene.parts import Setup, Skin
 from ..scene.scene import Scene

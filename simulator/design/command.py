@@ -88,7 +88,7 @@ class DesignSkin(
         from ..scene.supports import supported
         from ..sweeps.units import bound_text
         from .evaluator import SearchJournal, SearchSettings
-        from .report.design_folder import answer, write_folder
+        from .report.design_report import report_of
         from .search import search
 
         loaded = pressed_by_factors(supported("a design", requested_scene(self.scene).parts))
@@ -122,9 +122,10 @@ class DesignSkin(
         with on_terminal() as progress:
             settings = SearchSettings(request, self.seed, self.draws, journal, progress)
             found = search(bare, settings)
-            write_folder(found, settings, self.output)
+            report = report_of(found, settings)
+            report.write(self.output, json="design.json", page="report.html")
         journal.done()
-        say(answer(found, settings))
+        say(report.verdict)
         if request.target != "position":
             skins = f"each of {request.casts} known samples" if request.casts else "a known skin"
             say(bound_text(request.against_rest, skins))
@@ -170,6 +171,6 @@ def _metres(option: str, millimetres: float | None) -> float | None:
 
 def _journal_of(output: Path) -> Path:
     from ..sweeps import checked_folder
-    from .report.design_folder import WRITTEN
+    from .report.design_report import WRITTEN
 
     return checked_folder(output, *WRITTEN).with_name(f".{output.name}.search")

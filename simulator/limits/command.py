@@ -135,8 +135,10 @@ class Limits(Writing, example="limits sheet-5x5 -o limits"):
                 pixel_limits = identity(loaded, sampling, progress)
                 rasterization = survey_rasterization_errors(loaded, options)
                 found = SurveyResults(loaded, options, variants, pixel_limits, rasterization)
-                found.write(folder, ending)
-                found.show(folder)
+                report = found.report
+                report.write(folder, json="limits.json", charts=[ending])
+                report.show(folder / "limits.json")
+                say(f"maps and tables written to {folder}")
 
     def result(self) -> Limit:
         """Compute the accuracy of the best possible classifier of a known skin.

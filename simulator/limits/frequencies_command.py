@@ -18,8 +18,7 @@ from ..requests.request import Request, argument, typed
 from ..safe_text import say, terminal
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
+    from ..report.findings import Findings
     from .frequency_design import FrequencyDesign
 
 
@@ -89,23 +88,21 @@ class Frequencies(Request, example="frequencies sheet-5x5 -n 8"):
                 among=chosen_from,
                 progress=progress,
             )
-        console = terminal()
-        if console.is_terminal:
-            console.print(_table(found))
-            say(found.optimal_for)
-            return
+        if terminal().is_terminal:
+            return _findings(found).show()
         for frequency in found.best:
             say(f"{frequency:.6g}")
         for name in found.sets:
             say(f"{name}: {found.comparison(name)}", err=True)
         say(found.optimal_for, err=True)
+        return None
 
 
-def _table(found: FrequencyDesign) -> Table:
-    from ..report.files import table
+def _findings(found: FrequencyDesign) -> Findings:
+    from ..report.findings import DataTable, Findings
 
     heads = ["", "frequencies (Hz)", found.heading, found.over]
-    rows = (
+    rows = [
         [
             name,
             ", ".join(f"{frequency:.6g}" for frequency in chosen),
@@ -113,5 +110,5 @@ def _table(found: FrequencyDesign) -> Table:
             f"{found.ratio(name):.3g}",
         ]
         for name, chosen in found.sets.items()
-    )
-    return table(heads, rows)
+    ]
+    return Findings("Frequencies", [DataTable("sets", heads, rows), found.optimal_for])

@@ -219,7 +219,7 @@ class IdentityBounds:
         rasterization, kinds = (
             {} if e is None else e.summary() for e in (self.rasterization, self.kinds)
         )
-        return {"asked": self.assumptions, **rasterization, **own, **kinds}
+        return {"assumptions": self.assumptions, **rasterization, **own, **kinds}
 
     def lines(self) -> list[str]:
         """Lines for the terminal."""

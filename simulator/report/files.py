@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import shutil
-from collections.abc import Container, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from glob import escape
 from itertools import chain
@@ -19,28 +19,6 @@ from ..sweeps.writing import keep_beside
 
 if TYPE_CHECKING:
     import pandas as pd
-    from rich.table import Table
-
-
-def table(
-    heads: Sequence[str], rows: Iterable[Sequence[str]], numbers: Container[int] = ()
-) -> Table:
-    """Table of cells below heads, without lines.
-
-    numbers: columns that are aligned to the right.
-    """
-    from rich.table import Column, Table
-
-    made = Table(
-        *(
-            Column(head, justify="right" if k in numbers else "left")
-            for k, head in enumerate(heads)
-        ),
-        box=None,
-    )
-    for row in rows:
-        made.add_row(*row)
-    return made
 
 
 def write_text(path: Path, text: str) -> None:

@@ -219,7 +219,7 @@ def test_limits_of_a_size_by_depth_are_reported_with_their_errors(
     assert done.output.count("touches by depth are rasterized on cells") == 2
     assert "strength is that under the touch" in done.output
     told = json.loads((tmp_path / "found" / "limits.json").read_text())
-    for off in (told["position_laid"], told["accuracy"]):
+    for off in (told["rasterization_error"], told["accuracy"]):
         assert 0 < off["deflection_error"] <= off["cells_error"] < 0.05
 
 

@@ -10,7 +10,8 @@ from matplotlib import rc_context
 from rcskin.simulator import notebook_display
 from rcskin.simulator.check.sweeps_view import SweepsView
 from rcskin.simulator.limits.limit import Limit
-from rcskin.simulator.notebook_display import SmallChart, Tabular
+from rcskin.simulator.notebook_display import SmallChart
+from rcskin.simulator.report.findings import DataTable, Findings, Result
 
 NAMESPACES = {"http://www.w3.org/2000/svg", "http://www.w3.org/1999/xlink"}
 SVG = "{http://www.w3.org/2000/svg}"
@@ -23,17 +24,17 @@ MULTISINE = {
 HOSTILE = "<script>alert(1)</script> $x$ \u202e"
 
 
-class Shown(Tabular):
+class Shown(Result):
     """A result of given cells and a given chart."""
 
     def __init__(self, cells, draw=None):
         self.cells, self.draw = cells, draw
 
-    def _table(self):
-        return self.cells[0], [(self.cells[0],), *((each,) for each in self.cells[1:])]
-
-    def _chart(self):
-        return self.draw and SmallChart(self.draw)
+    @property
+    def report(self):
+        table = DataTable("t", self.cells[:1], [(each,) for each in self.cells[1:]])
+        chart = self.draw and SmallChart(self.draw)
+        return Findings(self.cells[0], [table], small=lambda: chart)
 
 
 def texts(shown):

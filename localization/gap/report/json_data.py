@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 ESTIMATED = ("name", "unit", "start", "value", "low", "high")
 """Fields of each calibrated number."""
 KEYS = {
-    "compared": "for each side, simulated and other: number of sweeps and of sessions; noun, name "
+    "compared": "for each side, simulated and other: number of sweeps and of sessions; label, name "
     "of the other side; calibrating, number of its sweeps that calibrated",
     "question": "target, estimator, seed, draws, calibration_touches: as given on the command line",
     "interfaces, frequency_Hz": "those that both sides have; the order of every table below",
@@ -55,9 +55,9 @@ KEYS = {
     "calibration": "numbers of the scene by name, in their unit: start, the scene's value; value, "
     "the calibrated value; low and high, the 95 % interval",
     "causes": "parameter; share, from 0 to 1, of the misfit that it removes if it alone is fitted; "
-    "told, its change as text",
+    "change, as text",
     "causes_together": "parameters; share of the misfit that both remove if they are fitted "
-    "jointly; told, the value of each as text; empty if no pair was tried",
+    "jointly; changes, the value of each as text; empty if no pair was tried",
     "notes": "parts that were left out, and changes that made both sides comparable",
 }
 
@@ -86,14 +86,14 @@ def numbers(findings: GapFindings) -> dict[str, Any]:
         "discrepancy": {name: _discrepancy(stage) for name, stage in findings.stages.items()},
         "calibration": [{key: getattr(each, key) for key in ESTIMATED} for each in trial.estimates],
         "causes": [
-            {"parameter": each.name, "share": each.removed, "told": each.description}
+            {"parameter": each.name, "share": each.removed, "change": each.description}
             for each in findings.causes
         ],
         "causes_together": [
             {
                 "parameters": list(each.names),
                 "share": each.removed,
-                "told": list(each.descriptions),
+                "changes": list(each.descriptions),
             }
             for each in findings.together
         ],
@@ -117,7 +117,7 @@ def _compared(trial: PreparedComparison) -> dict[str, Any]:
         }
         for name, side in sides.items()
     }
-    counted["other"] |= {"noun": trial.pair.label.name, "calibrating": int(trial.reserved.sum())}
+    counted["other"] |= {"label": trial.pair.label.name, "calibrating": int(trial.reserved.sum())}
     return counted
 
 

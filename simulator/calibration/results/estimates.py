@@ -71,10 +71,6 @@ def _of_surroundings(skin: Skin, weights: Mapping[str, float]) -> Iterator[Produ
                 yield Product(f"rim, {part}", "F/m", value, value * factor, {"rim": 1.0})
 
 
-HEADER = ("quantity", "unit", "scene", "fitted", "from", "to", "source")
-"""Column heads of `FittedQuantity.cells`."""
-
-
 @dataclass(frozen=True)
 class FittedQuantity:
     """A number of the scene: its value there, its fitted value and its 95 % interval.
@@ -91,12 +87,6 @@ class FittedQuantity:
     high: float
     identified: bool
     parameters: tuple[str, ...]
-
-    @property
-    def cells(self) -> tuple[str, ...]:
-        """Row of the table on the terminal, see HEADER."""
-        numbers = (f"{x:.4g}" for x in (self.start, self.value, self.low, self.high))
-        return self.name, self.unit, *numbers, self.source
 
     @property
     def source(self) -> str:

@@ -1,64 +1,75 @@
-"""Report of a calibration: tables on the terminal, and files that are written all or none."""
+"""Report of a calibration: tables, explanations, the calibrated scene and numbers."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from ...arrays import Complex, Real
 from ...measure.readout import flattened
-from ...models.parameters import FACTORS
-from ...report.files import files_in, filled_at_once, write_json, write_rows, write_text
-from ...report.files import table as in_columns
+from ...models.parameters import FACTORS, SOURCE
+from ...report.files import write_json, write_text
+from ...report.findings import Chart, DataTable, Findings, Head
 from ...safe_text import escaped
 from ...scene.scene_files import scene_text
 from ...sweeps.output_files import replacing
-from .estimates import HEADER
-from .explanations import assumptions, readings_of
-from .residual_chart import draw_residuals
+from .residual_chart import draw_residuals, small_residual_chart
 from .sheet_intervals import MISMATCH, RATIO
 
 if TYPE_CHECKING:
-    from rich.console import Console
-    from rich.table import Table
-
+    from ..fit_options import FitSpec
     from ..run import Calibration
     from .estimates import FittedQuantity
+    from .identifiability import Information
 
 NUMBERS = "calibration.json"
 WRITTEN = ("calibrated.toml", NUMBERS, "quantities.csv", "parameters.csv")
 WRITTEN += ("correlation.csv", "residuals-*")
 """Name patterns of the written files."""
-COLUMNS = ("quantity", "unit", "scene", "fitted", "low_95", "high_95", "told_by")
+COLUMNS = ["quantity", "unit", Head("scene", form=".4g"), Head("fitted", form=".4g")]
+COLUMNS += [Head("low_95", "from", ".4g"), Head("high_95", "to", ".4g"), "source"]
+ALL = 1000
+"""Largest number of rows of a table that a terminal shows."""
 PARAMETER_COLUMNS = ("parameter", "counted", "value", "standard_error")
-PARAMETER_COLUMNS += ("low_95", "high_95", "told_by")
+PARAMETER_COLUMNS += ("low_95", "high_95", "source")
 BY = {True: "data", False: "prior"}
-WIDEST = 1000
-"""Widest console, in characters."""
 LONGEST = 60
 """Letters of an interface's name in a file name, which has at most 255 bytes."""
 
 
-def write_report(
-    calibration: Calibration, source: str, folder: Path, ending: str = ".png"
-) -> Sequence[str]:
-    """Writes all files of a calibration into a folder and returns their names.
+def report_of(calibration: Calibration, source: str) -> Findings:
+    """Tables, remarks, charts and numbers of a calibration. source: names of the fitted files."""
+    text = calibrated_text(calibration, source)
+    rows = _correlation_rows(calibration)
+    files = {"calibrated.toml": partial(write_text, text=text)}
+    return Findings(
+        f"Calibration of {calibration.scene.name}",
+        [
+            DataTable("quantities", COLUMNS, [*map(_row, calibration.quantities)], ALL, csv=True),
+            *_correlations(rows),
+            *explanations(calibration),
+            DataTable(
+                "parameters", PARAMETER_COLUMNS, [*_parameter_rows(calibration)], 0, csv=True
+            ),
+            DataTable("correlation", ("parameter", *_names(calibration)), rows, 0, csv=True),
+            *_charts(calibration),
+        ],
+        numbers=numbers(calibration, source),
+        files=files,
+        small=lambda: small_residual_chart(calibration),
+    )
 
-    source: names of the fitted files. ending: of the charts.
-    """
-    with filled_at_once(folder) as made:
-        write_text(made / "calibrated.toml", calibrated_text(calibration, source))
-        write_json(made / NUMBERS, numbers(calibration, source))
-        write_rows(made / "quantities.csv", COLUMNS, map(_row, calibration.quantities))
-        write_rows(made / "parameters.csv", PARAMETER_COLUMNS, _parameter_rows(calibration))
-        names = "parameter", *_names(calibration)
-        write_rows(made / "correlation.csv", names, _correlation_rows(calibration))
-        interfaces = calibration.fit.spec.measurements.parts.setup.interfaces
-        for k, name in enumerate(_file_names([each.name for each in interfaces])):
-            draw_residuals(calibration, k, made / f"residuals-{name}{ending}")
-        return files_in(made)
+
+def _charts(calibration: Calibration) -> Iterator[Chart]:
+    interfaces = calibration.fit.spec.measurements.parts.setup.interfaces
+    for k, name in enumerate(_file_names([each.name for each in interfaces])):
+        yield Chart(f"residuals-{name}", "Residuals", partial(draw_residuals, calibration, k))
 
 
 def write_remarks(calibration: Calibration, source: str, folder: Path) -> None:
@@ -81,32 +92,16 @@ def calibrated_text(calibration: Calibration, source: str) -> str:
     return f"{comment}\n{scene_text(scene.model_copy(update={'description': description}))}"
 
 
-def table(calibration: Calibration) -> Table:
-    """Table of all fitted quantities."""
-    from rich.table import Column, Table
-
-    left = [Column(name, no_wrap=True) for name in HEADER[:2]]
-    right = [Column(name, justify="right", no_wrap=True) for name in HEADER[2:-1]]
-    found = Table(*left, *right, HEADER[-1], box=None, padding=(0, 1, 0, 0))
-    for each in calibration.quantities:
-        found.add_row(*each.cells)
-    return found
-
-
-def correlations(calibration: Calibration, console: Console) -> Table | str:
-    """Table of correlations, or the file that has them where the console is too narrow."""
-    from rich.measure import Measurement
-
-    heads = ["correlation", *(str(k + 1) for k in range(len(_names(calibration))))]
-    rows = (
-        [f"{k + 1} {name}", *(f"{float(each):.2f}" for each in row[: k + 1])]
-        for k, (name, *row) in enumerate(_correlation_rows(calibration))
-    )
-    found = in_columns(heads, rows, range(1, len(heads)))
-    room = console.options.update(max_width=WIDEST)
-    if Measurement.get(console, room, found).minimum <= console.width:
-        return found
-    return f"correlations of {len(_names(calibration))} parameters are in correlation.csv"
+def _correlations(rows: Sequence[Sequence[Any]]) -> Iterator[DataTable]:
+    """Lower half of the correlations."""
+    if len(rows) > 1:
+        numbers = (Head(str(k + 1), form=".2f") for k in range(len(rows)))
+        half = [
+            [f"{k + 1} {name}", *row[: k + 1], *[None] * (len(rows) - k - 1)]
+            for k, (name, *row) in enumerate(rows)
+        ]
+        wide = f"correlations of {len(rows)} parameters are in correlation.csv"
+        yield DataTable("correlations", ["correlation", *numbers], half, ALL, instead=wide)
 
 
 def numbers(calibration: Calibration, source: str) -> dict[str, Any]:
@@ -121,8 +116,8 @@ def numbers(calibration: Calibration, source: str) -> dict[str, Any]:
         "values": calibration.values,
         "intervals_95": calibration.intervals,
         "standard_errors": calibration.standard_errors,
-        "told": calibration.identified,
-        "quantities": [_quantity_row(each) for each in calibration.quantities],
+        "identified": calibration.identified,
+        "quantities": [asdict(each) for each in calibration.quantities],
         "correlation": {
             name: list(map(float, row)) for name, *row in _correlation_rows(calibration)
         },
@@ -140,18 +135,13 @@ def numbers(calibration: Calibration, source: str) -> dict[str, Any]:
             "degrees_of_freedom": None if fit.spec.tail is None else fit.spec.tail.freedom,
         },
         "certificate": fit.certificate,
-        "held": list(calibration.not_fitted),
+        "fixed": list(calibration.not_fitted),
         "unclear": list(calibration.unclear),
         "remarks": list(calibration.remarks),
         "ideal_capacitance": None
         if ideal is None
         else {"rms_relative_error": ideal.ideal_rms_error, "why_not": list(ideal.sentences)},
     }
-
-
-def _quantity_row(each: FittedQuantity) -> dict[str, Any]:
-    """A quantity by the keys of the file."""
-    return {"told" if key == "identified" else key: value for key, value in asdict(each).items()}
 
 
 def _names(calibration: Calibration) -> tuple[str, ...]:
@@ -195,3 +185,106 @@ def _file_names(interfaces: Sequence[str]) -> list[str]:
     named = [re.sub(r"[^\w-]", "-", each)[:LONGEST] for each in interfaces]
     distinct = len({each.casefold() for each in named}) == len(named)
     return named if distinct else [f"{k}-{each}" for k, each in enumerate(named, 1)]
+
+
+TIED = 0.95
+WIDENED = 1.2
+"""Chi-squared per degree of freedom from which the report states that it widens intervals."""
+
+
+def explanations(calibration: Calibration) -> list[str]:
+    """Remarks on the fit, a line each."""
+    spec = calibration.fit.spec
+    readings = "gains" if spec.measurements.parts.setup.gain else "Z"
+    lines = [
+        f"chi-squared per degree of freedom {calibration.chi_squared:.3g}"
+        f"{' by construction' if calibration.noise.guessed else ''}; "
+        f"rms relative error of {readings} {100 * calibration.rms_error:.3g} %",
+        f"noise from {calibration.noise.source}: {_noise(spec)}",
+    ]
+    lines += _widening(calibration.information)
+    if spec.touch_count:
+        lines.append(_strength_range(calibration))
+    lines += _source(calibration)
+    lines += assumptions(calibration)
+    lines += _strong_correlations(calibration)
+    lines += calibration.remarks
+    return [*lines, *(calibration.ideal.sentences if calibration.ideal else ())]
+
+
+def _noise(spec: FitSpec) -> str:
+    """Noise of magnitude and phase of the measured readings, with its range where it has one."""
+    noise = spec.readout.noise(*readings_of(spec))
+    found = (
+        " to ".join(dict.fromkeys(f"{scale * each:.3g}" for each in (own.min(), own.max())))
+        for own, scale in zip(noise, (100, 1e3), strict=True)
+    )
+    magnitude = "|V / V_s|" if spec.measurements.parts.setup.gain else "|Z|"
+    units = (f"% of {magnitude}", "mrad")[: spec.measurements.per_reading]
+    return ", ".join(f"{each} {unit}" for each, unit in zip(found, units, strict=False))
+
+
+def readings_of(spec: FitSpec) -> tuple[Complex, Real]:
+    """Z in ohm of all readings, shape (sweep, reading), and the frequency of each, Hz."""
+    read, f = spec.measurements.read, spec.measurements.parts.setup.frequency
+    Z = np.stack([each.Z[read] for each in spec.measurements.sweeps])
+    return Z, np.broadcast_to(f, read.shape)[read]
+
+
+def _widening(information: Information) -> list[str]:
+    """A line on the factor by which intervals are wider than by independent noise, and why."""
+    scale, count = information.scale, information.correlated
+    if scale < WIDENED:
+        return []
+    reasons = {
+        f"exceed the noise ({(scale / count) ** 0.5:.2g} times)": scale / count,
+        f"are correlated ({count**0.5:.2g} times: {count:.2g} of them count as one)": count,
+    }
+    why = " and ".join(reason for reason, share in reasons.items() if share > WIDENED**0.5)
+    wider = f"intervals are {scale**0.5:.2g} times as wide as by the noise alone"
+    return [f"{wider}, because the residuals {why}"]
+
+
+def _strong_correlations(calibration: Calibration) -> list[str]:
+    """A line for each pair of strongly correlated estimates."""
+    names, rows = calibration.information.names, calibration.information.correlation
+    return [
+        f"{names[i]} and {names[j]} are strongly correlated ({rows[i, j]:+.3f})"
+        for i in range(len(names))
+        for j in range(i)
+        if abs(rows[i, j]) > TIED
+    ]
+
+
+def _source(calibration: Calibration) -> list[str]:
+    """A line on the voltage of the source of gains, where that is a parameter."""
+    if SOURCE not in calibration.intervals:
+        return []
+    value, error = calibration.values[SOURCE], calibration.standard_errors[SOURCE]
+    if calibration.identified[SOURCE]:
+        return [f"the source has {value:.4g} times the stated voltage, standard error {error:.2g}"]
+    return [
+        f"the voltage of the source is not identified by these gains ({value:.3g} times the "
+        f"stated one, standard error {error:.2g}); if it is known, use --fix {SOURCE}"
+    ]
+
+
+def _strength_range(calibration: Calibration) -> str:
+    problem, nothing = calibration.fit.problem, np.zeros_like(calibration.fit.u)
+    stated = [problem.strengths(nothing, k) for k in range(len(problem.cells))]
+    pairs = zip(calibration.strengths, stated, strict=True)
+    over = [
+        float(own / stated_rise)
+        for rises, stated_rises in pairs
+        for own, stated_rise in zip(rises, stated_rises, strict=True)
+    ]
+    return (
+        f"rises of {len(over)} touches are {min(over):.2f} to {max(over):.2f} times the stated ones"
+    )
+
+
+def assumptions(calibration: Calibration) -> list[str]:
+    """Quantities that are assumed, not identified, a line each."""
+    left = ", ".join(name for name in calibration.not_fitted if name != MISMATCH)
+    kept = f"not fitted; scene's values kept, uncertain within their priors: {left}"
+    return [*([kept] if left else []), *calibration.unclear]

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ...chart_style import COLOURS, UNPRESSED_COLOUR, chart, foil_offset
-from ...report.from_above import MM, draw_outline, ribbon
+from ...mesh.from_above import MM, draw_outline, ribbon
 from ...scene.contacts import Interface
 from ...scene.design_goals import POSITION, Design
 from ...scene.parts import SceneParts, Skin

@@ -8,10 +8,10 @@ from functools import cached_property
 import numpy as np
 
 from ...arrays import Mask, Real
-from ...notebook_display import SmallChart, Tabular
 from ...press.batch import PressBatch, TouchedCells
 from ...press.press import Press, press_on
 from ...press.rasterized import needs_factors, touched_cells
+from ...report.findings import DataTable, Findings, Result
 from ...scene.parts import SceneParts, Setup, Skin
 from ...sweeps import InputError
 from ..model import GivenPress, Model, Presses
@@ -34,7 +34,7 @@ def pressed_cells(parts: SceneParts, press: Press) -> TouchedCells:
 
 
 @dataclass(frozen=True, repr=False)
-class Reduced(Projection, Tabular, Model):
+class Reduced(Projection, Result, Model):
     """Reduced model of a scene's family of skins and presses."""
 
     name, seconds = "reduced", 5e-6
@@ -134,13 +134,15 @@ class Reduced(Projection, Tabular, Model):
         known = press.press if spread else press.uniform or press.sharp
         return pressed_cells(self.parts, known), 0.0
 
-    def _table(self) -> tuple[str, list[tuple[str, ...]]]:
+    @property
+    def report(self) -> Findings:
+        """Size and errors of the model; curves of a few presses."""
+        from .curves_chart import curves_chart
+
         rows, columns = self.grid
         numbers = f"{self.size}", f"{rows} x {columns}", f"{self.rtol:g}", f"{self.mesh_error:.1e}"
         header = "size of the basis", "pixels", "rtol", "estimated error of the mesh"
-        return f"Reduced model of {self.parts.skin.name}", [header, numbers]
-
-    def _chart(self) -> SmallChart:
-        from .curves_chart import curves_chart
-
-        return curves_chart(self)
+        title = f"Reduced model of {self.parts.skin.name}"
+        return Findings(
+            title, [DataTable("model", header, [numbers])], small=lambda: curves_chart(self)
+        )

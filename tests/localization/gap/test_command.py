@@ -77,14 +77,15 @@ def test_a_script_finds_the_same_gap(gap, files, tmp_path):
     assert "Sheet resistance explains most" in found.summary[-1]
     shown = found._repr_html_()
     assert shown.count("<svg") == 1 and "after calibration" in shown and "Rs (%)" in shown
-    assert repr(found).startswith("Accuracy on twin sweeps\ntrained on")
+    assert repr(found).startswith("Simulation and twin: the gap\n")
+    assert "\ntrained on" in repr(found)
 
 
 @pytest.mark.usefixtures("linear_intervals")
 def test_sweeps_without_noise_or_scene_are_served_by_the_scene_named(
     gap, files, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("rcskin.localization.gap.report.html_report.charts_of", lambda *given: [])
+    monkeypatch.setattr("rcskin.localization.gap.report.gap_report.charts_of", lambda *given: [])
     bare = tmp_path / "bare.nc"
     scene = load_scene("strip-1x3")
     exact = simulate(

@@ -16,7 +16,7 @@ from rcskin.localization.gap.gap_findings import (
     unbiased_mmd2,
 )
 from rcskin.localization.gap.options import GapOptions
-from rcskin.localization.gap.report.sentences import accuracy_rows
+from rcskin.localization.gap.report.gap_report import accuracy_table
 from rcskin.localization.learners.registry import learners
 from rcskin.simulator.sweeps import InputError
 
@@ -128,7 +128,7 @@ def test_features_that_an_estimator_does_not_take_are_left_out(
     findings = make_findings(make_skin_sweeps(), make_skin_sweeps(seed=1), estimator="picky")
     assert list(findings.own) == ["relative"]
     assert told(findings, "There are no results for Rs and Cp: takes no Rs.")
-    assert [len(row.cells) for row in accuracy_rows(findings)] == [1] * len(accuracy_rows(findings))
+    assert {len(row) for row in accuracy_table(findings).rows} == {2}
 
 
 @pytest.mark.usefixtures("uncalibrated")

@@ -6,10 +6,9 @@ import re
 from dataclasses import replace
 
 import pytest
-from rcskin.localization.gap.report import html_report
-from rcskin.localization.gap.report.chart_list import charts_of
+from rcskin.localization.gap.report import gap_report
+from rcskin.localization.gap.report.gap_report import accuracy_table, cause_sentence, charts_of
 from rcskin.localization.gap.report.json_data import KEYS, numbers
-from rcskin.localization.gap.report.sentences import accuracy_rows, cause_sentence
 from rcskin.simulator.calibration.misfit import JointEffect, MisfitCauses, ParameterEffect
 from rcskin.simulator.chart_style import STYLE
 
@@ -35,7 +34,7 @@ def coarse():
 @pytest.fixture(scope="module")
 def written(findings, tmp_path_factory):
     folder = tmp_path_factory.mktemp("gap")
-    html_report.write_report(folder, findings)
+    findings.write(folder)
     return folder
 
 
@@ -76,8 +75,8 @@ def test_a_measurement_is_called_one(pair_of_sweeps, make_findings):
     simulated, other = pair_of_sweeps
     measured = other.drop_attrs().assign_attrs(model="measured", scene=other.attrs["scene"])
     found = make_findings(simulated, measured)
-    assert numbers(found)["compared"]["other"]["noun"] == "measurement"
-    assert accuracy_rows(found)[-1].trained == "measured, cross-validated by sweep"
+    assert numbers(found)["compared"]["other"]["label"] == "measurement"
+    assert accuracy_table(found).rows[-1][0] == "measured, cross-validated by sweep"
 
 
 def test_every_number_is_finite_and_every_table_complete(written, findings):
@@ -141,8 +140,8 @@ def test_classes_without_neighbours_are_no_unit(make_skin_sweeps, make_findings,
 @pytest.mark.usefixtures("unpainted")
 def test_charts_stand_beside_the_page_where_that_is_asked_for(findings, tmp_path, monkeypatch):
     first = charts_of(findings)[:1]
-    monkeypatch.setattr(html_report, "charts_of", lambda findings: first)
-    html_report.write_report(tmp_path, findings, ".svg")
+    monkeypatch.setattr(gap_report, "charts_of", lambda findings: first)
+    findings.report.write(tmp_path, page="gap.html", charts=[".svg"])
     assert [path.stem for path in tmp_path.glob("*.svg")] == [first[0].name]
 
 
@@ -151,9 +150,9 @@ def test_a_chart_that_fails_leaves_nothing_behind(findings, tmp_path, monkeypatc
     def fails(*arguments):
         raise RuntimeError
 
-    monkeypatch.setattr("rcskin.localization.gap.report.chart_list.draw_accuracies", fails)
+    monkeypatch.setattr("rcskin.localization.gap.report.gap_report.draw_accuracies", fails)
     with pytest.raises(RuntimeError):
-        html_report.write_report(tmp_path, findings)
+        findings.write(tmp_path)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -186,7 +185,7 @@ def test_what_surrounds_a_skin_is_named_by_what_it_is(findings):
     assert numbers(found)["causes"][0] == {
         "parameter": "body",
         "share": pytest.approx(0.71),
-        "told": "a body at about 6 mm",
+        "change": "a body at about 6 mm",
     }
 
 
@@ -203,7 +202,7 @@ def test_a_pair_is_reported_with_what_was_tried_beside_it(findings):
     assert numbers(replace(findings, together=pairs))["causes_together"][1] == {
         "parameters": ["lead_resistance", "rim"],
         "share": pytest.approx(0.8),
-        "told": ["lead_resistance +5 ohm", "a rim"],
+        "changes": ["lead_resistance +5 ohm", "a rim"],
     }
 
 
@@ -216,7 +215,7 @@ def test_what_could_not_be_tried_is_a_remark(pair_of_sweeps, make_findings, tmp_
     )
     found = make_findings(*pair_of_sweeps)
     assert "What surrounds the skin was not tried: no thickness." in found.notes
-    html_report.write_report(tmp_path, found)
+    found.write(tmp_path)
     for name in ("gap.html", "gap.json"):
         assert (
             "What surrounds the skin was not tried: no thickness." in (tmp_path / name).read_text()

@@ -14,11 +14,11 @@ from rcskin.localization.inputs.targets import labels
 from rcskin.localization.model.localizer_file import load
 from rcskin.localization.paper import figures
 from rcskin.localization.paper.claims import RULES, near
-from rcskin.localization.paper.reproduce import draw
+from rcskin.localization.paper.reproduce import charts_of
 from rcskin.localization.paper.studies import EXPERIMENTS, SHEETS, crossed_cap
 from rcskin.simulator import sweeps
 from rcskin.simulator.chart_style import STYLE
-from rcskin.simulator.progress import silent
+from rcskin.simulator.report.findings import Findings
 from rcskin.simulator.scene.scene_files import load_scene
 from typer.testing import CliRunner
 
@@ -74,14 +74,14 @@ def test_every_chart_is_drawn_and_in_the_report(results):
 
 @pytest.mark.parametrize("ending", [".png", ".svg"])
 def test_charts_for_papers_are_written_beside_the_pictures(tmp_path, monkeypatch, ending):
-    """Of charts that are drawn by touching their file."""
+    """Of charts that are drawn by a word in their file."""
     drawing = [name for name in vars(figures) if name.endswith("_figure")]
     for name in drawing:
-        monkeypatch.setattr(figures, name, lambda path, *_: path.touch())
+        monkeypatch.setattr(figures, name, lambda path, *_: path.write_text("drawn"))
     scenes = {name: SimpleNamespace(scene=load_scene(name)) for name in EXPERIMENTS}
     none = dict.fromkeys(("frequency", "noise", "contact"))
     results = SimpleNamespace(experiments=scenes, confusions=scenes, **none)
-    draw(tmp_path, results, silent, ending)
+    Findings("", charts_of(results)).write(tmp_path, charts=(".png", ending))
     for each in {".png", ending}:
         assert {path.stem for path in tmp_path.glob(f"*{each}")} == {*CHARTS}
     assert {path.suffix for path in tmp_path.iterdir()} == {".png", ending}

@@ -80,13 +80,13 @@ def test_a_constant_phase_capacitance_follows_it(calibrated, start):
     assert 100 * told["rms_relative_error"] == pytest.approx(3.1, abs=0.05)
     assert told["values"]["phase_exponent"] == pytest.approx(0.92, abs=0.005)
     assert told["noise"]["source"] == "the residuals of the fit"
-    assert all(told["told"].values())
+    assert all(told["identified"].values())
 
 
 def test_by_default_it_fits_what_the_sweep_determines(calibrated):
     told, _ = calibrated()
     assert 100 * told["rms_relative_error"] < 3.1
-    assert told["held"] == ["sheet_mismatch"]
+    assert told["fixed"] == ["sheet_mismatch"]
     assert told["intervals_95"]["phase_exponent"][1] < 0.98
 
 

@@ -107,7 +107,7 @@ def test_numbers_are_written_for_machines(run, files):
     assert told["correlation"]["capacitance"][1] == pytest.approx(1)
     assert [each["press"] for each in told["strengths"]] == ["1,2:1.9", "1,3:2.1"]
     lines = (folder / "quantities.csv").read_text().splitlines()
-    assert lines[0] == "quantity,unit,scene,fitted,low_95,high_95,told_by"
+    assert lines[0] == "quantity,unit,scene,fitted,low_95,high_95,source"
     assert len(lines) == 5
     assert (folder / "residuals-meter.png").read_bytes().startswith(b"\x89PNG")
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rcskin.simulator.check.report import checked_report, explanations, write_report
+from rcskin.simulator.check.report import checked_report, explanations, report_of, write_report
 from rcskin.simulator.sweeps import InputError, read
 from rcskin.simulator.sweeps.examination import KRAMERS_KRONIG, examine
 from rcskin.simulator.sweeps.passivity import RESOLUTION
@@ -206,7 +206,7 @@ def test_cut_off_below_744_Hz_the_measured_line_still_shows_inductance_in_Cs(mea
 
 def test_a_folder_holds_the_chart_every_verdict_and_every_residual(judge, tmp_path):
     judged = judge(np.array([line(), line().conj()]))
-    write_report(judged, tmp_path / "report")
+    write_report(report_of(judged), tmp_path / "report")
     names = {path.name for path in (tmp_path / "report").iterdir()}
     assert names == {"residuals.png", "residuals.csv", "verdicts.csv"}
     assert len((tmp_path / "report" / "residuals.csv").read_text().splitlines()) == 1 + 2 * 20
@@ -250,7 +250,7 @@ def test_tables_name_the_broken_laws_of_each_reading(judge, tmp_path):
     Z = line()
     Z[4] *= 1.5
     judged = judge(noisy(Z, 1))
-    write_report(judged, tmp_path / "report")
+    write_report(report_of(judged), tmp_path / "report")
     with (tmp_path / "report" / "residuals.csv").open() as file:
         rows = list(csv.DictReader(file))
     for law in judged[0].broken:

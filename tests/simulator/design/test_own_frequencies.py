@@ -38,6 +38,6 @@ def test_a_design_with_own_frequencies_is_a_scene_with_them(run, strip_file, tmp
     told = steps[-1].get("frequencies_of_each_Hz")
     if steps[-1]["taken"]:
         assert told == {name: list(own) for name, own in asked.items()}
-        assert steps[-1]["nine_of_ten_casts"] >= steps[-2]["nine_of_ten_casts"]
+        assert steps[-1]["nine_of_ten_samples"] >= steps[-2]["nine_of_ten_samples"]
     counts = [len(own) for own in told.values()]
     assert sum(counts) <= 3 * 2

@@ -59,7 +59,7 @@ def test_a_search_for_positions_reports_millimetres(run, strip_file, tmp_path):
         "0.01 mm is not reached by any design found; the best: smallest median error"
     )
     numbers = json.loads((tmp_path / "d" / "design.json").read_text())
-    first, *_, last = (each["nine_of_ten_casts"] for each in numbers["steps"])
+    first, *_, last = (each["nine_of_ten_samples"] for each in numbers["steps"])
     assert first <= last < 1 and numbers["distance_of_a_guess_m"] > 0
     page = (tmp_path / "d" / "report.html").read_text(encoding="utf-8")
     assert "Cramér and Rao" in page and "a tenth of a millimetre" in page

@@ -95,7 +95,7 @@ def test_each_figure_states_its_assumptions(run, tmp_path, scene_file, undrawn):
     assert position < out.index("x (mm)") < accuracy < out.index("accuracy of columns")
     assert "it estimates x, y and strength" in out and "give or take 10 % of the rise" in out
     told = json.loads((tmp_path / "found" / "limits.json").read_text())
-    assert told["position_asked"] in out and told["accuracy"]["asked"] in out
+    assert told["assumptions"] in out and told["accuracy"]["assumptions"] in out
     out = run("limits", scene_file(), *QUICK, "--unknown-skin", "-o", tmp_path / "other")[1]
     assert "x, y, strength and the skin as dataset.session draws it from the sweep" in out
 

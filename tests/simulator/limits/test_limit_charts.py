@@ -9,9 +9,9 @@ from matplotlib.colors import same_color
 from matplotlib.figure import Figure
 from rcskin.simulator.bounds.position_bound import PositionBounds
 from rcskin.simulator.chart_style import FOIL_COLOURS
-from rcskin.simulator.limits import limit_charts
-from rcskin.simulator.limits.limit_charts import draw_maps, draw_sheet
+from rcskin.simulator.limits import survey_results
 from rcskin.simulator.limits.survey import Variant
+from rcskin.simulator.limits.survey_results import draw_maps, draw_sheet
 from rcskin.simulator.scene.scene_files import load_scene
 
 CORNERS = [[0, 0], [0.12, 0], [0.12, 0.06], [0.06, 0.06], [0.06, 0.12], [0, 0.12]]
@@ -52,7 +52,7 @@ def test_labels_of_maps_do_not_overlap_on_any_skin(sides, unresolved, monkeypatc
         drawn.set_size_inches(width, height)
         yield drawn
 
-    monkeypatch.setattr(limit_charts, "chart", chart)
+    monkeypatch.setattr(survey_results, "chart", chart)
     scene = load_scene("sheet-3x3").with_({"skin.length": sides[0], "skin.width": sides[1]})
     places = np.array(sides) * [[0.3, 0.3], [0.3, 0.7], [0.7, 0.3], [0.7, 0.7]]
     x = np.array([1e-3, 3e-3, 1e-2, 0.1])

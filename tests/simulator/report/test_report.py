@@ -6,9 +6,17 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from rcskin.simulator.chart_style import chart
+from rcskin.simulator.mesh.from_above import draw_foils, draw_outline, draw_pixels
 from rcskin.simulator.report.files import files_in, filled_at_once, write_json, write_rows
-from rcskin.simulator.report.from_above import draw_foils, draw_outline, draw_pixels
-from rcskin.simulator.report.page import Cell, Items, Picture, ReportSection, TableGrid, write_page
+from rcskin.simulator.report.findings import (
+    Cell,
+    Chart,
+    DataTable,
+    Findings,
+    Head,
+    Heading,
+    Items,
+)
 from rcskin.simulator.scene.scene_files import load_scene
 from rcskin.simulator.sweeps import InputError
 
@@ -50,23 +58,17 @@ def test_numbers_that_are_none_are_no_json(tmp_path):
 
 
 def test_a_page_holds_all_that_it_is_given_and_names_are_text(tmp_path):
-    picture = Picture(tmp_path / "drawn.png", "what it shows")
-    with chart(picture.path, 1, 1) as figure:
-        figure.subplots()
-    rows = [[HOSTILE, "2"], [Cell("differs", "by a rule", agrees=False), "3"]]
-    parts = [
-        "a paragraph",
-        Items(["one"], ["about"]),
-        TableGrid(["name", "n"], rows, (1,)),
-        picture,
-    ]
-    write_page(
-        tmp_path / "p.html",
-        HOSTILE,
-        [ReportSection("", [HOSTILE]), ReportSection("One", parts)],
-        "42",
-    )
-    page = (tmp_path / "p.html").read_text(encoding="utf-8")
+    def draw(path):
+        with chart(path, 1, 1) as figure:
+            figure.subplots()
+
+    rows = [[HOSTILE, 2], [Cell("differs", "by a rule", agrees=False), 3]]
+    numbers = DataTable("t", ["name", Head("n", form="d")], rows, csv=True)
+    parts = [HOSTILE, Heading("Empty"), Heading("One"), "a paragraph", Items(["one"], ["about"])]
+    found = Findings(HOSTILE, [*parts, numbers, Chart("drawn", "what it shows", draw)], "42")
+    names = found.write(tmp_path / "r", page="p.html", json="p.json", charts=[".svg"])
+    assert names == ["drawn.svg", "p.html", "p.json", "t.csv"]
+    page = (tmp_path / "r" / "p.html").read_text(encoding="utf-8")
     assert "<script>" not in page and page.count("&lt;script&gt;") == 4
     for told in (
         "<strong>42</strong>",

@@ -8,12 +8,12 @@ import numpy as np
 
 from ..arrays import Real
 from ..chart_style import FOIL_COLOURS, foil_offset
-from ..mesh.arcs import edges_of
-from ..mesh.skin_mesh import domain
 from ..press.press import Press
 from ..scene.contacts import Contact, outwards, path
 from ..scene.parts import Skin
 from ..scene.skin_region import curves, on_skin
+from .arcs import edges_of
+from .skin_mesh import domain
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

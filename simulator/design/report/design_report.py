@@ -1,33 +1,32 @@
-"""Page of a design: gain of each step, wiring, what to make, sensitivity and bounds."""
+"""Report of a design: gain of each step, wiring, what to make, sensitivity, bounds; the scene."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
-from typing import Any, NamedTuple
+from functools import partial
+from typing import Any
 
-from ...report.page import Items, Picture, ReportSection, TableGrid
+from ...report.files import write_text
+from ...report.findings import Chart, DataTable, Finding, Findings, Head, Heading, Items
 from ...scene.contacts import Interface
 from ...scene.parts import Skin
+from ...scene.scene import Scene
+from ...scene.scene_files import scene_text
 from ...scene.wiring_checks import conductor_groups
 from ..evaluator import SearchSettings
 from ..layout import Layout, designed
 from ..search import SearchResult, SearchStep
-from ..sensitivity import SensitivityCurve
-from .design_charts import MeritScale, scale_of
+from ..sensitivity import SensitivityCurve, loss_without_each, sensitivity_curves
+from .design_charts import MeritScale, draw_flat, draw_steps, draw_wiring, scale_of
 
 
-class WiringRow(NamedTuple):
-    """One reading: its name, wires on the high and the low side, and open wires."""
+def wiring(
+    skin: Skin, wired: Sequence[str], readings: Sequence[Interface]
+) -> list[tuple[str, ...]]:
+    """Name, wires on the high and the low side, and open wires of each reading.
 
-    reading: str
-    high: str
-    low: str
-    open: str
-
-
-def rows(skin: Skin, wired: Sequence[str], readings: Sequence[Interface]) -> list[WiringRow]:
-    """A row for each reading. wired: first foils of the terminals that have a wire."""
+    wired: first foils of the terminals that have a wire.
+    """
     first = conductor_groups(skin.contacts, skin)
     leader = {c.name: skin.contacts[k].name for c, k in zip(skin.contacts, first, strict=True)}
     found = []
@@ -38,31 +37,33 @@ def rows(skin: Skin, wired: Sequence[str], readings: Sequence[Interface]) -> lis
             [name for name in wired if name in low],
             [name for name in wired if name not in high | low],
         )
-        found.append(WiringRow(each.name, *map(" + ".join, sides)))
+        found.append((each.name, *map(" + ".join, sides)))
     return found
 
 
-def sections_of(
+def parts_of(
     found: SearchResult,
     settings: SearchSettings,
     measured: tuple[Sequence[SensitivityCurve], Sequence[float]],
-    table: Sequence[WiringRow],
-    folder: Path,
-) -> list[ReportSection]:
-    """All sections of the page.
+    table: Sequence[tuple[str, ...]],
+) -> list[Finding]:
+    """All parts of the report.
 
-    measured: sensitivity to each number, and loss without each reading. table: the wiring. folder:
-    of the charts.
+    measured: sensitivity to each number, and loss without each reading. table: the wiring.
     """
     (flat, lost), scale = measured, scale_of(found.evaluator.parts, settings.request)
     skin = designed(found.evaluator.parts.scene, found.best.layout).parts.skin
     return [
-        ReportSection("", [_bounds_meaning(settings, scale)]),
-        _gain_section(found, scale, folder),
-        _wiring_section(found, table, lost, scale, folder),
-        ReportSection("What to make", [Items(_material_items(skin, flat, scale))]),
-        _sensitivity_section(flat, scale, folder),
-        ReportSection("Distance from the best choice", [_distance_from_best(found, scale)]),
+        _bounds_meaning(settings, scale),
+        *_gain(found, scale, scale.wanted(settings.request)),
+        *_wiring(found, skin, table, lost, scale),
+        Heading("What to make"),
+        Items(_material_items(skin, flat, scale)),
+        Heading("Sensitivity of the optimum"),
+        Chart("flat", "The bound at other values", partial(draw_flat, flat, scale), below=False),
+        Items([_sensitivity_sentence(each, scale) for each in flat]),
+        Heading("Distance from the best choice"),
+        _distance_from_best(found, scale),
     ]
 
 
@@ -87,14 +88,25 @@ def _bounds_meaning(settings: SearchSettings, scale: MeritScale) -> str:
     )
 
 
-def _gain_section(found: SearchResult, scale: MeritScale, folder: Path) -> ReportSection:
-    of = f"nine of ten samples ({scale.unit})", "gain", f"nominal skin ({scale.unit})"
-    sheets = "top, bottom sheet (kohm/sq)"
-    heads = ["step", *of, sheets, "readings", "frequencies", "sweep (s)", "taken"]
+def _gain(found: SearchResult, scale: MeritScale, wanted: float | None) -> list[Finding]:
+    heads = [
+        "step",
+        *(f"nine of ten samples ({scale.unit})", "gain", f"nominal skin ({scale.unit})"),
+        "top, bottom sheet (kohm/sq)",
+        *("readings", "frequencies", "sweep (s)"),
+        "taken",
+    ]
     before = (None, *found.steps[:-1])
     rows = [_row(step, other, scale) for step, other in zip(found.steps, before, strict=True)]
-    chart = Picture(folder / "steps.png", "The bound after each step", below=False)
-    return ReportSection("Gain of each step", [TableGrid(heads, rows, (1, 2, 3, 5, 6, 7)), chart])
+    columns = [
+        Head(head, form=str if k in (1, 2, 3, 5, 6, 7) else "") for k, head in enumerate(heads)
+    ]
+    chart = partial(draw_steps, found.steps, wanted, scale)
+    return [
+        Heading("Gain of each step"),
+        DataTable("gains", columns, rows),
+        Chart("steps", "The bound after each step", chart, below=False),
+    ]
 
 
 def _row(step: SearchStep, before: SearchStep | None, scale: MeritScale) -> list[str]:
@@ -113,37 +125,29 @@ def _row(step: SearchStep, before: SearchStep | None, scale: MeritScale) -> list
     ]
 
 
-def _wiring_section(
+def _wiring(
     found: SearchResult,
-    table: Sequence[WiringRow],
+    skin: Skin,
+    table: Sequence[tuple[str, ...]],
     lost: Sequence[float],
     scale: MeritScale,
-    folder: Path,
-) -> ReportSection:
+) -> list[Finding]:
     layout, unit = found.best.layout, "points" if scale.guess is None else "mm"
     losses = [f"{_change(part, scale):.2g}" for part in lost] or [""]
     rows = [[*row, part] for row, part in zip(table, losses, strict=True)]
+    loss = Head("loss", f"loss without it ({unit})", str)
+    wires = ["reading", Head("high", "H"), Head("low", "L"), "open", loss]
     caption = (
         "The foils at each reading. Solid: top sheet; dashed, outside them: bottom sheet; grey: "
         "open."
     )
-    return ReportSection(
-        "Wiring",
-        [
-            TableGrid(["reading", "H", "L", "open", f"loss without it ({unit})"], rows, (4,)),
-            Picture(folder / "wiring.png", caption),
-            f"Frequencies of the readings: {_listed(layout)} Hz. A sweep takes "
-            f"{found.best.seconds:.2f} s.",
-        ],
-    )
-
-
-def _sensitivity_section(
-    flat: Sequence[SensitivityCurve], scale: MeritScale, folder: Path
-) -> ReportSection:
-    chart = Picture(folder / "flat.png", "The bound at other values than designed", below=False)
-    lines = [_sensitivity_sentence(each, scale) for each in flat]
-    return ReportSection("Sensitivity of the optimum", [chart, Items(lines)])
+    return [
+        Heading("Wiring"),
+        DataTable("wiring", wires, rows, csv=True),
+        Chart("wiring", caption, partial(draw_wiring, skin, layout.readings)),
+        f"Frequencies of the readings: {_listed(layout)} Hz. A sweep takes "
+        f"{found.best.seconds:.2f} s.",
+    ]
 
 
 def _material_items(skin: Skin, flat: Sequence[SensitivityCurve], scale: MeritScale) -> list[str]:
@@ -230,3 +234,100 @@ def counted(count: int, label: str) -> str:
 def bound_with_own_frequencies(found: SearchResult) -> float | None:
     """Upper bound with own frequencies for each reading; None where it is unknown."""
     return found.evaluator.bound_with_own_frequencies(found.best.layout.material, found.picked)
+
+
+DESIGN = "design.toml"
+WRITTEN = (DESIGN, "design.json", "report.html", "wiring.*", "steps.png", "flat.png")
+"""Name patterns of the written files."""
+
+
+def scene_of(found: SearchResult) -> Scene:
+    """The design as a parts."""
+    parts = found.evaluator.parts
+    text = {
+        "name": f"{parts.skin.name}-designed",
+        "description": f"designed from {parts.skin.name}",
+    }
+    return designed(parts.scene, found.best.layout).with_(text)
+
+
+def answer(found: SearchResult, settings: SearchSettings) -> str:
+    """Result of a search in one line, compared with the required merit."""
+    request, best = settings.request, found.best
+    scale = scale_of(found.evaluator.parts, request)
+    text = (
+        f"{scale.of}: {scale.text(best.tenth)} {scale.unit} on nine of ten samples "
+        f"(given scene: {scale.text(found.before.tenth)} {scale.unit}), with "
+        f"{counted(len(best.layout.readings), 'reading')} of "
+        f"{counted(len(found.evaluator.wired), 'wire')}"
+    )
+    wanted = scale.wanted(request)
+    if wanted is None:
+        return text
+    goal = f"{scale.number(wanted):g} {scale.unit}"
+    if best.tenth >= wanted:
+        return f"{goal} is reached: {text}"
+    return f"{goal} is not reached by any design found; the best: {text}"
+
+
+def report_of(found: SearchResult, settings: SearchSettings) -> Findings:
+    """Sentences, tables, charts, numbers and the scene of a design. Raises as bounds do."""
+    scene, layout = scene_of(found), found.best.layout
+    settings.progress("sensitivity")
+    flat, lost = (
+        sensitivity_curves(found.evaluator, layout),
+        loss_without_each(found.evaluator, layout),
+    )
+    scale = scale_of(found.evaluator.parts, settings.request)
+    table = wiring(scene.parts.skin, found.evaluator.wired, layout.readings)
+    return Findings(
+        f"{found.evaluator.parts.skin.name}: a design",
+        parts_of(found, settings, (flat, lost), table),
+        answer(found, settings),
+        _numbers(found, flat, lost, scale),
+        {DESIGN: lambda path: write_text(path, scene_text(scene))},
+    )
+
+
+def _numbers(
+    found: SearchResult, flat: Sequence[SensitivityCurve], lost: Sequence[float], scale: MeritScale
+) -> dict[str, Any]:
+    """Shares of sweeps, or merits of positions with the distance at merit 0."""
+    picked, layout = found.picked, found.best.layout
+    guess = {} if scale.guess is None else {"distance_of_a_guess_m": scale.guess}
+    return guess | {
+        "steps": [
+            {
+                "step": step.name,
+                "nine_of_ten_samples": step.tenth,
+                "nominal": step.nominal,
+                "top_ohm_sq": step.layout.material.top,
+                "bottom_ohm_sq": step.layout.material.bottom,
+                "readings": [each.name for each in step.layout.readings],
+                "frequencies_Hz": list(step.layout.frequencies),
+                **_of_each(step.layout),
+                "sweep_s": step.seconds,
+                "taken": step.taken,
+            }
+            for step in found.steps
+        ],
+        "lost_without": dict(zip((each.name for each in layout.readings), lost, strict=False)),
+        "less_than_a_point_lost": {each.name: each.within(scale.point) for each in flat},
+        "by_pairs": {
+            "share": picked.share,
+            "most_by_other_readings": picked.bound_over_readings,
+            "most_by_other_frequencies": picked.bound_over_frequencies,
+            "most_by_frequencies_of_each_reading": bound_with_own_frequencies(found),
+        },
+    }
+
+
+def _of_each(layout: Layout) -> dict[str, Any]:
+    if not layout.has_own_frequencies:
+        return {}
+    names = (each.name for each in layout.readings)
+    return {
+        "frequencies_of_each_Hz": dict(
+            zip(names, map(list, layout.frequencies_of_each), strict=True)
+        )
+    }
