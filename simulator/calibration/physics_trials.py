@@ -20,6 +20,7 @@ from ..models.solution import Response
 from ..press.batch import PressBatch, TouchedCells
 from ..progress import ProgressCallback, silent
 from ..scene.frequency import LOSSLESS, Loss, laplace_variable
+from ..sweeps.errors import named
 from ..sweeps.units import prefixed
 from .fit import EXPLAINED, Fit, LinearSteps, solve_from
 from .prior import Noise, Prior, effect_prior
@@ -146,7 +147,7 @@ def _losses(fit: Fit) -> list[tuple[str, Fit]]:
         found.append((f"an exponent that changes by {change:+.2g} in a decade", slope))
     if "leak" not in fit.spec.names:
         leak = _solved(fit, {"leak": effect_prior(fit.spec.measurements, "leak")}, {"leak": 0.0})
-        found.append((f"a leak of {leak.values['leak']:.2g} 1/s (--also leak)", leak))
+        found.append((f"a leak of {leak.values['leak']:.2g} 1/s ({named('also')} leak)", leak))
     return found
 
 

@@ -163,7 +163,7 @@ def test_slopes_by_place_are_those_of_walls_that_move_with_the_touch(library):
         scene = library.scene("walls").with_({"surroundings": {"thickness": True, "edges": edges}})
         fields, solver = FullFields(scene.parts, 2e5), Solver(scene.parts, 1e-4)
         changes = AreaRasterizer.of(scene.parts.skin, fields.grid).raised(place, touch)
-        answer = fields.slopes(TouchedCells(1 + changes["strength"], changes), scene.frequencies)
+        answer = fields.respond(1 + changes["strength"], changes, scene.frequencies)
         found.append([answer.Z, *(answer.by_parameter[name] for name in moved)])
 
         def solved(by, sign=1.0, solver=solver):

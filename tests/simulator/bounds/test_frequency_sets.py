@@ -36,5 +36,5 @@ def test_a_missing_end_of_a_band_is_that_of_the_scene(noisy_strip):
 
 @pytest.mark.parametrize("text", ["1e3", "2e3:1e3", "0:1e3", "a:b", "1e3:nan"])
 def test_an_invalid_band_is_refused(noisy_strip, text):
-    with pytest.raises(InputError, match="--band must be LOW:HIGH"):
+    with pytest.raises(InputError, match="`band` must be LOW:HIGH"):
         chosen_band(text, noisy_strip.parts.setup)

@@ -4,8 +4,9 @@ import json
 
 import numpy as np
 import pytest
+from rcskin.simulator.calibration.command import Options
 from rcskin.simulator.calibration.fit import solve_from
-from rcskin.simulator.calibration.fit_options import FitSpec, Options
+from rcskin.simulator.calibration.fit_options import FitSpec
 from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.prior import priors
 from rcskin.simulator.calibration.problem import LeastSquaresProblem, centered_model

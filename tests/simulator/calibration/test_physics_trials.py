@@ -70,7 +70,7 @@ def structure(found):
 def test_a_leak_that_the_scene_lacks_is_named(skin, leaking, read):
     told = structure(calibrate(skin, read(leaking), FIT))
     first, *others = told.partition("in addition, ")[2].split("; ")
-    assert first.startswith("a leak of 1.5e+03 1/s (--also leak) leaves ") and len(others) == 3
+    assert first.startswith("a leak of 1.5e+03 1/s (`also` leak) leaves ") and len(others) == 3
 
 
 @pytest.mark.usefixtures("linear_intervals")

@@ -141,11 +141,11 @@ def test_a_calibration_says_what_surrounds_a_twin_without_a_trained_model(
     monkeypatch.setattr(surroundings_trials, "centered_model", None)
     found = calibrate(scene, twins[twin], Options(fit=("stray_capacitance",)))
     assert found.chi_squared > 5
-    (gained, *_) = [line for line in found.remarks if "--also" in line]
+    (gained, *_) = [line for line in found.remarks if "`also`" in line]
     told = re.match(words + " in addition would reduce chi-squared .* to ([0-9.]+); fit", gained)
     assert float(told[1]) == pytest.approx(truth, rel=0.05)
     assert float(told[2]) == pytest.approx(1, abs=0.7)
-    assert gained.endswith(f"; fit it with --also {twin}")
+    assert gained.endswith(f"; fit it with `also` {twin}")
     assert found.scene.surroundings is None
 
 

@@ -174,7 +174,7 @@ def test_what_a_line_does_not_determine_is_reported(scene, twin):
 
 def test_waves_are_refused_where_they_cannot_be_distinguished_from_a_map(scene, twin):
     mapped = scene.with_({"skin.foam.map": map_of(scene.parts.skin, TRUE).model_dump()})
-    with pytest.raises(InputError, match="only to foam without `skin.foam.map`"):
+    with pytest.raises(InputError, match="cosine modes of the foam cannot take `skin.foam.map`"):
         calibrate(mapped, twin, UNEVEN)
     with pytest.raises(InputError, match="foam_x has no effect in this scene"):
         calibrate(scene, twin, Options(fit=("foam_x",)))

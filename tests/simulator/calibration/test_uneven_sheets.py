@@ -151,7 +151,7 @@ def test_one_field_determines_the_sum_of_waves_and_nothing_across_a_line(strip):
 
 def test_waves_are_refused_where_they_cannot_be_determined(scene, twin):
     mapped = replace(scene.parts, skin=with_sheet_modes(scene.parts.skin, SHEETS)).scene
-    with pytest.raises(InputError, match="only to sheets without maps, got `skin.top.map`"):
+    with pytest.raises(InputError, match="cosine modes of the sheets cannot take `skin.top.map`"):
         calibrate(mapped, twin, asked(*SHEET_MODES))
     with pytest.raises(InputError, match="top_x has no effect in this scene"):
         calibrate(scene, twin, Options(fit=("top_x",)))

@@ -162,14 +162,14 @@ G = np.array([0.95 * np.exp(-0.1j), 0.8 * np.exp(-0.5j), 0.4 * np.exp(-1.1j)], n
 
 
 @pytest.fixture
-def table(tmp_path):
-    def table(header, *columns):
+def gain_table(tmp_path):
+    def gain_table(header, *columns):
         path = tmp_path / "gains.csv"
         rows = (",".join(f"{each:.9g}" for each in row) for row in zip(*columns, strict=True))
         path.write_text("\n".join([header, *rows]) + "\n")
         return path
 
-    return table
+    return gain_table
 
 
 DEGREES, LEVEL = np.degrees(np.angle(G)), 20 * np.log10(np.abs(G))
@@ -186,40 +186,40 @@ DEGREES, LEVEL = np.degrees(np.angle(G)), 20 * np.log10(np.abs(G))
         ("f,Re(gain),-Im(gain),gain,gain (dB)", (F, G.real, -G.imag, np.abs(G), LEVEL)),
     ],
 )
-def test_a_complex_gain_is_read_in_all_its_forms(table, header, columns):
-    sweeps = import_file(table(header, *columns))
+def test_a_complex_gain_is_read_in_all_its_forms(gain_table, header, columns):
+    sweeps = import_file(gain_table(header, *columns))
     assert kind_of(sweeps.variables) is GAIN
     np.testing.assert_allclose(complex_readings(sweeps)[0, 0], G, rtol=1e-8)
     assert "warnings" not in sweeps.attrs
 
 
 @pytest.mark.parametrize(("name", "values"), [("gain", np.abs(G)), ("gain (dB)", LEVEL)])
-def test_a_magnitude_alone_has_no_phase(table, name, values):
-    sweeps = import_file(table(f"f,{name}", F, values))
+def test_a_magnitude_alone_has_no_phase(gain_table, name, values):
+    sweeps = import_file(gain_table(f"f,{name}", F, values))
     assert kind_of(sweeps.variables) is MAGNITUDE
     np.testing.assert_allclose(sweeps["gain"][0, 0], np.abs(G), rtol=1e-8)
 
 
-def test_a_file_of_gains_in_our_own_form_is_imported_to_the_same_bits(table, tmp_path):
-    sweeps = import_file(table("f,Re(gain),Im(gain)", F, G.real, G.imag))
+def test_a_file_of_gains_in_our_own_form_is_imported_to_the_same_bits(gain_table, tmp_path):
+    sweeps = import_file(gain_table("f,Re(gain),Im(gain)", F, G.real, G.imag))
     write(sweeps, tmp_path / "own.csv")
     again = import_file(tmp_path / "own.csv")
     for name in GAIN.names:
         np.testing.assert_array_equal(again[name], read(tmp_path / "own.csv")[name])
 
 
-def test_what_was_taken_is_said(table):
-    path = table("f,gain (dB),phase (deg),gain", F, LEVEL, DEGREES, np.abs(G))
+def test_what_was_taken_is_said(gain_table):
+    path = gain_table("f,gain (dB),phase (deg),gain", F, LEVEL, DEGREES, np.abs(G))
     assert import_file(path).attrs["columns"] == (
         "header in line 1: frequency from `f`, gain from `gain`, phase from `phase (deg)`; "
         "`gain (dB)` agrees"
     )
-    beside = table("f,Rs,X,gain", F, F, -F, np.abs(G))
+    beside = gain_table("f,Rs,X,gain", F, F, -F, np.abs(G))
     assert import_file(beside).attrs["columns"].endswith("X from `X`; not used: `gain`")
 
 
-def test_an_amplifying_gain_is_warned_about(table):
-    warnings = import_file(table("f,gain", F, [0.5, 1.2, 0.4])).attrs["warnings"]
+def test_an_amplifying_gain_is_warned_about(gain_table):
+    warnings = import_file(gain_table("f,gain", F, [0.5, 1.2, 0.4])).attrs["warnings"]
     assert warnings.startswith("|V / V_s| > 1 in 1 of 3 readings, the first in line 3")
 
 
@@ -238,12 +238,12 @@ def test_an_amplifying_gain_is_warned_about(table):
         ),
     ],
 )
-def test_gains_that_cannot_be_are_refused(table, header, columns, refusal):
+def test_gains_that_cannot_be_are_refused(gain_table, header, columns, refusal):
     with pytest.raises(InputError, match=refusal):
-        import_file(table(header, *columns))
+        import_file(gain_table(header, *columns))
 
 
-def test_columns_named_by_the_user_may_hold_gains(table):
-    path = table("1,2,3", F, np.abs(G), DEGREES)
+def test_columns_named_by_the_user_may_hold_gains(gain_table):
+    path = gain_table("1,2,3", F, np.abs(G), DEGREES)
     named = "f,gain,phase (deg)"
     np.testing.assert_allclose(complex_readings(import_file(path, columns=named))[0, 0, -1], G[-1])

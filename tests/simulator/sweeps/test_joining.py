@@ -245,7 +245,7 @@ def test_a_further_interface_makes_no_other_skin():
 def test_another_skin_is_refused_in_one_line():
     told = (
         r"^run.nc: recorded for sheet-5x5, but used for sheet-3x3: pixels 5x5, not 3x3; "
-        "--anyway ignores this$"
+        "`anyway=True` ignores this$"
     )
     with pytest.raises(InputError, match=told):
         check_same_skin(builtin_text("sheet-5x5"), builtin_text("sheet-3x3"), "run.nc")

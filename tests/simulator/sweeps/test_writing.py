@@ -276,7 +276,7 @@ FOUND = {"a file": "out.csv", "a text": "out.nc", "a folder": "out.zarr", "anoth
 def test_what_exists_is_replaced_on_demand_only(tmp_path, name):
     path = tmp_path / name
     put(path, DIARY)
-    with pytest.raises(InputError, match=r"--overwrite replaces it.*, or give another name"):
+    with pytest.raises(InputError, match=r"`overwrite=True` replaces it.*, or give another name"):
         put(path, "new")
     assert content(path).read_text() == DIARY
     for k, allowed in enumerate((OVERWRITE, MEASURED_TOO)):
@@ -288,7 +288,7 @@ def test_what_exists_is_replaced_on_demand_only(tmp_path, name):
 @pytest.mark.parametrize("name", ["out.csv", "out.zarr"])
 def test_what_appears_meanwhile_is_kept_and_so_is_what_is_finished(tmp_path, name):
     path = tmp_path / "here" / name
-    with pytest.raises(InputError, match="--overwrite.*The finished output is in .*finished-"):
+    with pytest.raises(InputError, match="`overwrite=True`.*The finished output is in .*finished-"):
         with whole_file(path) as unfinished:
             content(unfinished).write_text("hours of work")
             put(path, DIARY)
@@ -298,7 +298,7 @@ def test_what_appears_meanwhile_is_kept_and_so_is_what_is_finished(tmp_path, nam
 
 def refused_measured(path):
     with replacing():
-        with pytest.raises(InputError, match="measured.*--overwrite-measured replaces it") as error:
+        with pytest.raises(InputError, match="measured.*`overwrite_measured=True`") as error:
             checked_output(path)
     assert "\n" not in str(error.value)
 
@@ -308,7 +308,7 @@ def refused_measured(path):
 def test_measured_sweeps_need_a_demand_of_their_own(make_sweeps, tmp_path, ending, attributes):
     path = tmp_path / f"run.{ending}"
     write(make_sweeps(attributes=attributes), path)
-    with pytest.raises(InputError, match="--overwrite.*--overwrite-measured"):
+    with pytest.raises(InputError, match="`overwrite=True`.*`overwrite_measured=True`"):
         put(path, "sweep")
     refused_measured(path)
     put(path, "sweep", MEASURED_TOO)

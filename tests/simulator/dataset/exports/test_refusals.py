@@ -55,7 +55,7 @@ def test_times_before_1970_fit_no_stamp(make_sweeps, tmp_path):
 def test_an_export_replaces_another_one_on_demand_only(folder):
     export(folder / "data.nc", folder / "out", "lerobot")
     (folder / "out/mine.txt").write_text("my own")
-    with pytest.raises(InputError, match="out: already exists; --overwrite replaces it"):
+    with pytest.raises(InputError, match="out: already exists; `overwrite=True` replaces it"):
         export(folder / "data.nc", folder / "out", "lerobot")
     assert (folder / "out/mine.txt").exists()
     with replacing():
