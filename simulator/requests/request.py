@@ -136,7 +136,10 @@ class Request:
         cls.__signature__ = _signature(cls)
 
     def __init__(self, *given: Any, **by_name: Any) -> None:
-        bound = self.__signature__.bind(*given, **by_name)
+        try:
+            bound = self.__signature__.bind(*given, **by_name)
+        except TypeError as error:
+            raise TypeError(f"{self.command_name.replace('-', '_')}() {error}") from None
         bound.apply_defaults()
         self.check(bound.arguments)
         self.__dict__.update(bound.arguments)
