@@ -39,7 +39,7 @@ from .simulator.simulation import load, measured, read, reduce, sweep
 if TYPE_CHECKING:
     __version__: str
     from .localization.model.localizer_model import Model
-    from .localization.streaming.sweep_stream import SweepStream as SweepStream
+    from .localization.sweep_stream import SweepStream as SweepStream
     from .simulator.differentiable.skin_module import SkinModule as SkinModule
     from .simulator.press.press import Press
     from .simulator.robots.mujoco_skin import MujocoSkin as MujocoSkin
@@ -94,7 +94,7 @@ _CLASSES = {
 _OF_EXTRAS = {
     "MujocoSkin": ("mujoco", "simulator.robots.mujoco_skin"),
     "SkinModule": ("torch", "simulator.differentiable.skin_module"),
-    "SweepStream": ("torch", "localization.streaming.sweep_stream"),
+    "SweepStream": ("torch", "localization.sweep_stream"),
 }
 """The extra and the module of each class that needs one. The extra has the name of its library.
 These names are public, but not in `__all__`, as `from rcskin import *` needs no extra."""

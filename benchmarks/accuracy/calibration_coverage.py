@@ -32,8 +32,8 @@ from rcskin.simulator.calibration.fit import model_tolerance
 from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.prior import Kind, Prior, priors
 from rcskin.simulator.calibration.problem import Model, model_of
-from rcskin.simulator.calibration.results.sheet_intervals import sheets
 from rcskin.simulator.calibration.run import Calibration, calibrate
+from rcskin.simulator.calibration.sheet_intervals import sheets
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.measure.specimen import MeterSessionErrors, Specimen

@@ -31,7 +31,7 @@ from rcskin.benchmarks.localization.twins import (
     few_of_each,
     simulated,
 )
-from rcskin.localization.adaptation.class_adaptation import checked_classifier, fine_tuned
+from rcskin.localization.adaptation import checked_classifier, fine_tuned
 from rcskin.localization.evaluation.evaluation import score
 from rcskin.localization.model.localizer_model import Model
 from rcskin.localization.model.training import train

@@ -21,7 +21,7 @@ import pandas as pd
 from rcskin.benchmarks.bench import SEARCHES_OPTION, Run, launch
 from rcskin.benchmarks.localization.designs import USUAL, searched
 from rcskin.benchmarks.localization.twins import DOUBLE, ONE, SINGLE, TWO, believed
-from rcskin.simulator.design.report.design_charts import scale_of
+from rcskin.simulator.design.design_charts import scale_of
 from rcskin.simulator.scene.design_goals import Design, Target
 from rcskin.simulator.scene.scene import Scene
 from rcskin.simulator.scene.scene_files import load_scene

@@ -31,7 +31,7 @@ from rcskin.benchmarks.localization.twins import (
     Twin,
     few_of_each,
 )
-from rcskin.localization.adaptation.class_adaptation import adapt_classes
+from rcskin.localization.adaptation import adapt_classes
 from rcskin.localization.inputs.baselines import read_first
 from rcskin.localization.model.localizer_file import load as load_model
 from rcskin.localization.model.localizer_file import save as save_model

@@ -27,7 +27,7 @@ from rcskin.localization.inputs.baselines import read_first
 from rcskin.localization.inputs.samples import samples_of
 from rcskin.localization.learners.classifiers import leading_components
 from rcskin.localization.learners.networks import COMPONENTS, HIDDEN
-from rcskin.localization.streaming.sweep_stream import SweepStream, class_numbers
+from rcskin.localization.sweep_stream import SweepStream, class_numbers
 from rcskin.simulator.chart_style import COLOURS, chart
 from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.dataset.generation import generate

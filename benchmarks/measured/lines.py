@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 from rcskin.benchmarks.bench import HERE, Run, launch
 from rcskin.simulator.calibration.command import Options
-from rcskin.simulator.calibration.results.estimates import FittedQuantity
+from rcskin.simulator.calibration.estimates import FittedQuantity
 from rcskin.simulator.calibration.run import Calibration, calibrate
 from rcskin.simulator.calibration.student import FAR_OFF
 from rcskin.simulator.chart_style import COLOURS, chart

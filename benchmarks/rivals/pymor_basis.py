@@ -23,7 +23,7 @@ from pymor.operators.numpy import NumpyMatrixOperator
 from pymor.parameters.functionals import ProductParameterFunctional, ProjectionParameterFunctional
 from pymor.reductors.basic import LTIPGReductor
 from pymor.reductors.coercive import CoerciveRBReductor
-from rcskin.simulator.models.reduced.families.family import Family
+from rcskin.simulator.models.reduced.family import Family
 from scipy.sparse import csc_matrix
 
 MOST_VECTORS = 200

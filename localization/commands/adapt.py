@@ -15,7 +15,7 @@ EXTRA_FIGURES = ("calibration error", "median error, mm", "90 % error, mm")
 """Figures that are shown next to the rates."""
 
 if TYPE_CHECKING:
-    from ..adaptation.class_adaptation import Adaptation
+    from ..adaptation import Adaptation
 
 
 class Adapt(Writing, example="adapt columns.npz run.nc -o better.npz"):
@@ -40,8 +40,7 @@ class Adapt(Writing, example="adapt columns.npz run.nc -o better.npz"):
 
     def run(self) -> None:
         from ...simulator.sweeps import InputError, checked_output
-        from ..adaptation.class_adaptation import adapt_classes
-        from ..adaptation.position_adaptation import adapt_positions
+        from ..adaptation import adapt_classes, adapt_positions
         from ..inputs.baselines import read_first
         from ..model.localizer_file import ENDING, save
         from .model_notes import load_model_for

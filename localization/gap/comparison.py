@@ -37,7 +37,7 @@ from .versions import Version, versions_of
 if TYPE_CHECKING:
     import xarray as xr
 
-    from ...simulator.calibration.results.estimates import FittedQuantity
+    from ...simulator.calibration.estimates import FittedQuantity
     from ..model.localizer_model import Model
 
 TOUCHES = (0, 1, 2, 5)

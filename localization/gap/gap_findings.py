@@ -181,7 +181,7 @@ class GapFindings(Result):
     @property
     def summary(self) -> list[str]:
         """Sentences on the distance, the accuracy, and the parameter that explains most."""
-        from .report.gap_report import summary
+        from .gap_report import summary
 
         return summary(self)
 
@@ -199,7 +199,7 @@ class GapFindings(Result):
     @property
     def report(self) -> Findings:
         """Sentences, tables, charts and numbers."""
-        from .report.gap_report import report_of
+        from .gap_report import report_of
 
         return report_of(self)
 

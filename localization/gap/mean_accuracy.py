@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...simulator.arrays import Integer, Mask, Real
 from ...simulator.sweeps import InputError
 from ...simulator.sweeps.errors import named
-from ..adaptation.class_adaptation import checked_classifier, fine_tuned
+from ..adaptation import checked_classifier, fine_tuned
 from ..evaluation.confusion import Confusion, compare, over_folds, together
 from ..evaluation.evaluation import ClassScore, score, unchecked
 from ..inputs.features import OF_IMPEDANCE, names_of

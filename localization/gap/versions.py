@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from ...simulator.arrays import Mask
-    from ...simulator.calibration.results.estimates import FittedQuantity
+    from ...simulator.calibration.estimates import FittedQuantity
 
 BEFORE, AFTER = "before", "after"
 

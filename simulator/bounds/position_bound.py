@@ -24,10 +24,10 @@ from ..press.finger import finger_over
 from ..progress import ProgressCallback, silent, tracked
 from ..scene.parts import Pressing, Skin
 from ..sweeps import InputError
-from .fields import AnyFields, TouchSize
+from .field_choice import AnyFields
 from .likelihood import LinearLikelihood, error_model, in_noise
-from .touches.rasterization_errors import RasterizationErrors, rasterization_errors, sample_indices
-from .touches.touch_rasterizers import AreaRasterizer, DepthRasterizer, Point, rasterizer_for
+from .rasterization_errors import RasterizationErrors, rasterization_errors, sample_indices
+from .touch_rasterizers import AreaRasterizer, DepthRasterizer, Point, TouchSize, rasterizer_for
 
 ESTIMATED = ("x", "y", "strength")
 MIN_SHARE = 1 - 1e-6

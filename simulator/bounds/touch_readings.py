@@ -30,14 +30,14 @@ from ..sweeps import InputError
 from ..sweeps.errors import named
 from ..sweeps.free_space import check_memory
 from .likelihood import Likelihood
-from .touches.pixel_touches import (
+from .pixel_touches import (
     DepthPixelTouches,
     SharpPixelTouches,
     middles,
     rasterized_with_fingers,
     touches_around_pixels,
 )
-from .touches.rasterization_errors import RasterizationErrors, rasterization_errors, sample_indices
+from .rasterization_errors import RasterizationErrors, rasterization_errors, sample_indices
 
 Target = Literal["column", "row", "pixel", "pair", "touches"]
 TARGETS: tuple[str, ...] = get_args(Target)

@@ -129,7 +129,7 @@ class Calibrate(Options, Writing, example="calibrate sheet-5x5 run.nc -o found")
         from ..progress import on_terminal
         from ..requests.requested_scene import requested_scene, warn_of_earth
         from ..sweeps import checked_folder, read_joined
-        from .results.report import NUMBERS, WRITTEN, explanations, report_of, write_remarks
+        from .report import NUMBERS, WRITTEN, explanations, report_of, write_remarks
         from .run import calibrate as calibrated
         from .run import tried
 

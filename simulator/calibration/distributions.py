@@ -15,9 +15,9 @@ from ..arrays import Real
 from ..fem.factors import one_blas_thread
 from ..scene.parts import Setup, Skin
 from .fit import INSIDE, Fit
+from .identifiability import Information
 from .profile_distribution import Interval, ProfileDistribution
-from .results.identifiability import Information
-from .results.sheet_intervals import COMMON, MISMATCH, RATIO, SUM, Product, depend_on_ratio, sheets
+from .sheet_intervals import COMMON, MISMATCH, RATIO, SUM, Product, depend_on_ratio, sheets
 
 Gradient = Callable[[Real], tuple[float, Real]]
 STEP, MAX_STEPS, MAX_SOLVER_STEPS = 0.8, 14, 60

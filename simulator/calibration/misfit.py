@@ -16,12 +16,12 @@ from ..progress import ProgressCallback, silent
 from ..scene.parts import SceneParts
 from ..sweeps import InputError, ToleranceError
 from .command import Options
+from .estimates import change_text
 from .fit import EXPLAINED, Fit, best_fit, model_tolerance, solve_from
 from .fit_options import FitSpec, candidates
 from .measurements import measurements_of
 from .prior import Prior, effect_prior, noise_of, priors
 from .problem import CenteredModel, LeastSquaresProblem, Model, checked_model, difference, model_of
-from .results.estimates import change_text
 from .surroundings_trials import Trials, addable_effects, effect_text
 
 if TYPE_CHECKING:

@@ -23,22 +23,16 @@ from ..sweeps import InputError
 from .command import Options
 from .connections import Connection, Measure, try_connections
 from .distributions import Distributions
+from .estimates import FittedQuantity, intervals, quantile, quantities, weakly_identified
 from .fit import Fit, best_fit, capacitance_offset, certificate_limit, fitted_parts, model_tolerance
 from .fit_options import FitSpec, candidates
+from .identifiability import Information, information, with_all_unknown
 from .measurements import Measurements, measurements_of
 from .misfit import IdealComparison, compare_with_ideal
 from .physics_trials import misfit_trials
 from .prior import Noise, Prior, display_step, noise_of, priors, sessions_vary_smoothly, with_noise
 from .problem import CenteredModel, Model, centered_model, checked_model, model_of
-from .results.estimates import (
-    FittedQuantity,
-    intervals,
-    quantile,
-    quantities,
-    weakly_identified,
-)
-from .results.identifiability import Information, information, with_all_unknown
-from .results.sheet_intervals import MISMATCH
+from .sheet_intervals import MISMATCH
 from .student import FAR_OFF, StudentT, fitted_tail, likeliest
 from .surroundings_trials import with_effects
 
@@ -186,7 +180,7 @@ class Calibration(Result):
     @property
     def report(self) -> Findings:
         """The fitted quantities, remarks, and the residuals."""
-        from .results.report import report_of
+        from .report import report_of
 
         return report_of(self, "sweeps")
 

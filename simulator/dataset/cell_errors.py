@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..arrays import Complex
-from ..bounds.touches.rasterization_errors import error_against_solver
+from ..bounds.rasterization_errors import error_against_solver
 from ..fem.error_estimate import SAMPLED
 from ..measure.foam_state import FoamState, reading_moments
 from ..measure.skins import CELLS, stream

@@ -87,8 +87,8 @@ class DesignSkin(
         from ..scene.frequency import parse_band
         from ..scene.supports import supported
         from ..sweeps.units import bound_text
+        from .design_report import report_of
         from .evaluator import SearchJournal, SearchSettings
-        from .report.design_report import report_of
         from .search import search
 
         loaded = pressed_by_factors(supported("a design", requested_scene(self.scene).parts))
@@ -171,6 +171,6 @@ def _metres(option: str, millimetres: float | None) -> float | None:
 
 def _journal_of(output: Path) -> Path:
     from ..sweeps import checked_folder
-    from .report.design_report import WRITTEN
+    from .design_report import WRITTEN
 
     return checked_folder(output, *WRITTEN).with_name(f".{output.name}.search")

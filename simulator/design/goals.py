@@ -12,8 +12,6 @@ import numpy as np
 
 from ..arrays import Real
 from ..bounds.bayes import Draws
-from ..bounds.fields import TouchSize
-from ..bounds.fields.reduced_fields import ReducedFields
 from ..bounds.likelihood import LinearLikelihood
 from ..bounds.merits import AccuracyMerit, PositionMerit
 from ..bounds.position_bound import (
@@ -23,9 +21,10 @@ from ..bounds.position_bound import (
     place_likelihood,
     places_on,
 )
+from ..bounds.reduced_fields import ReducedFields
 from ..bounds.touch_pairs import check_comparable, nearest_pairs
+from ..bounds.touch_rasterizers import AreaRasterizer, Point, TouchSize
 from ..bounds.touch_readings import hypotheses
-from ..bounds.touches.touch_rasterizers import AreaRasterizer, Point
 from ..measure.experiment import own_presses
 from ..measure.readout import require_noise
 from ..models.reduced.cases import Case, Draw, pixel_touches

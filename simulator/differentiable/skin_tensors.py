@@ -23,7 +23,7 @@ from ..models.parameters import (
     sheet_weights,
     weights_with,
 )
-from ..models.reduced.families.family import resistive
+from ..models.reduced.family import resistive
 from ..models.reduced.reduced_model import Reduced
 from ..press.parts import Parts, foam_parts
 from ..scene.air_nodes import nodes_of

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ..arrays import Complex, Integer, Real
 from ..measure.readout import errors_of, observed, observed_slope, reading_from
 from ..models.parameters import HALF_WAVES, TABLE, mode_values, own_values
-from ..models.reduced.families.family_meshes import family_on
+from ..models.reduced.family_meshes import family_on
 from ..models.reduced.forward import Forward
 from ..models.session_spreads import session_spreads
 from ..press.batch import NOTHING, TouchedCells

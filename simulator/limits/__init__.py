@@ -129,7 +129,8 @@ def position_bound(
     coordinate is not known better than its range. Raises InputError for a size or factor out of
     range or a meter without noise.
     """
-    from ..bounds.fields import CELLS_PER_PIXEL, fields_of
+    from ..bounds.field_choice import fields_of
+    from ..bounds.full_fields import CELLS_PER_PIXEL
     from ..bounds.position_bound import chosen_touch, place_likelihood, places_on
 
     touch = chosen_touch(parts.skin, parts.plan.press, size, factor)

@@ -18,10 +18,12 @@ import numpy as np
 
 from ..arrays import Integer, Real
 from ..bounds.choice import best_choice
-from ..bounds.fields import CELLS_PER_PIXEL, AnyFields, TouchSize, fields_of
+from ..bounds.field_choice import AnyFields, fields_of
 from ..bounds.frequency_sets import OPTIMAL, candidates_of, compared, too_near
+from ..bounds.full_fields import CELLS_PER_PIXEL
 from ..bounds.likelihood import in_noise, over_noise
 from ..bounds.merits import Candidates, NearestPair, RmsError
+from ..bounds.pixel_touches import middles
 from ..bounds.position_bound import (
     PlaceLikelihood,
     chosen_touch,
@@ -31,9 +33,8 @@ from ..bounds.position_bound import (
     places_on,
 )
 from ..bounds.touch_pairs import pair_likelihood
+from ..bounds.touch_rasterizers import RasterizedTouch, TouchSize, rasterizer_for
 from ..bounds.touch_readings import Hypothesis, hypotheses
-from ..bounds.touches.pixel_touches import middles
-from ..bounds.touches.touch_rasterizers import RasterizedTouch, rasterizer_for
 from ..measure.readout import observed
 from ..models.reduced.touches import scene_spreads_presses
 from ..models.solution import Response

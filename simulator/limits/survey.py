@@ -8,8 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..arrays import Real
-from ..bounds.fields import CELLS_PER_PIXEL, fields_of
+from ..bounds.field_choice import fields_of
 from ..bounds.frequency_sets import OPTIMAL, candidates_of, compared, own_band
+from ..bounds.full_fields import CELLS_PER_PIXEL
 from ..bounds.position_bound import (
     PlaceLikelihood,
     PositionBounds,
@@ -18,7 +19,7 @@ from ..bounds.position_bound import (
     place_likelihood,
     places_on,
 )
-from ..bounds.touches.rasterization_errors import RasterizationErrors
+from ..bounds.rasterization_errors import RasterizationErrors
 from ..progress import ProgressCallback, silent
 from ..scene.parts import SceneParts, Setup, Skin
 from ..scene.scene import Scene

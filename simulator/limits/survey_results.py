@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Real
 from ..bounds.position_bound import PositionBounds
-from ..bounds.touches.rasterization_errors import RasterizationErrors
+from ..bounds.rasterization_errors import RasterizationErrors
 from ..chart_style import COLOURS, LINE_STYLES, chart, plain_numbers
 from ..measure.symmetry import describe_repeated
 from ..mesh.from_above import MM, draw_foils, draw_outline, draw_pixels

@@ -15,6 +15,7 @@ from scipy.special import ndtr
 
 from ..arrays import Real
 from ..bounds.bayes import BayesAccuracy, bayes, train
+from ..bounds.rasterization_errors import RasterizationErrors
 from ..bounds.touch_readings import (
     Hypothesis,
     TouchReadings,
@@ -23,7 +24,6 @@ from ..bounds.touch_readings import (
     kinds,
     touched_alone,
 )
-from ..bounds.touches.rasterization_errors import RasterizationErrors
 from ..measure.experiment import combined_strengths, own_presses, quantiles
 from ..progress import ProgressCallback, silent
 from ..scene.parts import Plan, SceneParts, Skin

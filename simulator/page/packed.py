@@ -23,7 +23,7 @@ from ..models.heterogeneous.elements_model import circuit_of
 from ..models.heterogeneous.materials import gauged
 from ..models.parameters import TABLE, Variation, foam_parts, weights_with
 from ..models.reduced.cases import Case, strongest_finger
-from ..models.reduced.families.family import resistive
+from ..models.reduced.family import resistive
 from ..models.reduced.greedy import reduce
 from ..models.reduced.projection import Projection
 from ..models.reduced.reduced_model import Reduced

@@ -10,7 +10,7 @@ from ..arrays import Integer, Mask, Real
 from ..mesh.arcs import edges_of
 from ..mesh.domain import Domain
 from ..mesh.pixel_coverage import pixel_coverage
-from ..models.reduced.families.family import Family, Triangulation
+from ..models.reduced.family import Family, Triangulation
 from ..scene.contacts import Contact, curve_section, path
 from ..scene.parts import Skin
 from ..scene.planar import Circle

@@ -17,8 +17,8 @@ from ..mesh.arcs import mapped
 from ..mesh.domain import Domain
 from ..models.heterogeneous.elements import triangles
 from ..models.heterogeneous.materials import Materials
-from ..models.reduced.families.families_by_system import UniformFamily
-from ..models.reduced.families.family import Family, Triangulation
+from ..models.reduced.families_by_system import UniformFamily
+from ..models.reduced.family import Family, Triangulation
 from ..models.reduced.reduced_skin import ReducedSkin
 from ..scene.parts import Skin
 

@@ -104,7 +104,7 @@ def test_a_localizer_that_inverts_the_simulator_is_trained_asked_and_adapted(
 
 @pytest.mark.slow
 def test_a_gap_is_reported_for_what_both_sides_read(scene, folder, monkeypatch):
-    monkeypatch.setattr("rcskin.localization.gap.report.gap_report.charts_of", lambda *given: [])
+    monkeypatch.setattr("rcskin.localization.gap.gap_report.charts_of", lambda *given: [])
     presses = [each for k in range(4) for each in ("none", "1,1", "1,2", "2,1", "2,2")]
     asked = [part for press in presses for part in ("--press", press)]
     command("sweep", scene, *asked, "--rtol", "1e-3", "-o", folder / "sim.nc")

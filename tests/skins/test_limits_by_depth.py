@@ -6,17 +6,19 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from rcskin import __main__ as rcskin
-from rcskin.simulator.bounds.fields import FullFields, TouchSize, fields_of
+from rcskin.simulator.bounds import rasterization_errors
+from rcskin.simulator.bounds.field_choice import fields_of
+from rcskin.simulator.bounds.full_fields import FullFields
 from rcskin.simulator.bounds.likelihood import error_model, in_noise
+from rcskin.simulator.bounds.pixel_touches import DepthPixelTouches
 from rcskin.simulator.bounds.position_bound import chosen_touch, errors_of_places, place_likelihood
-from rcskin.simulator.bounds.touch_readings import TouchReadings
-from rcskin.simulator.bounds.touches import rasterization_errors
-from rcskin.simulator.bounds.touches.pixel_touches import DepthPixelTouches
-from rcskin.simulator.bounds.touches.touch_rasterizers import (
+from rcskin.simulator.bounds.touch_rasterizers import (
     AreaRasterizer,
     DepthRasterizer,
+    TouchSize,
     distributed_to_cells,
 )
+from rcskin.simulator.bounds.touch_readings import TouchReadings
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.limits import bayes_accuracy
 from rcskin.simulator.measure.experiment import own_presses

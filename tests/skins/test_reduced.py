@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import rcskin
-from rcskin.simulator.bounds.fields import FullFields, TouchSize
-from rcskin.simulator.bounds.touches.touch_rasterizers import AreaRasterizer
+from rcskin.simulator.bounds.full_fields import FullFields
+from rcskin.simulator.bounds.touch_rasterizers import AreaRasterizer, TouchSize
 from rcskin.simulator.dataset.dataset_plan import DatasetPlan
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.limits.random_press_limits import RandomPresses

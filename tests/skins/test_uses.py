@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from rcskin.localization.study.point import EvaluationSettings
-from rcskin.simulator.bounds.fields import FullFields
+from rcskin.simulator.bounds.full_fields import FullFields
 from rcskin.simulator.bounds.position_bound import chosen_touch, places_on
 from rcskin.simulator.bounds.touch_readings import hypotheses
 from rcskin.simulator.calibration.run import calibrate

@@ -28,8 +28,8 @@ from ..heterogeneous.materials import gauged
 from ..parameters import foam_parts
 from ..small_system.system import added, networks_in_air, solved, with_terms, without_common
 from .cases import Case, by_skin
-from .families.family import Family, Weights, changes
-from .families.family_meshes import weights_of_case
+from .family import Family, Weights, changes
+from .family_meshes import weights_of_case
 from .projection import Projection
 
 

@@ -11,7 +11,7 @@ from ...arrays import Complex, Real
 from ...fem.error_estimate import relative_difference
 from ...press.parts import parts_of
 from .cases import Case
-from .families.family import compressed_factors
+from .family import compressed_factors
 from .reduced_model import Reduced
 from .reduced_skin import ReducedSkin
 

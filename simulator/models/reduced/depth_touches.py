@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 
     from ..small_system.lanczos import Skins
     from ..small_system.system import UnpressedMass
-    from .families.family import Family
+    from .family import Family
     from .reduced_model import Reduced
     from .reduced_skin import ReducedSkin
 

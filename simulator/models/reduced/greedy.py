@@ -33,8 +33,8 @@ from .cases import Case, Draw, by_skin, covering, pixel_touches, sharing_skins
 from .certificate import largest_bounds
 from .compressing import COMPRESSED_SHARE, compressed, sizes
 from .depth_touches import DepthTouches
-from .families.family import Family
-from .families.family_meshes import resolved, weights_of_case
+from .family import Family
+from .family_meshes import resolved, weights_of_case
 from .reduced_model import Reduced
 from .touches import FACTORS, spreading
 

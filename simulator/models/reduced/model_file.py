@@ -21,7 +21,7 @@ from ...sweeps.array_files import ForeignFileError, read_arrays, write_arrays
 from ..heterogeneous.elements_model import circuit_of
 from .applicators import DepthSeries, PixelApplicators
 from .depth_touches import DepthTouches, Tables
-from .families.family import Mesh, Triangulation
+from .family import Mesh, Triangulation
 from .reduced_model import Reduced
 
 OF_DOMAIN = ("p", "t", "pixel", "covered", "seams")

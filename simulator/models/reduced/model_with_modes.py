@@ -10,8 +10,8 @@ import numpy as np
 
 from ...arrays import Integer, Real
 from .compressing import typical
-from .families.families_by_system import HeterogeneousFamily
-from .families.family import Family
+from .families_by_system import HeterogeneousFamily
+from .family import Family
 from .reduced_model import Reduced
 
 

@@ -22,8 +22,8 @@ from ...arrays import Integer, Mask, Real
 from ...fem.circuit import Circuit
 from ...scene.parts import SceneParts
 from .depth_touches import FoamPotentials
-from .families.family import Family, Mesh
-from .families.family_meshes import family_on
+from .family import Family, Mesh
+from .family_meshes import family_on
 from .touches import FACTORS, Touches
 
 

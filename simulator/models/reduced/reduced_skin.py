@@ -39,8 +39,8 @@ from ..small_system.system import (
 )
 from .cases import touched
 from .certificate import certificates
-from .families.family import Family, changes, weights_under
-from .families.family_meshes import family_on, finer_meshes
+from .family import Family, changes, weights_under
+from .family_meshes import family_on, finer_meshes
 from .projection import Projection
 
 if TYPE_CHECKING:

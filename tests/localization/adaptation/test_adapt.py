@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.localization.adaptation.class_adaptation import adapt_classes
-from rcskin.localization.adaptation.position_adaptation import adapt_positions
+from rcskin.localization.adaptation import adapt_classes, adapt_positions
 from rcskin.localization.model.localizer_file import load, save
 from rcskin.localization.model.training import train
 from rcskin.simulator.scene.scene_files import load_scene, scene_text

@@ -6,8 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import rcskin
-from rcskin.localization.adaptation.class_adaptation import adapt_classes
-from rcskin.localization.adaptation.position_adaptation import adapt_positions
+from rcskin.localization.adaptation import adapt_classes, adapt_positions
 from rcskin.localization.export.c_file import c_files
 from rcskin.localization.export.onnx_check import difference, inputs_of, outputs_of
 from rcskin.localization.export.onnx_file import onnx_model

@@ -85,7 +85,7 @@ def test_a_script_finds_the_same_gap(gap, files, tmp_path):
 def test_sweeps_without_noise_or_scene_are_served_by_the_scene_named(
     gap, files, tmp_path, monkeypatch
 ):
-    monkeypatch.setattr("rcskin.localization.gap.report.gap_report.charts_of", lambda *given: [])
+    monkeypatch.setattr("rcskin.localization.gap.gap_report.charts_of", lambda *given: [])
     bare = tmp_path / "bare.nc"
     scene = load_scene("strip-1x3")
     exact = simulate(

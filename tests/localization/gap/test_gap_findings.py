@@ -15,8 +15,8 @@ from rcskin.localization.gap.gap_findings import (
     permutation_p,
     unbiased_mmd2,
 )
+from rcskin.localization.gap.gap_report import accuracy_table
 from rcskin.localization.gap.options import GapOptions
-from rcskin.localization.gap.report.gap_report import accuracy_table
 from rcskin.localization.learners.registry import learners
 from rcskin.simulator.sweeps import InputError
 

@@ -6,9 +6,9 @@ import re
 from dataclasses import replace
 
 import pytest
-from rcskin.localization.gap.report import gap_report
-from rcskin.localization.gap.report.gap_report import accuracy_table, cause_sentence, charts_of
-from rcskin.localization.gap.report.json_data import KEYS, numbers
+from rcskin.localization.gap import gap_report
+from rcskin.localization.gap.gap_report import accuracy_table, cause_sentence, charts_of
+from rcskin.localization.gap.json_data import KEYS, numbers
 from rcskin.simulator.calibration.misfit import JointEffect, MisfitCauses, ParameterEffect
 from rcskin.simulator.chart_style import STYLE
 
@@ -150,7 +150,7 @@ def test_a_chart_that_fails_leaves_nothing_behind(findings, tmp_path, monkeypatc
     def fails(*arguments):
         raise RuntimeError
 
-    monkeypatch.setattr("rcskin.localization.gap.report.gap_report.draw_accuracies", fails)
+    monkeypatch.setattr("rcskin.localization.gap.gap_report.draw_accuracies", fails)
     with pytest.raises(RuntimeError):
         findings.write(tmp_path)
     assert list(tmp_path.iterdir()) == []

@@ -13,8 +13,8 @@ from rcskin.simulator.sweeps import InputError
 
 torch = pytest.importorskip("torch", reason="PyTorch is not installed: pip install '.[torch]'")
 
-from rcskin.localization.streaming import sweep_stream  # noqa: E402  needs PyTorch
-from rcskin.localization.streaming.sweep_stream import class_names  # noqa: E402
+from rcskin.localization import sweep_stream  # noqa: E402  needs PyTorch
+from rcskin.localization.sweep_stream import class_names  # noqa: E402
 
 SESSION, RTOL = 12, 1e-2
 

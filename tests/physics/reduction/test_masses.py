@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.models.reduced.families.family import compressed_factors
+from rcskin.simulator.models.reduced.family import compressed_factors
 from rcskin.simulator.press.parts import Parts
 
 

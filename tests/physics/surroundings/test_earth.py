@@ -2,7 +2,8 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.fields import TouchSize, fields_of
+from rcskin.simulator.bounds.field_choice import fields_of
+from rcskin.simulator.bounds.touch_rasterizers import TouchSize
 from rcskin.simulator.dataset.skin_model import reduced
 from rcskin.simulator.fem.circuit import two_fields
 from rcskin.simulator.fem.error_estimate import relative_difference

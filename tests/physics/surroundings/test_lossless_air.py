@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.fields import FullFields
+from rcskin.simulator.bounds.full_fields import FullFields
 from rcskin.simulator.fem.error_estimate import relative_difference
 from rcskin.simulator.models.heterogeneous.elements_model import Elements
 from rcskin.simulator.models.network_skin import Network

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 from rcskin.simulator.bounds import choice
-from rcskin.simulator.bounds.fields import FullFields
+from rcskin.simulator.bounds.full_fields import FullFields
 from rcskin.simulator.bounds.position_bound import chosen_touch, place_likelihood, places_on
 from rcskin.simulator.limits.frequency_design import identity_criterion, position_criterion
 

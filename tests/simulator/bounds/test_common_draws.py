@@ -11,7 +11,8 @@ from rcskin.simulator.bounds.bayes import (
     posterior,
     posterior_of_tiles,
 )
-from rcskin.simulator.bounds.fields import CELLS_PER_PIXEL, FullFields, fields_of
+from rcskin.simulator.bounds.field_choice import fields_of
+from rcskin.simulator.bounds.full_fields import CELLS_PER_PIXEL, FullFields
 from rcskin.simulator.bounds.likelihood import Likelihood
 from rcskin.simulator.bounds.position_bound import chosen_touch, place_likelihood, places_on
 from rcskin.simulator.bounds.touch_readings import TouchReadings, hypotheses

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.fields import FullFields, TouchSize
-from rcskin.simulator.bounds.fields.reduced_fields import ReducedFields
-from rcskin.simulator.bounds.touches.touch_rasterizers import AreaRasterizer
+from rcskin.simulator.bounds.full_fields import FullFields
+from rcskin.simulator.bounds.reduced_fields import ReducedFields
+from rcskin.simulator.bounds.touch_rasterizers import AreaRasterizer, TouchSize
 from rcskin.simulator.models.line import Line
 from rcskin.simulator.models.parameters import parts_with
 from rcskin.simulator.models.solver import Solver

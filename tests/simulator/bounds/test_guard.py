@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.fields import FullFields
+from rcskin.simulator.bounds.full_fields import FullFields
 from rcskin.simulator.measure.skins import drawn_skin
 from rcskin.simulator.models.solver import Solver
 from rcskin.simulator.press.press import Press

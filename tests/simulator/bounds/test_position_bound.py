@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.fields import FullFields
+from rcskin.simulator.bounds.full_fields import FullFields
 from rcskin.simulator.bounds.likelihood import error_model
 from rcskin.simulator.bounds.position_bound import chosen_touch, place_likelihood, places_on
 from rcskin.simulator.limits import position_bound

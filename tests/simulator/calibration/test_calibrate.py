@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 from rcskin.simulator.calibration.command import Options
+from rcskin.simulator.calibration.estimates import quantile
 from rcskin.simulator.calibration.measurements import measurements_of
 from rcskin.simulator.calibration.misfit import gap_by_parameter
 from rcskin.simulator.calibration.profile_distribution import NORMAL
-from rcskin.simulator.calibration.results.estimates import quantile
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.readout import read_out
 from rcskin.simulator.models.parameters import own_values, parts_with

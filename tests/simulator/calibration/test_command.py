@@ -176,7 +176,7 @@ def test_nothing_is_left_where_writing_fails(run, files, monkeypatch):
     def broken(*_):
         raise OSError("no space left")
 
-    monkeypatch.setattr("rcskin.simulator.calibration.results.report.draw_residuals", broken)
+    monkeypatch.setattr("rcskin.simulator.calibration.report.draw_residuals", broken)
     code, _, err = run("calibrate", scene, measured, "-o", folder, *TWO)
     assert code == 1
     assert "no space left" in err

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 from rcskin.simulator.calibration.command import Options
+from rcskin.simulator.calibration.identifiability import MIN_INDEPENDENT
+from rcskin.simulator.calibration.report import explanations
 from rcskin.simulator.calibration.residual_correlation import integrated_correlation
-from rcskin.simulator.calibration.results.identifiability import MIN_INDEPENDENT
-from rcskin.simulator.calibration.results.report import explanations
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.sweeps.schema import DIMENSIONS, impedance
 from scipy.special import stdtrit

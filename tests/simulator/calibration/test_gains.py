@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from rcskin.simulator.calibration.command import Options
 from rcskin.simulator.calibration.measurements import measurements_of
-from rcskin.simulator.calibration.results.report import explanations
-from rcskin.simulator.calibration.results.residual_chart import residuals
+from rcskin.simulator.calibration.report import explanations
+from rcskin.simulator.calibration.residual_chart import residuals
 from rcskin.simulator.calibration.run import calibrate
 from rcskin.simulator.measure.simulate import simulate
 from rcskin.simulator.models.parameters import parts_with

@@ -12,8 +12,8 @@ from rcskin.simulator.calibration.profile_distribution import (
     ProfileDistribution,
     cut_normal,
 )
-from rcskin.simulator.calibration.results.sheet_intervals import COMMON, MISMATCH, series_intervals
 from rcskin.simulator.calibration.run import calibrate
+from rcskin.simulator.calibration.sheet_intervals import COMMON, MISMATCH, series_intervals
 from rcskin.simulator.models.parameters import own_values
 from scipy.optimize import least_squares
 from scipy.special import ndtr

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.fields import FullFields
+from rcskin.simulator.bounds.full_fields import FullFields
 from rcskin.simulator.bounds.position_bound import place_likelihood
 from rcskin.simulator.design.evaluator import SceneEvaluator, SearchJournal, SearchSettings
 from rcskin.simulator.design.goals import CELLS, TouchPositions

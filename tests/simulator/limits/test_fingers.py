@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.fields import FullFields
+from rcskin.simulator.bounds.full_fields import FullFields
 from rcskin.simulator.bounds.position_bound import chosen_touch
-from rcskin.simulator.bounds.touches.touch_rasterizers import AreaRasterizer
+from rcskin.simulator.bounds.touch_rasterizers import AreaRasterizer
 from rcskin.simulator.design.goals import TouchPositions
 from rcskin.simulator.limits.survey import with_finger
 from rcskin.simulator.limits.touch_identity import Sampling, identity

@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.fields import fields_of
+from rcskin.simulator.bounds.field_choice import fields_of
 from rcskin.simulator.bounds.position_bound import chosen_touch, place_likelihood, places_on
 from rcskin.simulator.limits.survey import SurveyOptions, survey, with_interfaces
 from rcskin.simulator.scene.scene_files import load_scene, scene_text

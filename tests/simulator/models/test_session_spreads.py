@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rcskin.simulator.bounds.fields import FullFields
+from rcskin.simulator.bounds.full_fields import FullFields
 from rcskin.simulator.bounds.likelihood import error_model
 from rcskin.simulator.bounds.position_bound import SkinUnknowns
 from rcskin.simulator.calibration.measurements import measurements_of

@@ -1,4 +1,4 @@
-// Walls around touches, as in simulator/press/walls.py and, for partly covered cells, bounds/fields/edges.py.
+// Walls around touches, as in simulator/press/walls.py and, for partly covered cells, bounds/part_maps.py.
 
 /**
  * Touch: the fraction that it covers of each cell, and its factor.

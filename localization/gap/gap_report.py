@@ -8,32 +8,24 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....simulator.chart_style import COLOURS, chart
-from ....simulator.models.parameters import EFFECTS
-from ....simulator.report.findings import (
-    Chart,
-    DataTable,
-    Finding,
-    Findings,
-    Head,
-    Heading,
-    Items,
-)
-from ...evaluation.confusion_chart import draw_confusion
-from ...evaluation.reliability import draw_reliability_and_risk
-from ...trust.answers import CountedRate
-from ..mean_accuracy import FEATURE_LABELS
-from ..versions import AFTER, BEFORE
+from ...simulator.chart_style import COLOURS, chart
+from ...simulator.models.parameters import EFFECTS
+from ...simulator.report.findings import Chart, DataTable, Finding, Findings, Head, Heading, Items
+from ..evaluation.confusion_chart import draw_confusion
+from ..evaluation.reliability import draw_reliability_and_risk
+from ..trust.answers import CountedRate
 from .gap_curves import draw_accuracies, draw_distances, small_distance_chart
 from .json_data import numbers
+from .mean_accuracy import FEATURE_LABELS
+from .versions import AFTER, BEFORE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from ....simulator.calibration.misfit import ParameterEffect
-    from ....simulator.calibration.results.estimates import FittedQuantity
-    from ..gap_findings import GapFindings
-    from ..mean_accuracy import MeanAccuracy
+    from ...simulator.calibration.estimates import FittedQuantity
+    from ...simulator.calibration.misfit import ParameterEffect
+    from .gap_findings import GapFindings
+    from .mean_accuracy import MeanAccuracy
 
 MAIN_SHARE, NOTABLE_SHARE, MENTIONED_SHARE = 0.5, 0.1, 0.005
 """Minimum shares of the misfit that three statements require.

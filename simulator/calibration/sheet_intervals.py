@@ -13,13 +13,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import Real
-from ...models.heterogeneous.elements_model import single_field
-from ...models.parameters import BOTTOM_MODES, TOP_MODES, weights_with
-from ...scene.parts import Setup, Skin
-from ..fit import Fit
-from ..profile_distribution import CONFIDENCE, Interval, ProfileDistribution
+from ..arrays import Real
+from ..models.heterogeneous.elements_model import single_field
+from ..models.parameters import BOTTOM_MODES, TOP_MODES, weights_with
+from ..scene.parts import Setup, Skin
+from .fit import Fit
 from .identifiability import Information
+from .profile_distribution import CONFIDENCE, Interval, ProfileDistribution
 
 TOP, BOTTOM, SUM, RATIO = "top sheet", "bottom sheet", "both in series", "top over bottom"
 COMMON, MISMATCH = "sheet_resistance", "sheet_mismatch"

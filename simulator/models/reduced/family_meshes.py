@@ -7,25 +7,25 @@ from dataclasses import replace
 
 import numpy as np
 
-from ....arrays import Real
-from ....fem.circuit import Circuit
-from ....mesh.domain import Domain
-from ....mesh.quadrilaterals import Resolution
-from ....mesh.refinement import finer
-from ....press.batch import NOTHING
-from ....press.press import Press
-from ....press.touch import Touch
-from ....progress import ProgressCallback, silent
-from ....scene.parts import Plan, Skin
-from ....sweeps import ToleranceError
-from ...heterogeneous.discretised import indicators, marked_cells
-from ...heterogeneous.square_meshes import Squares
-from ...heterogeneous.triangle_meshes import MAX_TRIANGLES, Triangles
-from ...resolution import ONE_CELL, ResolutionHierarchy
-from ..cases import Case, pixel_touches, touched
-from ..touches import FACTORS, Touches, Trial, everywhere
+from ...arrays import Real
+from ...fem.circuit import Circuit
+from ...mesh.domain import Domain
+from ...mesh.quadrilaterals import Resolution
+from ...mesh.refinement import finer
+from ...press.batch import NOTHING
+from ...press.press import Press
+from ...press.touch import Touch
+from ...progress import ProgressCallback, silent
+from ...scene.parts import Plan, Skin
+from ...sweeps import ToleranceError
+from ..heterogeneous.discretised import indicators, marked_cells
+from ..heterogeneous.square_meshes import Squares
+from ..heterogeneous.triangle_meshes import MAX_TRIANGLES, Triangles
+from ..resolution import ONE_CELL, ResolutionHierarchy
+from .cases import Case, pixel_touches, touched
 from .families_by_system import HeterogeneousFamily, UniformFamily
 from .family import Family, Mesh, Triangulation, Weights, weights_under
+from .touches import FACTORS, Touches, Trial, everywhere
 
 SHARE = 0.7
 """Share of the tolerance for the mesh; the rest is for the basis. The next order has twice as many

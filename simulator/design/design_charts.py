@@ -7,14 +7,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ...chart_style import COLOURS, UNPRESSED_COLOUR, chart, foil_offset
-from ...mesh.from_above import MM, draw_outline, ribbon
-from ...scene.contacts import Interface
-from ...scene.design_goals import POSITION, Design
-from ...scene.parts import SceneParts, Skin
-from ..goals import TouchPositions
-from ..search import SearchStep
-from ..sensitivity import SensitivityCurve
+from ..chart_style import COLOURS, UNPRESSED_COLOUR, chart, foil_offset
+from ..mesh.from_above import MM, draw_outline, ribbon
+from ..scene.contacts import Interface
+from ..scene.design_goals import POSITION, Design
+from ..scene.parts import SceneParts, Skin
+from .goals import TouchPositions
+from .search import SearchStep
+from .sensitivity import SensitivityCurve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

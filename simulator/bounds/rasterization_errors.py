@@ -7,17 +7,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import Complex
-from ...fem.error_estimate import SAMPLED
-from ...models.mechanics.lattice_presses import as_press, traced
-from ...models.mechanics.relaxation_kernel import Bodies
-from ...models.mechanics.skin_lattice import Lattice
-from ...models.solution import reading_difference
-from ...models.solver import Solver
-from ...press.batch import PressBatch
-from ...press.press import Press
-from ...scene.parts import SceneParts
-from ...sweeps.reading_quantities import IMPEDANCE
+from ..arrays import Complex
+from ..fem.error_estimate import SAMPLED
+from ..models.mechanics.lattice_presses import as_press, traced
+from ..models.mechanics.relaxation_kernel import Bodies
+from ..models.mechanics.skin_lattice import Lattice
+from ..models.solution import reading_difference
+from ..models.solver import Solver
+from ..press.batch import PressBatch
+from ..press.press import Press
+from ..scene.parts import SceneParts
+from ..sweeps.reading_quantities import IMPEDANCE
 
 SAMPLE = 8
 """Largest number of compared touches; all have one size and similar depths."""

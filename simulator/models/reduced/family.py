@@ -18,29 +18,29 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix
 
-from ....arrays import Complex, Integer, Real
-from ....fem.assembly import DROPPED
-from ....fem.circuit import Circuit
-from ....fem.error_estimate import Swept
-from ....fem.factors import LowRankMass, Mass, without_zeros
-from ....fem.galerkin import Galerkin
-from ....fem.sweep import swept_with_air
-from ....fem.system import Films, System
-from ....fem.terminals import Excitation, impedance_with_error
-from ....mesh.domain import Domain
-from ....mesh.quadrilaterals import Resolution
-from ....press.parts import Parts, parts_of
-from ....scene.contacts import Contact
-from ....scene.frequency import Loss
-from ....scene.parts import Skin
-from ....sweeps import InputError
-from ...heterogeneous.materials import gauged, gauges
-from ...parameters import HALF_WAVES, Variation, foam_parts, nominal, sheet_weights
-from ..cases import Case
-from ..touches import FACTORS, Touches
+from ...arrays import Complex, Integer, Real
+from ...fem.assembly import DROPPED
+from ...fem.circuit import Circuit
+from ...fem.error_estimate import Swept
+from ...fem.factors import LowRankMass, Mass, without_zeros
+from ...fem.galerkin import Galerkin
+from ...fem.sweep import swept_with_air
+from ...fem.system import Films, System
+from ...fem.terminals import Excitation, impedance_with_error
+from ...mesh.domain import Domain
+from ...mesh.quadrilaterals import Resolution
+from ...press.parts import Parts, parts_of
+from ...scene.contacts import Contact
+from ...scene.frequency import Loss
+from ...scene.parts import Skin
+from ...sweeps import InputError
+from ..heterogeneous.materials import gauged, gauges
+from ..parameters import HALF_WAVES, Variation, foam_parts, nominal, sheet_weights
+from .cases import Case
+from .touches import FACTORS, Touches
 
 if TYPE_CHECKING:
-    from ..depth_touches import MeshRises
+    from .depth_touches import MeshRises
 
 Weights = Real | None
 """Weights of the terms of K, see `weights_of`; None for the scene's own skin."""

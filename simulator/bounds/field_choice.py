@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 
-from ...models.heterogeneous.materials import gauged
-from ...models.reduced.touches import scene_spreads_presses
-from ...models.terminals import needs_all_terminals
-from ...scene.parts import Pressing, SceneParts, Skin
-from ...sweeps import InputError, ToleranceError
-from ..touches.touch_rasterizers import TouchSize
+from ..models.heterogeneous.materials import gauged
+from ..models.reduced.touches import scene_spreads_presses
+from ..models.terminals import needs_all_terminals
+from ..scene.parts import Pressing, SceneParts, Skin
+from ..sweeps import InputError, ToleranceError
 from .full_fields import CELLS_PER_PIXEL, FullFields
 from .reduced_fields import ReducedFields, trained
+from .touch_rasterizers import TouchSize
 
 AnyFields = FullFields | ReducedFields
 

@@ -8,11 +8,11 @@ from functools import cached_property
 
 import numpy as np
 
-from ...arrays import Mask, Real
-from ...models.parameters import of_parts
-from ...models.reduced.touches import scene_spreads_presses
-from ...press.parts import SOLVED, Parts, parts_of
-from ...scene.parts import Pressing, Skin
+from ..arrays import Mask, Real
+from ..models.parameters import of_parts
+from ..models.reduced.touches import scene_spreads_presses
+from ..press.parts import SOLVED, Parts, parts_of
+from ..scene.parts import Pressing, Skin
 
 STRENGTH = "strength"
 """Name of the rise under a touch among the quantities that change a map."""

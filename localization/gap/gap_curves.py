@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....simulator.chart_style import COLOURS, chart, frequency_axis
-from ....simulator.notebook_display import CLOSE_LEGEND, SmallChart
-from ....simulator.sweeps.reading_subset import read_mask
-from ..mean_accuracy import FEATURE_LABELS
-from ..versions import AFTER, BEFORE
+from ...simulator.chart_style import COLOURS, chart, frequency_axis
+from ...simulator.notebook_display import CLOSE_LEGEND, SmallChart
+from ...simulator.sweeps.reading_subset import read_mask
+from .mean_accuracy import FEATURE_LABELS
+from .versions import AFTER, BEFORE
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..distance import Distance
-    from ..gap_findings import GapFindings
+    from .distance import Distance
+    from .gap_findings import GapFindings
 
 STAGE_STYLE = {BEFORE: "-", AFTER: "--"}
 UNITS = {

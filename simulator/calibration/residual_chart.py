@@ -7,18 +7,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...arrays import Real
-from ...chart_style import COLOURS, UNPRESSED_COLOUR, chart, frequency_axis
-from ...notebook_display import CLOSE_LEGEND, SmallChart
-from ...sweeps import parallel_capacitance
-from ..fit import Fit
-from ..measurements import SessionSweep
+from ..arrays import Real
+from ..chart_style import COLOURS, UNPRESSED_COLOUR, chart, frequency_axis
+from ..notebook_display import CLOSE_LEGEND, SmallChart
+from ..sweeps import parallel_capacitance
+from .fit import Fit
+from .measurements import SessionSweep
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from ..run import Calibration
+    from .run import Calibration
 
 
 def residuals(fit: Fit) -> dict[str, Real]:

@@ -12,11 +12,11 @@ from functools import cached_property
 
 import numpy as np
 
-from ...arrays import Mask, Real
-from ..fit import Fit
-from ..prior import Noise, Prior
-from ..problem import LeastSquaresProblem
-from ..residual_correlation import readings_per_independent_one
+from ..arrays import Mask, Real
+from .fit import Fit
+from .prior import Noise, Prior
+from .problem import LeastSquaresProblem
+from .residual_correlation import readings_per_independent_one
 
 IDENTIFIED_SHARE = 0.25
 """Largest posterior deviation over the prior's, for a parameter that the data identify."""

@@ -10,18 +10,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import Integer, Real
-from ...chebyshev import Interpolant, refined
-from ...mesh.pixel_coverage import pixel_coverage, with_fingers_at
-from ...models.mechanics.lattice_presses import NOBODY, raised
-from ...models.mechanics.relaxation_kernel import Bodies
-from ...models.mechanics.skin_lattice import Lattice, Window
-from ...models.reduced.touches import scene_spreads_presses
-from ...press.batch import PressBatch
-from ...press.parts import parts_of
-from ...press.rasterized import TouchBatch, rasterized
-from ...scene.parts import Pressing, Skin
-from ...sweeps import ToleranceError
+from ..arrays import Integer, Real
+from ..chebyshev import Interpolant, refined
+from ..mesh.pixel_coverage import pixel_coverage, with_fingers_at
+from ..models.mechanics.lattice_presses import NOBODY, raised
+from ..models.mechanics.relaxation_kernel import Bodies
+from ..models.mechanics.skin_lattice import Lattice, Window
+from ..models.reduced.touches import scene_spreads_presses
+from ..press.batch import PressBatch
+from ..press.parts import parts_of
+from ..press.rasterized import TouchBatch, rasterized
+from ..scene.parts import Pressing, Skin
+from ..sweeps import ToleranceError
 from .touch_rasterizers import DepthRasterizer, Point, enclosing_window
 
 COUNTS = (5, 129)

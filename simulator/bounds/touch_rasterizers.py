@@ -18,17 +18,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...arrays import Real
-from ...models.mechanics.deformation import check_plane
-from ...models.mechanics.lattice_presses import STILL, deflected
-from ...models.mechanics.relaxation_kernel import Bodies
-from ...models.mechanics.skin_lattice import Lattice, Window, lattice_of
-from ...models.reduced.touches import scene_spreads_presses
-from ...press.batch import TouchedCells
-from ...press.cell_kernel import covered_with_slopes
-from ...press.pixels import GridCells
-from ...press.touch import Rectangle
-from ...scene.parts import Pressing, Skin
+from ..arrays import Real
+from ..models.mechanics.deformation import check_plane
+from ..models.mechanics.lattice_presses import STILL, deflected
+from ..models.mechanics.relaxation_kernel import Bodies
+from ..models.mechanics.skin_lattice import Lattice, Window, lattice_of
+from ..models.reduced.touches import scene_spreads_presses
+from ..press.batch import TouchedCells
+from ..press.cell_kernel import covered_with_slopes
+from ..press.pixels import GridCells
+from ..press.touch import Rectangle
+from ..scene.parts import Pressing, Skin
 
 Point = tuple[float, float]
 RISE_SPREAD = 0.2

@@ -6,18 +6,18 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any
 
-from ...report.files import write_text
-from ...report.findings import Chart, DataTable, Finding, Findings, Head, Heading, Items
-from ...scene.contacts import Interface
-from ...scene.parts import Skin
-from ...scene.scene import Scene
-from ...scene.scene_files import scene_text
-from ...scene.wiring_checks import conductor_groups
-from ..evaluator import SearchSettings
-from ..layout import Layout, designed
-from ..search import SearchResult, SearchStep
-from ..sensitivity import SensitivityCurve, loss_without_each, sensitivity_curves
+from ..report.files import write_text
+from ..report.findings import Chart, DataTable, Finding, Findings, Head, Heading, Items
+from ..scene.contacts import Interface
+from ..scene.parts import Skin
+from ..scene.scene import Scene
+from ..scene.scene_files import scene_text
+from ..scene.wiring_checks import conductor_groups
 from .design_charts import MeritScale, draw_flat, draw_steps, draw_wiring, scale_of
+from .evaluator import SearchSettings
+from .layout import Layout, designed
+from .search import SearchResult, SearchStep
+from .sensitivity import SensitivityCurve, loss_without_each, sensitivity_curves
 
 
 def wiring(

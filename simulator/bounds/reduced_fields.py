@@ -11,26 +11,26 @@ from functools import cached_property
 
 import numpy as np
 
-from ...arrays import Complex, Real
-from ...fem.circuit import two_fields
-from ...fem.factors import one_blas_thread
-from ...fem.terminals import Combination
-from ...method_cache import cached_method
-from ...models.parameters import by_sheets
-from ...models.reduced.cases import Case
-from ...models.reduced.families.family_meshes import unreduced
-from ...models.reduced.greedy import GreedyBasis
-from ...models.reduced.reduced_skin import MAX_SKINS, ReducedSkin
-from ...models.small_system.system import added, at_terminals, diagonalised, mass_of
-from ...models.solution import Response, at_meter
-from ...models.terminals import chain, read
-from ...progress import silent
-from ...scene.frequency import laplace_variable, slopes_of_s
-from ...scene.parts import SceneParts, Setup
-from ..touches.touch_rasterizers import AreaRasterizer, TouchSize
+from ..arrays import Complex, Real
+from ..fem.circuit import two_fields
+from ..fem.factors import one_blas_thread
+from ..fem.terminals import Combination
+from ..method_cache import cached_method
+from ..models.parameters import by_sheets
+from ..models.reduced.cases import Case
+from ..models.reduced.family_meshes import unreduced
+from ..models.reduced.greedy import GreedyBasis
+from ..models.reduced.reduced_skin import MAX_SKINS, ReducedSkin
+from ..models.small_system.system import added, at_terminals, diagonalised, mass_of
+from ..models.solution import Response, at_meter
+from ..models.terminals import chain, read
+from ..progress import silent
+from ..scene.frequency import laplace_variable, slopes_of_s
+from ..scene.parts import SceneParts, Setup
 from .full_fields import CELLS_PER_PIXEL, Maps
 from .full_fields import RTOL as MESH_RTOL
 from .part_maps import PartMaps
+from .touch_rasterizers import AreaRasterizer, TouchSize
 
 
 @dataclass(frozen=True)

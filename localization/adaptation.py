@@ -1,4 +1,7 @@
-"""Adaptation of a classifier by a few labelled touches; scored on other touches."""
+"""Adaptation of a localizer by a few labelled touches, of classes or of positions.
+
+It is scored on other touches than those that it learns from.
+"""
 
 from __future__ import annotations
 
@@ -7,18 +10,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...simulator.arrays import Real
-from ...simulator.sweeps import InputError
-from ..evaluation.evaluation import ClassScore, Score, join_scores, score
-from ..inputs.samples import Samples
-from ..inversion.estimators import MODEL_ADAPTED, MODEL_BASED, estimators
-from ..learners.drift import class_offsets
-from ..model.localizer_model import Model
-from ..parts.predictor import Chain
-from ..trust.answers import NOTHING_PRESSED, threshold_of
-from ..trust.fitted import Classifier, Guards, with_known_baseline
-from ..trust.folds import describe_splits, splits_of
-from ..trust.temperature import probabilities, sharpness_of
+from ..simulator.arrays import Real
+from ..simulator.sweeps import InputError
+from .evaluation.evaluation import ClassScore, PositionScore, Score, join_scores, score
+from .inputs.samples import Samples
+from .inversion.estimators import MODEL_ADAPTED, MODEL_BASED, estimators
+from .learners.drift import affine_correction, class_offsets
+from .model.localizer_model import Model
+from .parts.predictor import Chain
+from .trust.answers import NOTHING_PRESSED, threshold_of
+from .trust.fitted import Classifier, Guards, Regressor, with_known_baseline
+from .trust.folds import describe_splits, splits_of
+from .trust.temperature import probabilities, sharpness_of
 
 MIN_TOUCHES_PER_CLASS = 2
 """Minimum number of touches of each class: one trains while another is scored."""
@@ -158,3 +161,77 @@ def _threshold(
             f"too few sweeps for a new threshold at which answers are right at a rate of "
             f"{model.certain:g}: the old threshold, probability {learned.threshold:.3f}, is kept",
         )
+
+
+MIN_TOUCHES = 6
+"""Minimum number of touches: some in each direction, and some to score."""
+
+
+def adapt_positions(model: Model, samples: Samples, counted: Samples | None = None) -> Adaptation:
+    """Adapt the model by all of the samples, which are of the skin to be localized on.
+
+    samples: from `Model.samples`. counted: samples of the same sweeps for the model's gate, if it
+    has one, whose guards are widened to accept them. Raises InputError for models that invert the
+    simulator or were adapted before, and for fewer than MIN_TOUCHES touches.
+    """
+    learned, predictor = _checked(model, samples)
+    splits = splits_of(None, samples.sessions, FOLDS)
+    parts = [(samples.part(train), samples.part(test)) for train, test in splits]
+    fitted_folds = [(_fine_tuned(learned, predictor, train), test) for train, test in parts]
+    after, before = (
+        join_scores([score(each, test) for each, test in pairs])
+        for pairs in (fitted_folds, [(learned, test) for _, test in parts])
+    )
+    assert isinstance(after, PositionScore) and isinstance(before, PositionScore)
+    factor = learned.factor * _deviation_correction(after)
+    after = replace(after, deviation=after.deviation * _deviation_correction(after))
+    median = float(np.median(after.distance))
+    better = _fine_tuned(learned, predictor, samples)
+    better = replace(better, factor=factor, median_error=median)
+    held_out = describe_splits(splits, samples.sessions)
+    validation = f"{held_out}, of {len(samples.X)} touches of the skin at hand"
+    gate = model.gate
+    if gate is not None and counted is not None:
+        widened = _widened(gate.learned.guards, counted)
+        gate = replace(gate, learned=replace(gate.learned, guards=widened))
+    found = replace(model, learned=better, gate=gate, validation=validation, adapted=True)
+    return Adaptation(found, before, after, validation)
+
+
+def _checked(model: Model, samples: Samples) -> tuple[Regressor, Chain]:
+    learned, predictor = model.learned, model.predictor
+    assert isinstance(learned, Regressor)
+    if model.estimator in FINE_TUNED:
+        raise InputError(
+            f"a model of positions by {model.estimator} cannot be adapted: calibrate its scene by "
+            "these touches, then train a new model"
+        )
+    if model.adapted:
+        raise InputError(
+            "the model was adapted before: adapt the original model by all touches, old and new"
+        )
+    if len(samples.X) < MIN_TOUCHES:
+        raise InputError(
+            f"needs at least {MIN_TOUCHES} touches of known place, got {len(samples.X)}"
+        )
+    assert isinstance(predictor, Chain)
+    return learned, predictor
+
+
+def _fine_tuned(learned: Regressor, predictor: Chain, samples: Samples) -> Regressor:
+    correction = affine_correction(predictor.positions(samples.X)[0], samples.y)
+    guards = _widened(learned.guards, samples)
+    return replace(learned, predictor=predictor.then(correction), guards=guards)
+
+
+def _widened(guards: Guards | None, samples: Samples) -> Guards | None:
+    return guards and widened_guards(guards, samples)
+
+
+def _deviation_correction(after: PositionScore) -> np.ndarray:
+    """Factor by which deviations were too small, shrunk towards 1 for few touches, (3,)."""
+    off = np.square((after.predicted - after.truth) / np.maximum(after.deviation, 1e-9)).mean(
+        axis=0
+    )
+    share = len(after.truth) / (len(after.truth) + PRIOR_SWEEPS)
+    return np.exp(share * np.log(np.maximum(off, 1e-4)) / 2)

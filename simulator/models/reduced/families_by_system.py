@@ -15,24 +15,24 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import csc_matrix
 
-from ....arrays import Integer, Mask, Real
-from ....fem.assembly import EXTRA_ORDER, add_terms, fill, quadrilateral
-from ....fem.circuit import Circuit
-from ....fem.error_estimate import SINGULAR, both
-from ....fem.galerkin import Galerkin
-from ....fem.quadrature import CellGeometry, Rule, gauss_rule, mass_terms, stiffness_terms, surface
-from ....fem.system import Films, PixelSystem, build_system, conducting, films, pixel_films
-from ....mesh.domain import Domain
-from ....mesh.quadrilaterals import Resolution, pixel_mesh
-from ....press.parts import foam_parts
-from ....press.pixels import pixel_lines
-from ....scene.contacts import Contact
-from ....scene.parts import Skin
-from ....surroundings.rim import rim_densities
-from ...heterogeneous.coefficients import ELECTRODES, PressCoefficients
-from ...heterogeneous.elements import Elements, squares, triangles
-from ...heterogeneous.materials import Materials, gauged
-from ...heterogeneous.pressed_system import (
+from ...arrays import Integer, Mask, Real
+from ...fem.assembly import EXTRA_ORDER, add_terms, fill, quadrilateral
+from ...fem.circuit import Circuit
+from ...fem.error_estimate import SINGULAR, both
+from ...fem.galerkin import Galerkin
+from ...fem.quadrature import CellGeometry, Rule, gauss_rule, mass_terms, stiffness_terms, surface
+from ...fem.system import Films, PixelSystem, build_system, conducting, films, pixel_films
+from ...mesh.domain import Domain
+from ...mesh.quadrilaterals import Resolution, pixel_mesh
+from ...press.parts import foam_parts
+from ...press.pixels import pixel_lines
+from ...scene.contacts import Contact
+from ...scene.parts import Skin
+from ...surroundings.rim import rim_densities
+from ..heterogeneous.coefficients import ELECTRODES, PressCoefficients
+from ..heterogeneous.elements import Elements, squares, triangles
+from ..heterogeneous.materials import Materials, gauged
+from ..heterogeneous.pressed_system import (
     PressedSystem,
     add_body,
     add_finger,
@@ -44,8 +44,8 @@ from ...heterogeneous.pressed_system import (
     film_of,
     pressed_system,
 )
-from ...parameters import mode_values
-from ..depth_touches import MeshRises
+from ..parameters import mode_values
+from .depth_touches import MeshRises
 from .family import Checking, Family, Mesh, Part, Triangulation, Weights, taken
 
 MODE_DEGREE = 6

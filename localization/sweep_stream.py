@@ -1,5 +1,4 @@
 """Endless stream of fresh sweeps of random skins and presses, for PyTorch's `DataLoader`."""
-# pyright: reportMissingImports=false
 
 from __future__ import annotations
 
@@ -14,24 +13,24 @@ from numpy.typing import NDArray
 from torch import Tensor
 from torch.utils.data import IterableDataset, get_worker_info
 
-from ...simulator.arrays import Integer
-from ...simulator.dataset.dataset_plan import DatasetPlan
-from ...simulator.dataset.memory_dataset import sweeps_of_sessions
-from ...simulator.dataset.skin_model import reduced
-from ...simulator.measure.skins import ORDER, stream
-from ...simulator.measure.sweep_touches import MAX_TOUCHES
-from ...simulator.mesh.pixel_coverage import pixel_coverage
-from ...simulator.models.mechanics.force_depths import pressed_by_factors
-from ...simulator.scene.parts import Skin
-from ...simulator.scene.scene import Scene
-from ...simulator.scene.scene_files import load_scene
-from ...simulator.scene.supports import supported
-from ...simulator.sweeps import InputError
-from ..inputs.samples import Samples, samples_of
-from ..inputs.targets import CLASSES
+from ..simulator.arrays import Integer
+from ..simulator.dataset.dataset_plan import DatasetPlan
+from ..simulator.dataset.memory_dataset import sweeps_of_sessions
+from ..simulator.dataset.skin_model import reduced
+from ..simulator.measure.skins import ORDER, stream
+from ..simulator.measure.sweep_touches import MAX_TOUCHES
+from ..simulator.mesh.pixel_coverage import pixel_coverage
+from ..simulator.models.mechanics.force_depths import pressed_by_factors
+from ..simulator.scene.parts import Skin
+from ..simulator.scene.scene import Scene
+from ..simulator.scene.scene_files import load_scene
+from ..simulator.scene.supports import supported
+from ..simulator.sweeps import InputError
+from .inputs.samples import Samples, samples_of
+from .inputs.targets import CLASSES
 
 if TYPE_CHECKING:
-    from ...simulator.dataset.skin_model import SkinFamily
+    from ..simulator.dataset.skin_model import SkinFamily
 
 
 def class_names(skin: Skin, target: str) -> tuple[str, ...]:

@@ -11,22 +11,22 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ...arrays import Complex, Real
-from ...measure.readout import flattened
-from ...models.parameters import FACTORS, SOURCE
-from ...report.files import write_json, write_text
-from ...report.findings import Chart, DataTable, Findings, Head
-from ...safe_text import escaped
-from ...scene.scene_files import scene_text
-from ...sweeps.output_files import replacing
+from ..arrays import Complex, Real
+from ..measure.readout import flattened
+from ..models.parameters import FACTORS, SOURCE
+from ..report.files import write_json, write_text
+from ..report.findings import Chart, DataTable, Findings, Head
+from ..safe_text import escaped
+from ..scene.scene_files import scene_text
+from ..sweeps.output_files import replacing
 from .residual_chart import draw_residuals, small_residual_chart
 from .sheet_intervals import MISMATCH, RATIO
 
 if TYPE_CHECKING:
-    from ..fit_options import FitSpec
-    from ..run import Calibration
     from .estimates import FittedQuantity
+    from .fit_options import FitSpec
     from .identifiability import Information
+    from .run import Calibration
 
 NUMBERS = "calibration.json"
 WRITTEN = ("calibrated.toml", NUMBERS, "quantities.csv", "parameters.csv")

@@ -15,22 +15,22 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import csc_matrix
 
-from ...arrays import Complex, Real
-from ...fem.error_estimate import ROUNDING
-from ...fem.factors import LowRankMass, Mass, one_blas_thread
-from ...fem.galerkin import Galerkin
-from ...fem.lanczos import Pencil, potentials, respond
-from ...fem.terminals import Combination, Excitation, combination
-from ...models.heterogeneous.elements_model import circuit_of
-from ...models.heterogeneous.materials import gauge_slopes, gauged
-from ...models.parameters import by_sheets
-from ...models.reduced.families.family import Weights, weights_under
-from ...models.reduced.families.family_meshes import unreduced
-from ...models.solution import Response, at_meter
-from ...scene.air_nodes import LOSSLESS_FOAM, air_nodes
-from ...scene.frequency import laplace_variable, slopes_of_s
-from ...scene.parts import SceneParts
-from ...sweeps import InputError
+from ..arrays import Complex, Real
+from ..fem.error_estimate import ROUNDING
+from ..fem.factors import LowRankMass, Mass, one_blas_thread
+from ..fem.galerkin import Galerkin
+from ..fem.lanczos import Pencil, potentials, respond
+from ..fem.terminals import Combination, Excitation, combination
+from ..models.heterogeneous.elements_model import circuit_of
+from ..models.heterogeneous.materials import gauge_slopes, gauged
+from ..models.parameters import by_sheets
+from ..models.reduced.family import Weights, weights_under
+from ..models.reduced.family_meshes import unreduced
+from ..models.solution import Response, at_meter
+from ..scene.air_nodes import LOSSLESS_FOAM, air_nodes
+from ..scene.frequency import laplace_variable, slopes_of_s
+from ..scene.parts import SceneParts
+from ..sweeps import InputError
 from .part_maps import PartMaps
 
 Maps = Mapping[str, Real]

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..distance import UNITS, Distance
+from .distance import UNITS, Distance
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from ....simulator.arrays import Real
-    from ...evaluation.confusion import Confusion
-    from ..comparison import PreparedComparison
-    from ..gap_findings import CalibrationStage, GapFindings
-    from ..mean_accuracy import CrossValidated, MeanAccuracy
+    from ...simulator.arrays import Real
+    from ..evaluation.confusion import Confusion
+    from .comparison import PreparedComparison
+    from .gap_findings import CalibrationStage, GapFindings
+    from .mean_accuracy import CrossValidated, MeanAccuracy
 
 ESTIMATED = ("name", "unit", "start", "value", "low", "high")
 """Fields of each calibrated number."""

@@ -8,22 +8,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...arrays import Real
-from ...models.parameters import (
-    COSINE_MODES,
-    FACTORS,
-    TABLE,
-    effects_of,
-    own_values,
-    weights_with,
-)
-from ...progress import ProgressCallback, silent, tracked
-from ...scene.parts import Setup, Skin
-from ...surroundings.rim import rim_densities
-from ..distributions import Distributions
-from ..fit import Fit
-from ..profile_distribution import CONFIDENCE, cut_normal
+from ..arrays import Real
+from ..models.parameters import COSINE_MODES, FACTORS, TABLE, effects_of, own_values, weights_with
+from ..progress import ProgressCallback, silent, tracked
+from ..scene.parts import Setup, Skin
+from ..surroundings.rim import rim_densities
+from .distributions import Distributions
+from .fit import Fit
 from .identifiability import Information
+from .profile_distribution import CONFIDENCE, cut_normal
 from .sheet_intervals import (
     COMMON,
     MISMATCH,

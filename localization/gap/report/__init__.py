@@ -1,1 +1,0 @@
-"""Report of the gap between simulation and measurement."""

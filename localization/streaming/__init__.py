@@ -1,1 +1,0 @@
-"""Fresh sweeps for networks that train without a data set on disk."""

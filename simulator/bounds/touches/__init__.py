@@ -1,1 +1,0 @@
-"""Touches of a given size rasterized on the cells of a grid, by factors or by depth."""

@@ -1,1 +1,0 @@
-"""Files of a design search: the scene, tables, charts and a page."""
