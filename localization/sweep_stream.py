@@ -1,4 +1,5 @@
 """Endless stream of fresh sweeps of random skins and presses, for PyTorch's `DataLoader`."""
+# pyright: reportMissingImports=false
 
 from __future__ import annotations
 
