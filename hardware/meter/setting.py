@@ -329,7 +329,7 @@ class MeterProperty(Generic[T]):
         self.default, self.twin = default, twin or allowed
 
     def for_twin(self, allowed: ValueFormat[Any]) -> Self:
-        """The same row, of which the virtual meter allows less."""
+        """A copy of this row with fewer values on the virtual meter."""
         row = copy(self)
         row.twin = allowed
         return row

@@ -146,7 +146,7 @@ class DataTable:
 
     @property
     def lines(self) -> list[str]:
-        """The same as lines with aligned columns."""
+        """The table as text, with aligned columns."""
         cells, sides = self.cells, ["<>"[number] for _, number in self.titles]
         widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
         line = "  ".join(f"{{:{each}{width}}}" for each, width in zip(sides, widths, strict=True))
@@ -295,7 +295,7 @@ class Findings:
 
     @property
     def notebook(self) -> str:
-        """The same as HTML on one line."""
+        """Title, sentences, tables and charts as HTML on one line."""
         shown = [f"<div>{escape(escaped(self.title))}</div>"]
         for part in self.said:
             lines = lines_of(part)
